@@ -1,0 +1,55 @@
+"""The CP-SAT backend: interval variables for ortools, or for any other CP-SAT."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from irc.backend import Backend, Engine
+from irc.features import Feature
+from irc.problem import Problem
+from irc.schedule import Schedule
+
+
+class CpSat(Backend):
+    """Target "cpsat"."""
+
+    name: ClassVar[str] = "cpsat"
+    supports: ClassVar[frozenset[Feature]] = frozenset(
+        {
+            Feature.DURATION_RANGE,
+            Feature.ZERO_DURATION,
+            Feature.PRECEDENCE,
+            Feature.PRECEDENCE_TYPES,
+            Feature.MIN_LAG,
+            Feature.NEGATIVE_LAG,
+            Feature.MAX_LAG,
+            Feature.RELEASE,
+            Feature.DEADLINE,
+            Feature.FIXED_START,
+            Feature.RESOURCES,
+            Feature.AMOUNTS,
+            Feature.ALTERNATIVES,
+            Feature.PRESENCE_GOALS,
+            Feature.MAKESPAN,
+        }
+    )
+
+    def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
+        """`model.pbtxt`, a `CpModelProto` in text form; `names` say what its variables mean."""
+        from irc_cpsat.encode import encode_files
+
+        return encode_files(problem)
+
+    def decode(self, problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
+        """Reads a `CpSolverResponse` in text form."""
+        from irc_cpsat.decode import decode_response
+
+        return decode_response(problem, names, answer)
+
+    def engines(self) -> Mapping[str, Engine]:
+        """ortools, in this process."""
+        from irc_cpsat.engines import OrTools
+
+        engine = OrTools()
+        return {"auto": engine, engine.name: engine}

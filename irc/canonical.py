@@ -1,0 +1,109 @@
+"""The canonical form of a task, and its hash.
+
+Array order means something only in `objective` and among events of one instant, equal times can
+be written in many ways, and exact repetitions count once: two tasks that mean the same have the
+same canonical form.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+from irc.model import Task
+from irc.model.base import write_time
+from irc.times import Clock, Number, TimeError, json_number
+
+_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
+"""Arrays whose order means nothing and where a repetition counts once."""
+
+_BAGS = frozenset(
+    "uses one_of modes consumes produces conditions effects values availability".split()  # noqa: SIM905
+)
+"""Arrays whose order means nothing but where a repetition counts again."""
+
+
+def canonical_task(task: Task) -> dict[str, Any]:
+    """The task as a JSON document that no longer depends on how it was written.
+
+    >>> a = Task(actions=[{"id": "a", "duration": "1 min"}])
+    >>> b = Task(actions=[{"id": "a", "duration": 60.0}])
+    >>> canonical_task(a) == canonical_task(b)
+    True
+    """
+    return {"irc": "1", **_object(task, task.clock)}
+
+
+def task_sha256(task: Task) -> str:
+    """The SHA-256 of the canonical form, in hexadecimal."""
+    text = json.dumps(
+        canonical_task(task), sort_keys=True, ensure_ascii=False, separators=(",", ":")
+    )
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def written_task(task: Task) -> dict[str, Any]:
+    """The task as a JSON document, as it was written: order and units kept, defaults left out."""
+    written: dict[str, Any] = {"irc": "1", **_as_written(task)}
+    return written
+
+
+def _as_written(node: Any) -> Any:
+    if hasattr(node, "model_fields_set"):
+        fields = type(node).model_fields
+        return {
+            (fields[name].alias or name): _as_written(getattr(node, name))
+            for name in fields
+            if name in node.model_fields_set
+        }
+    if isinstance(node, (list, tuple)):
+        return [_as_written(item) for item in node]
+    if isinstance(node, dict) or node is None or isinstance(node, (str, bool)):
+        return node
+    return write_time(node)
+
+
+def _object(node: Any, clock: Clock) -> dict[str, Any]:
+    fields = type(node).model_fields
+    shown: dict[str, Any] = {}
+    for name, value in node.__dict__.items():
+        default = fields[name].default
+        if value == default or value in ((), {}):
+            continue
+        written = _value(name, value, clock)
+        if written != default or isinstance(written, bool) != isinstance(default, bool):
+            shown[fields[name].alias or name] = written
+    return shown
+
+
+def _value(name: str, value: Any, clock: Clock) -> Any:
+    if isinstance(value, tuple):
+        items = [_value("", item, clock) for item in value]
+        if name in _SETS:
+            unique = {_sort_key(item): item for item in items}
+            return [unique[key] for key in sorted(unique)]
+        return sorted(items, key=_sort_key) if name in _BAGS else items
+    if hasattr(value, "model_fields_set"):
+        return _object(value, clock)
+    if name == "origin":
+        return value.isoformat()
+    if value is None or isinstance(value, (str, bool, dict)):
+        return value
+    return _number(value, clock)
+
+
+def _number(value: Any, clock: Clock) -> Any:
+    if type(value) is int:
+        return value
+    try:
+        number: Number = clock.number(value)
+    except TimeError:
+        return write_time(value)
+    return json_number(number)
+
+
+def _sort_key(item: Any) -> str:
+    if isinstance(item, dict) and "id" in item:
+        return f"0{item['id']}"
+    return "1" + json.dumps(item, sort_keys=True, ensure_ascii=False)

@@ -1,0 +1,534 @@
+"""What can be said of a task without reckoning with time: names, kinds, shapes that contradict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+from irc.diagnostics import Code, Findings, did_you_mean
+from irc.model import (
+    Action,
+    Change,
+    DurationRange,
+    Event,
+    Group,
+    Precedence,
+    Resource,
+    StateVariable,
+    Task,
+    Use,
+)
+from irc.model.base import write_time
+from irc.model.events import (
+    AddPrecedence,
+    CancelActions,
+    CancelGroups,
+    PrecedenceKey,
+    RemovePrecedence,
+)
+from irc.source import Pointer
+from irc.times import Clock, Instant, Number, TimeError
+
+StateValues = Mapping[str, StateVariable]
+
+
+class Names:
+    """The declared ids of each kind, and what to say of one that is not among them."""
+
+    def __init__(self, task: Task, findings: Findings) -> None:
+        self.findings = findings
+        self.actions = {a.id: a for a in task.actions}
+        self.resources = {r.id: r for r in task.resources}
+        self.state = {s.id: s for s in task.state}
+        self.groups = {g.id: g for g in task.groups}
+        self.tables: dict[str, dict[str, Any]] = {
+            "action": self.actions,
+            "resource": self.resources,
+            "state variable": self.state,
+            "group": self.groups,
+        }
+
+    def require(self, kind: str, name: str, pointer: Pointer) -> bool:
+        """Whether `name` is a declared `kind` ("action", "resource" …); tells where it is not."""
+        known = self.tables[kind]
+        if name in known:
+            return True
+        hint = did_you_mean(name, known)
+        if hint is None:
+            hint = (
+                f"declare it, or use one of: {_some(known)}" if known else f"no {kind} is declared"
+            )
+        self.findings.add(Code.UNKNOWN_NAME, f"there is no {kind} {name!r}", pointer, hint=hint)
+        return False
+
+
+def _some(names: Iterable[str]) -> str:
+    listed = list(names)
+    shown = ", ".join(f"`{n}`" for n in listed[:5])
+    return shown if len(listed) <= 5 else f"{shown}, …"
+
+
+def check_structure(task: Task, findings: Findings) -> None:
+    """Adds every structural fault of a task to `findings`."""
+    clock = task.clock
+    names = Names(task, findings)
+    _check_unique(task.actions, "action", ("actions",), findings)
+    _check_unique(task.resources, "resource", ("resources",), findings)
+    _check_unique(task.state, "state variable", ("state",), findings)
+    _check_unique(task.groups, "group", ("groups",), findings)
+    times = _Times(clock, findings)
+    times.point(task.deadline, "deadline", ("deadline",))
+    for i, resource in enumerate(task.resources):
+        _check_resource(resource, ("resources", i), times, findings)
+    for i, variable in enumerate(task.state):
+        _check_variable(variable, ("state", i), findings)
+    for i, action in enumerate(task.actions):
+        _check_action(action, ("actions", i), names, times, findings)
+    _check_precedence(task, names, times, findings)
+    _check_groups(task, names, times, findings)
+    for i, goal in enumerate(task.goals):
+        if isinstance(goal, str):
+            names.require("action", goal, ("goals", i))
+        else:
+            _check_value(goal.var, goal.value, ("goals", i), names)
+    _check_repeated_objectives(task, findings)
+    _check_events(task.events, names, times)
+
+
+def _check_unique(elements: Sequence[Any], kind: str, pointer: Pointer, findings: Findings) -> None:
+    if len({e.id for e in elements}) == len(elements):
+        return
+    first: dict[str, int] = {}
+    for i, element in enumerate(elements):
+        earlier = first.setdefault(element.id, i)
+        if earlier == i:
+            continue
+        if elements[earlier] == element:
+            findings.add(
+                Code.REPEATED,
+                f"{kind} {element.id!r} is declared twice, word for word; it counts once",
+                (*pointer, i),
+                hint="remove the repetition",
+            )
+        else:
+            findings.add(
+                Code.DUPLICATE_ID,
+                f"{kind} {element.id!r} is declared twice with different contents",
+                (*pointer, i, "id"),
+                hint=f"it was declared as {kind} number {earlier + 1}; rename or merge the two",
+            )
+
+
+class _Times:
+    """Checks of single times, all against one clock."""
+
+    def __init__(self, clock: Clock, findings: Findings) -> None:
+        self.clock = clock
+        self.findings = findings
+
+    def number(self, value: Instant, what: str, pointer: Pointer) -> Number | None:
+        """The time as a number, or None after telling why it has none."""
+        try:
+            return self.clock.number(value)
+        except TimeError as error:
+            self.findings.add(Code.BAD_TIME, f"'{what}': {error}", pointer)
+            return None
+
+    def point(self, value: Instant | None, what: str, pointer: Pointer) -> Number | None:
+        """A point in time that must not be before t = 0."""
+        if value is None or value == 0:
+            return None if value is None else 0
+        number = self.number(value, what, pointer)
+        if number is not None and number < 0:
+            self.findings.add(
+                Code.NEGATIVE_TIME,
+                f"'{what}' is {write_time(value)}, before t = 0",
+                pointer,
+                hint="times count from t = 0",
+            )
+            return None
+        return number
+
+    def duration(self, raw: Any, owner: str, pointer: Pointer) -> None:
+        """A duration or a range of durations: not negative, not empty."""
+        if isinstance(raw, DurationRange):
+            low = self.span(raw.min, owner, (*pointer, "min"))
+            high = self.span(raw.max, owner, (*pointer, "max"))
+            if low is not None and high is not None and low > high:
+                self.findings.add(
+                    Code.EMPTY_RANGE,
+                    f"the duration of {owner} is at least {write_time(raw.min)} "
+                    f"but at most {write_time(raw.max)}",
+                    pointer,
+                )
+        elif type(raw) is not int or raw < 0:
+            self.span(raw, owner, pointer)
+
+    def span(self, raw: Any, owner: str, pointer: Pointer) -> Number | None:
+        """A length of time that must not be negative."""
+        number = self.number(raw, "duration", pointer)
+        if number is not None and number < 0:
+            self.findings.add(
+                Code.NEGATIVE_TIME,
+                f"the duration of {owner} is negative: {write_time(raw)}",
+                pointer,
+                hint="a duration is 0 or more",
+            )
+            return None
+        return number
+
+
+def _check_resource(resource: Resource, at: Pointer, times: _Times, findings: Findings) -> None:
+    if resource.kind == "reservoir":
+        if resource.max is not None and resource.min > resource.max:
+            findings.add(
+                Code.EMPTY_RANGE,
+                f"reservoir {resource.id!r}: min {resource.min} is above max {resource.max}",
+                (*at, "min"),
+            )
+        elif not resource.min <= resource.initial or (
+            resource.max is not None and resource.initial > resource.max
+        ):
+            findings.add(
+                Code.EMPTY_RANGE,
+                f"reservoir {resource.id!r} starts at {resource.initial}, outside its limits",
+                (*at, "initial"),
+            )
+        meaningless = {"capacity", "availability"} & resource.model_fields_set
+    else:
+        meaningless = {"initial", "min", "max"} & resource.model_fields_set
+    for name in sorted(meaningless):
+        findings.add(
+            Code.WITHOUT_EFFECT,
+            f"'{name}' has no meaning for a {resource.kind} resource",
+            (*at, name),
+            at_key=True,
+        )
+    _check_windows(resource, at, times, findings)
+
+
+def _check_windows(resource: Resource, at: Pointer, times: _Times, findings: Findings) -> None:
+    windows = []
+    for i, window in enumerate(resource.availability):
+        pointer = (*at, "availability", i)
+        begin = times.point(window.from_, "from", (*pointer, "from"))
+        end = times.point(window.to, "to", (*pointer, "to"))
+        if begin is None or end is None:
+            continue
+        if begin >= end:
+            findings.add(Code.EMPTY_RANGE, "this window ends before it begins", pointer)
+        else:
+            windows.append((begin, end, pointer))
+    windows.sort(key=lambda w: w[0])
+    for (_, end, _), (begin, _, pointer) in pairwise(windows):
+        if begin < end:
+            findings.add(
+                Code.OVERLAP,
+                f"this window of {resource.id!r} overlaps another one",
+                pointer,
+                hint="windows are half-open: one may begin where another ends",
+            )
+
+
+def _check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
+    if not variable.values:
+        findings.add(
+            Code.EMPTY_CHOICE, f"state variable {variable.id!r} has no values", (*at, "values")
+        )
+    elif variable.start_value is None:
+        findings.add(
+            Code.INCOMPLETE,
+            f"state variable {variable.id!r} has no initial value",
+            at,
+            hint=f'add "initial": one of {_some(map(str, variable.values))}',
+        )
+    elif not _has_value(variable, variable.start_value):
+        _tell_value(variable, variable.start_value, (*at, "initial"), findings)
+
+
+def _has_value(variable: StateVariable, value: bool | str) -> bool:
+    return any(v == value and type(v) is type(value) for v in variable.values)
+
+
+def _tell_value(
+    variable: StateVariable, value: bool | str, at: Pointer, findings: Findings
+) -> None:
+    texts = [str(v).lower() if isinstance(v, bool) else v for v in variable.values]
+    findings.add(
+        Code.UNKNOWN_VALUE,
+        f"state variable {variable.id!r} has no value {str(value)!r}",
+        at,
+        hint=did_you_mean(str(value), texts) or f"its values are {_some(texts)}",
+    )
+
+
+def _check_value(var: str, value: bool | str, at: Pointer, names: Names) -> None:
+    if names.require("state variable", var, (*at, "var")):
+        variable = names.state[var]
+        if not _has_value(variable, value):
+            _tell_value(variable, value, (*at, "value"), names.findings)
+
+
+def _check_action(
+    action: Action, at: Pointer, names: Names, times: _Times, findings: Findings
+) -> None:
+    owner = f"action {action.id!r}"
+    if action.duration is not None:
+        times.duration(action.duration, owner, (*at, "duration"))
+    elif not action.modes:
+        findings.add(Code.MISSING_FIELD, f"{owner} has no 'duration'", at, hint='add "duration": …')
+    if action.release != 0:
+        times.point(action.release, "release", (*at, "release"))
+    for name in ("deadline", "due", "start"):
+        times.point(getattr(action, name), name, (*at, name))
+    if action.uses:
+        _check_uses(action.uses, (*at, "uses"), owner, names)
+    if action.modes:
+        _check_modes(action, at, names, times)
+    for field in ("consumes", "produces"):
+        for i, change in enumerate(getattr(action, field)):
+            pointer = (*at, field, i, "resource")
+            if names.require("resource", change.resource, pointer):
+                _require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
+    for field in ("conditions", "effects"):
+        for i, fact in enumerate(getattr(action, field)):
+            _check_value(fact.var, fact.value, (*at, field, i), names)
+    if action.weight is not None and action.due is None:
+        findings.add(
+            Code.WITHOUT_EFFECT,
+            "'weight' has no meaning without 'due'",
+            (*at, "weight"),
+            at_key=True,
+        )
+    if action.occurs != "once":
+        _check_occurs(action, at, findings)
+
+
+def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> None:
+    for i, use in enumerate(uses):
+        if use.one_of is not None and not use.one_of:
+            names.findings.add(
+                Code.EMPTY_CHOICE,
+                f"{owner} has a 'one_of' with nothing to choose from",
+                (*at, i, "one_of"),
+                hint="name at least one resource",
+            )
+        if len(set(use.alternatives)) < len(use.alternatives):
+            names.findings.add(
+                Code.REPEATED_CHOICE,
+                f"{owner}: this 'one_of' names the same resource twice",
+                (*at, i, "one_of"),
+            )
+        for j, resource in enumerate(use.alternatives):
+            pointer = (*at, i, "one_of", j) if use.one_of is not None else (*at, i, "resource")
+            if names.require("resource", resource, pointer):
+                _require_kind(names.resources[resource], "renewable", "uses", pointer, names)
+
+
+def _require_kind(
+    resource: Resource, kind: str, field: str, pointer: Pointer, names: Names
+) -> None:
+    if resource.kind != kind:
+        other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
+        names.findings.add(
+            Code.WRONG_KIND,
+            f"'{field}' needs a {kind} resource, but {resource.id!r} is {resource.kind}",
+            pointer,
+            hint=f"a {resource.kind} resource is named in {other}",
+        )
+
+
+def _check_modes(action: Action, at: Pointer, names: Names, times: _Times) -> None:
+    owner = f"action {action.id!r}"
+    _check_unique(action.modes, "mode", (*at, "modes"), names.findings)
+    for i, mode in enumerate(action.modes):
+        pointer = (*at, "modes", i)
+        times.duration(mode.duration, f"mode {mode.id!r}", (*pointer, "duration"))
+        _check_uses(mode.uses, (*pointer, "uses"), owner, names)
+    if action.duration is not None:
+        names.findings.add(
+            Code.WITHOUT_EFFECT,
+            f"the 'duration' of {owner} has no meaning: its modes have their own",
+            (*at, "duration"),
+            at_key=True,
+        )
+
+
+def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
+    least, greatest = action.occurrence_bounds
+    if greatest is not None and least > greatest:
+        findings.add(
+            Code.EMPTY_RANGE,
+            f"action {action.id!r} occurs at least {least} but at most {greatest} times",
+            (*at, "occurs"),
+        )
+    if greatest is None and (action.reward or 0) > 0:
+        findings.add(
+            Code.OCCURRENCE,
+            f"the reward of action {action.id!r} could be collected without end",
+            (*at, "occurs"),
+            hint='give "occurs" a "max"',
+        )
+    if action.start is not None and (greatest is None or greatest > 1):
+        findings.add(
+            Code.OCCURRENCE,
+            f"action {action.id!r} has a fixed start but may occur more than once",
+            (*at, "start"),
+        )
+
+
+def _check_precedence(task: Task, names: Names, times: _Times, findings: Findings) -> None:
+    actions = names.actions
+    repeatable = {
+        a.id for a in task.actions if a.occurs != "once" and a.occurrence_bounds[1] not in (0, 1)
+    }
+    seen: set[Any] = set()
+    for k, edge in enumerate(task.precedence):
+        before, after = edge.before, edge.after
+        if before not in actions:
+            names.require("action", before, ("precedence", k, "before"))
+        if after not in actions:
+            names.require("action", after, ("precedence", k, "after"))
+        if before == after:
+            findings.add(
+                Code.SELF_EDGE,
+                f"action {before!r} cannot precede itself",
+                ("precedence", k),
+                hint="remove this precedence",
+            )
+        for end in ("before", "after") if repeatable else ():
+            if getattr(edge, end) in repeatable:
+                findings.add(
+                    Code.OCCURRENCE,
+                    f"action {getattr(edge, end)!r} may occur more than once, "
+                    "so a precedence cannot name it",
+                    ("precedence", k, end),
+                )
+        key = (before, after, edge.type, edge.min_lag, edge.max_lag)
+        if key in seen:
+            findings.add(
+                Code.REPEATED,
+                f"{before!r} before {after!r} is stated twice; it counts once",
+                ("precedence", k),
+                hint="remove the repetition",
+            )
+        seen.add(key)
+        if edge.max_lag is not None:
+            _check_lags(edge.min_lag, edge.max_lag, ("precedence", k), times)
+
+
+def _check_lags(least: Instant, greatest: Instant, at: Pointer, times: _Times) -> None:
+    low = times.number(least, "min_lag", (*at, "min_lag"))
+    high = times.number(greatest, "max_lag", (*at, "max_lag"))
+    if low is not None and high is not None and low > high:
+        times.findings.add(
+            Code.EMPTY_RANGE,
+            f"the lag is at least {write_time(least)} but at most {write_time(greatest)}",
+            (*at, "max_lag"),
+        )
+
+
+def _check_groups(task: Task, names: Names, times: _Times, findings: Findings) -> None:
+    optional_group: dict[str, Group] = {}
+    for i, group in enumerate(task.groups):
+        at: Pointer = ("groups", i)
+        for name in ("deadline", "due"):
+            times.point(getattr(group, name), name, (*at, name))
+        if group.weight is not None and group.due is None:
+            findings.add(
+                Code.WITHOUT_EFFECT,
+                "'weight' has no meaning without 'due'",
+                (*at, "weight"),
+                at_key=True,
+            )
+        for j, member in enumerate(group.actions):
+            pointer = (*at, "actions", j)
+            if names.require("action", member, pointer):
+                _check_member(group, names.actions[member], pointer, optional_group, findings)
+
+
+def _check_member(
+    group: Group,
+    action: Action,
+    at: Pointer,
+    optional_group: dict[str, Group],
+    findings: Findings,
+) -> None:
+    greatest = action.occurrence_bounds[1]
+    if greatest is None or greatest > 1:
+        findings.add(
+            Code.OCCURRENCE,
+            f"action {action.id!r} may occur more than once, so it cannot be in a group",
+            at,
+        )
+    if group.required:
+        return
+    if action.occurs == "once" and "occurs" in action.model_fields_set:
+        findings.add(
+            Code.GROUPING,
+            f'action {action.id!r} occurs "once", but the optional group {group.id!r} '
+            "decides whether it occurs",
+            at,
+            hint=f'remove "occurs" from {action.id!r}, or make the group required',
+        )
+    other = optional_group.setdefault(action.id, group)
+    if other is not group:
+        findings.add(
+            Code.GROUPING,
+            f"action {action.id!r} is already in the optional group {other.id!r}",
+            at,
+            hint="an action is in at most one group that is not required",
+        )
+
+
+def _check_repeated_objectives(task: Task, findings: Findings) -> None:
+    for i, name in enumerate(task.objective):
+        if name in task.objective[:i]:
+            findings.add(Code.REPEATED, f"the objective {name!r} stands twice", ("objective", i))
+
+
+_REFERENCES = {
+    "action": "action",
+    "group": "group",
+    "resource": "resource",
+    "var": "state variable",
+}
+_DECLARED = {
+    "actions": "action",
+    "resources": "resource",
+    "state": "state variable",
+    "groups": "group",
+}
+
+
+def _check_events(events: Sequence[Event], names: Names, times: _Times) -> None:
+    """References of events, against what the task and earlier changes declare."""
+    for i, event in enumerate(events):
+        times.point(event.at, "at", ("events", i, "at"))
+        for j, change in enumerate(event.changes):
+            at: Pointer = ("events", i, "changes", j)
+            if isinstance(change, (CancelActions, CancelGroups)):
+                _check_cancelled(change, at, names)
+            elif isinstance(change, (AddPrecedence, RemovePrecedence)):
+                edges: Sequence[Precedence | PrecedenceKey] = change.precedence
+                for k, edge in enumerate(edges):
+                    names.require("action", edge.before, (*at, "precedence", k, "before"))
+                    names.require("action", edge.after, (*at, "precedence", k, "after"))
+            else:
+                _check_change(change, at, names)
+
+
+def _check_cancelled(change: CancelActions | CancelGroups, at: Pointer, names: Names) -> None:
+    field = "actions" if isinstance(change, CancelActions) else "groups"
+    for k, name in enumerate(getattr(change, field)):
+        names.require(_DECLARED[field], name, (*at, field, k))
+
+
+def _check_change(change: Change, at: Pointer, names: Names) -> None:
+    for field, kind in _DECLARED.items():
+        names.tables[kind].update({e.id: e for e in getattr(change, field, ())})
+    for field, kind in _REFERENCES.items():
+        name = getattr(change, field, None)
+        if isinstance(name, str):
+            names.require(kind, name, (*at, field))

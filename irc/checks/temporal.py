@@ -1,0 +1,243 @@
+"""What time alone rules out: cycles, windows, deadlines, lags, demands above capacity.
+
+Works on the lowered task, whose elements know where they were written.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from irc.diagnostics import Code, Findings
+from irc.network import Times, earliest
+from irc.problem import Activity, Arc, Problem
+from irc.source import Pointer
+from irc.times import format_number
+from irc.timing import DURATION, TimingNetwork, timing_network
+
+_LONGEST_SHOWN = 8
+
+
+def check_temporal(problem: Problem, findings: Findings) -> None:
+    """Adds what no schedule can satisfy, whatever a solver tries."""
+    impossible = {
+        i for i, activity in enumerate(problem.activities) if _check_window(problem, i, findings)
+    }
+    timing = timing_network(problem)
+    times = earliest(timing.network, timing.floors)
+    for cycle in times.cycles:
+        _tell_cycle(problem, timing, cycle, findings)
+    _check_latest(problem, timing, times, impossible, findings)
+    _check_demand(problem, findings)
+
+
+def _units(problem: Problem, ticks: int) -> str:
+    return f"{format_number(problem.to_units(ticks))} {problem.time_unit}"
+
+
+def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
+    """Whether an activity's own fields leave it no room."""
+    activity = problem.activities[index]
+    if activity.start is not None and activity.start < activity.release:
+        findings.add(
+            Code.WINDOW,
+            f"action {activity.id!r} is fixed to start at {_units(problem, activity.start)}, "
+            f"before its release at {_units(problem, activity.release)}",
+            (*activity.origin, "start"),
+        )
+        return True
+    deadline = activity.deadline
+    if deadline is None:
+        return False
+    start = activity.start if activity.start is not None else activity.release
+    if start + activity.duration_min <= deadline:
+        return False
+    findings.add(
+        Code.WINDOW,
+        f"action {activity.id!r} cannot end by its deadline of {_units(problem, deadline)}: "
+        f"it starts at {_units(problem, start)} at the earliest "
+        f"and takes {_units(problem, activity.duration_min)}",
+        (*activity.origin, "deadline"),
+        hint=f"the deadline must be at least {_units(problem, start + activity.duration_min)}",
+    )
+    return True
+
+
+def _step(problem: Problem, timing: TimingNetwork, edge: int) -> str:
+    """One constraint in words."""
+    label, is_max = timing.labels[edge]
+    if label == DURATION:
+        activity = problem.activities[timing.owner[timing.network.src[edge]]]
+        limit = activity.duration_max if is_max else activity.duration_min
+        word = "at most" if is_max else "at least"
+        return f"{activity.id!r} takes {word} {_units(problem, limit)}"
+    return _arc_in_words(problem, problem.arcs[label], is_max)
+
+
+def _arc_in_words(problem: Problem, arc: Arc, is_max: bool) -> str:
+    before, after = problem.activities[arc.before], problem.activities[arc.after]
+    from_point = "end" if arc.from_end else "start"
+    to_point = "end" if arc.to_end else "start"
+    if is_max and arc.max_lag is not None:
+        return (
+            f"{after.id!r} {to_point}s at most {_units(problem, arc.max_lag)} "
+            f"after the {from_point} of {before.id!r}"
+        )
+    if arc.from_end and not arc.to_end and arc.min_lag == 0:
+        return f"{before.id!r} precedes {after.id!r}"
+    lag = f"{_units(problem, arc.min_lag)} after" if arc.min_lag else "after"
+    return f"{after.id!r} {to_point}s at least {lag} the {from_point} of {before.id!r}"
+
+
+def _origin(problem: Problem, timing: TimingNetwork, edge: int) -> Pointer:
+    label, is_max = timing.labels[edge]
+    if label == DURATION:
+        return (*problem.activities[timing.owner[timing.network.src[edge]]].origin, "duration")
+    pointer: Pointer = ("precedence", problem.arcs[label].origin)
+    return (*pointer, "max_lag") if is_max else pointer
+
+
+def _tell_cycle(
+    problem: Problem, timing: TimingNetwork, cycle: list[int], findings: Findings
+) -> None:
+    network = timing.network
+    excess = sum(network.weight[edge] for edge in cycle)
+    only_order = not any(timing.labels[edge][1] for edge in cycle)
+    edges = [edge for edge in cycle if timing.labels[edge][0] != DURATION]
+    # The last written precedence of the cycle is where an author would look first.
+    last = max(edges, key=lambda e: problem.arcs[timing.labels[e][0]].origin)
+    pointer = _origin(problem, timing, last)
+    if only_order:
+        turned = cycle[cycle.index(last) :] + cycle[: cycle.index(last)]
+        names: list[str] = []
+        for edge in turned:
+            name = problem.activities[timing.owner[network.dst[edge]]].id
+            if not names or names[-1] != name:
+                names.append(name)
+        shown = [names[-1], *names]
+        findings.add(
+            Code.CYCLE,
+            f"{'these actions wait' if len(names) > 1 else 'this action waits'} for each other: "
+            f"{_joined(shown)}",
+            pointer,
+            hint="remove or turn round one of these precedences",
+        )
+        return
+    steps = "; ".join(_step(problem, timing, edge) for edge in cycle[:_LONGEST_SHOWN])
+    more = f"; … ({len(cycle) - _LONGEST_SHOWN} more)" if len(cycle) > _LONGEST_SHOWN else ""
+    findings.add(
+        Code.LAGS,
+        f"these cannot hold together, by {_units(problem, excess)}: {steps}{more}",
+        pointer,
+        hint="raise a maximum or lower a minimum",
+    )
+
+
+def _joined(names: list[str]) -> str:
+    quoted = [repr(n) for n in names]
+    if len(quoted) > _LONGEST_SHOWN:
+        middle = len(quoted) - _LONGEST_SHOWN + 1
+        quoted = [*quoted[: _LONGEST_SHOWN - 2], f"… ({middle} more)", quoted[-1]]
+    return " → ".join(quoted)
+
+
+def _check_latest(
+    problem: Problem,
+    timing: TimingNetwork,
+    times: Times,
+    impossible: set[int],
+    findings: Findings,
+) -> None:
+    """Fixed starts and deadlines against the earliest times that precedence and lags allow."""
+    points = timing.points
+    latest_end, last = -1, 0
+    for i, activity in enumerate(problem.activities):
+        start = times.t[points.start[i]]
+        end = max(times.t[points.end[i]] + points.end_offset[i], start + activity.duration_min)
+        if end > latest_end:
+            latest_end, last = end, i
+        if i in impossible:
+            continue
+        if activity.start is not None and start > activity.start:
+            findings.add(
+                Code.TOO_LATE,
+                f"action {activity.id!r} is fixed to start at {_units(problem, activity.start)}, "
+                f"but cannot start before {_units(problem, start)}"
+                + _because(problem, timing, times, points.start[i]),
+                (*activity.origin, "start"),
+            )
+        elif activity.deadline is not None and end > activity.deadline:
+            findings.add(
+                Code.TOO_LATE,
+                f"action {activity.id!r} has the deadline {_units(problem, activity.deadline)}, "
+                f"but cannot end before {_units(problem, end)}"
+                + _because(problem, timing, times, points.end[i]),
+                (*activity.origin, "deadline"),
+                hint=f"the deadline must be at least {_units(problem, end)}",
+            )
+    if problem.deadline is not None and latest_end > problem.deadline:
+        findings.add(
+            Code.TOO_LATE,
+            f"the task's deadline is {_units(problem, problem.deadline)}, but action "
+            f"{problem.activities[last].id!r} cannot end before {_units(problem, latest_end)}"
+            + _because(problem, timing, times, points.end[last]),
+            ("deadline",),
+            hint=f"the deadline must be at least {_units(problem, latest_end)}",
+        )
+
+
+def _because(problem: Problem, timing: TimingNetwork, times: Times, point: int) -> str:
+    chain = times.chain(point, timing.network)
+    if not chain:
+        return ""
+    ids: list[str] = []
+    for p in [timing.network.src[chain[0]], *(timing.network.dst[edge] for edge in chain)]:
+        name = problem.activities[timing.owner[p]].id
+        if not ids or ids[-1] != name:
+            ids.append(name)
+    return f" (critical path: {_joined(ids)})" if len(ids) > 1 else ""
+
+
+def _check_demand(problem: Problem, findings: Findings) -> None:
+    for activity in problem.activities:
+        if not activity.uses or activity.duration_min == 0:
+            continue  # A zero duration uses nothing.
+        if _check_single_demands(problem, activity, findings):
+            _check_joint_demand(problem, activity, findings)
+
+
+def _check_single_demands(problem: Problem, activity: Activity, findings: Findings) -> bool:
+    fits = True
+    for use in activity.uses:
+        best = max(use.alternatives, key=lambda r: problem.resources[r].capacity)
+        capacity = problem.resources[best].capacity
+        if use.amount > capacity:
+            fits = False
+            which = (
+                f"{problem.resources[best].id!r} has only {capacity}"
+                if len(use.alternatives) == 1
+                else f"no alternative has more than {capacity}"
+            )
+            findings.add(
+                Code.DEMAND,
+                f"action {activity.id!r} needs {use.amount} units, but {which}",
+                (*activity.origin, "uses"),
+                hint="raise the capacity or lower the amount",
+            )
+    return fits
+
+
+def _check_joint_demand(problem: Problem, activity: Activity, findings: Findings) -> None:
+    """Several plain uses of one resource by the same action add up."""
+    needed: Counter[int] = Counter()
+    for use in activity.uses:
+        if len(use.alternatives) == 1:
+            needed[use.alternatives[0]] += use.amount
+    for r, amount in needed.items():
+        if amount > problem.resources[r].capacity:
+            findings.add(
+                Code.DEMAND,
+                f"action {activity.id!r} needs {amount} units of {problem.resources[r].id!r} "
+                f"in all, which has only {problem.resources[r].capacity}",
+                (*activity.origin, "uses"),
+                hint="raise the capacity or lower the amounts",
+            )

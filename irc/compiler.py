@@ -1,0 +1,164 @@
+"""The one road from a task to an answer: check, lower, encode, run, re-time, validate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from irc.backend import (
+    Backend,
+    Engine,
+    EngineMissing,
+    Limits,
+    OnProgress,
+    Outcome,
+    Program,
+    Refusal,
+    UnknownTarget,
+    get_backend,
+    require_support,
+)
+from irc.canonical import task_sha256
+from irc.checks import Checked, run_checks
+from irc.diagnostics import Diagnostic, InputError, Report
+from irc.model import Task
+from irc.passes import run_passes
+from irc.problem import Problem
+from irc.retime import Placed, earliest_schedule
+from irc.schedule import Entry, ObjectiveValue, Schedule, Status
+
+SHORTCUT_ENGINE = "critical-path"
+"""What is named as engine where no solver was needed."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A schedule with what was found on the way, and the problem it answers."""
+
+    schedule: Schedule
+    problem: Problem
+    notes: tuple[Diagnostic, ...] = ()
+
+
+def check_task(task: Task) -> Report:
+    """All diagnostics of a task, errors, warnings and notes."""
+    return run_checks(task).report
+
+
+def _accepted(task: Task) -> Checked:
+    checked = run_checks(task, lint=False)
+    if not checked.report.ok:
+        raise InputError(checked.report)
+    return checked
+
+
+def lower_for(task: Task, backend: Backend) -> Problem:
+    """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
+
+    Raises `InputError` where the task or the target says no.
+    """
+    checked = _accepted(task)
+    require_support(task, backend)
+    return run_passes(checked.problem)
+
+
+def compile_task(task: Task, target: str) -> Program:
+    """The task as a program of `target`.
+
+    Raises `InputError` (the task is at fault or refused) or `UnknownTarget`.
+    """
+    backend = get_backend(target)
+    program = Program(backend, task, lower_for(task, backend))
+    with _refusals_told(task):
+        program.files  # noqa: B018 - encodes now, so that a refusal is told here
+    return program
+
+
+@contextmanager
+def _refusals_told(task: Task) -> Iterator[None]:
+    try:
+        yield
+    except Refusal as refusal:
+        raise InputError(Report((refusal.diagnostic,), task.source)) from None
+
+
+def solve_task(
+    task: Task,
+    target: str = "cpsat",
+    engine: str = "auto",
+    limits: Limits | None = None,
+    *,
+    shortcut: bool = True,
+    on_progress: OnProgress | None = None,
+) -> Answer:
+    """Compiles, runs an engine, re-times and returns the answer.
+
+    Raises `InputError`, `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a
+    schedule has no entries and says why in its status.
+    """
+    began = time.perf_counter()
+    backend = get_backend(target)
+    runner = _engine(backend, engine)
+    problem = lower_for(task, backend)
+    if shortcut and not problem.has_contention:
+        schedule = schedule_of(problem, earliest_schedule(problem))
+        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
+    else:
+        reason = runner.missing()
+        if reason is not None:
+            raise EngineMissing(reason)
+        with _refusals_told(task):
+            outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
+    return Answer(
+        finish(task, problem, outcome, target, time.perf_counter() - began), problem, outcome.notes
+    )
+
+
+def _engine(backend: Backend, name: str) -> Engine:
+    engines = backend.engines()
+    if name not in engines:
+        raise UnknownTarget("engine", name, list(engines))
+    return engines[name]
+
+
+def schedule_of(problem: Problem, placed: Sequence[Placed]) -> Schedule:
+    """Placed activities as a schedule in the task's time unit, by start, end and name."""
+    order = sorted(
+        range(len(placed)), key=lambda i: (placed[i].start, placed[i].end, problem.activities[i].id)
+    )
+    return Schedule(tuple(_entry(problem, i, placed[i]) for i in order), task=problem.name)
+
+
+def _entry(problem: Problem, index: int, placed: Placed) -> Entry:
+    activity = problem.activities[index]
+    held: dict[str, int] = {}
+    for use, r in zip(activity.uses, placed.resources, strict=True):
+        name = problem.resources[r].id
+        held[name] = held.get(name, 0) + use.amount
+    return Entry(activity.id, problem.to_units(placed.start), problem.to_units(placed.end), held)
+
+
+def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
+    """The outcome as the schedule that is reported: status, objective and bound filled in."""
+    schedule = outcome.schedule or Schedule(())
+    bound = problem.to_units(max(outcome.bound, problem.bound.value))
+    status = outcome.status
+    objective: tuple[ObjectiveValue, ...] = ()
+    if outcome.schedule is not None:
+        if schedule.makespan == bound and status is Status.FEASIBLE:
+            status = Status.OPTIMAL
+        if status is Status.OPTIMAL:
+            bound = schedule.makespan
+        objective = (ObjectiveValue("makespan", schedule.makespan, bound),)
+    return replace(
+        schedule,
+        status=status,
+        objective=objective,
+        task=task.name,
+        task_sha256=task_sha256(task),
+        target=target,
+        engine=outcome.engine,
+        seconds=round(seconds, 3),
+    )

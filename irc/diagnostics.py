@@ -1,0 +1,245 @@
+"""Diagnostics: what is wrong or worth knowing, where it stands, and what to do about it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from enum import Enum, StrEnum
+from typing import Any
+
+from irc.source import Pointer, Source, pointer_text
+
+SHOWN_PER_CODE = 50
+"""Text output shows at most this many diagnostics of one code, then says how many more."""
+
+_WIDEST_EXCERPT = 100
+
+
+class Severity(StrEnum):
+    """How bad it is; only an error stops a compilation."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+class Code(Enum):
+    """Every diagnostic of the project: its stable code, its severity, what it is about."""
+
+    UNREADABLE = ("IRC001", Severity.ERROR, "the input cannot be read as text")
+    SYNTAX = ("IRC002", Severity.ERROR, "the text is not valid JSON")
+    SURROUNDED = ("IRC003", Severity.NOTE, "there is other text around the JSON document")
+    DUPLICATE_KEY = ("IRC004", Severity.ERROR, "an object has the same key twice")
+    BAD_NUMBER = ("IRC005", Severity.ERROR, "a number that JSON does not have, or beyond all range")
+    TOO_LARGE = ("IRC006", Severity.ERROR, "the input is too large or nested too deeply")
+    BYTE_ORDER_MARK = ("IRC007", Severity.NOTE, "the text starts with a byte-order mark")
+
+    MISSING_FIELD = ("IRC101", Severity.ERROR, "a required field is missing")
+    UNKNOWN_FIELD = ("IRC102", Severity.ERROR, "a field the IR does not have")
+    WRONG_TYPE = ("IRC103", Severity.ERROR, "a value of the wrong type or shape")
+    BAD_TIME = ("IRC104", Severity.ERROR, "a time that cannot be read")
+    NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
+    EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
+    NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not what the importer takes")
+
+    UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
+    DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")
+    REPEATED = ("IRC203", Severity.WARNING, "the same thing is stated twice, word for word")
+    SELF_EDGE = ("IRC204", Severity.ERROR, "an action that must precede itself")
+    EMPTY_CHOICE = ("IRC205", Severity.ERROR, "a choice with nothing to choose from")
+    REPEATED_CHOICE = ("IRC206", Severity.WARNING, "a choice that names the same thing twice")
+    WRONG_KIND = ("IRC207", Severity.ERROR, "a resource of the wrong kind for this use")
+    OCCURRENCE = (
+        "IRC208",
+        Severity.ERROR,
+        "an action that may occur more than once cannot be used so",
+    )
+    GROUPING = ("IRC209", Severity.ERROR, "group membership that contradicts itself")
+    UNKNOWN_VALUE = ("IRC210", Severity.ERROR, "a value that the state variable does not have")
+    INCOMPLETE = ("IRC211", Severity.ERROR, "a declaration that lacks what it needs")
+    WITHOUT_EFFECT = ("IRC212", Severity.WARNING, "a field that has no meaning here")
+    OVERLAP = ("IRC213", Severity.ERROR, "windows that overlap")
+
+    CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
+    WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")
+    TOO_LATE = ("IRC303", Severity.ERROR, "a deadline that no schedule can meet")
+    DEMAND = ("IRC304", Severity.ERROR, "a demand above the capacity")
+    LAGS = ("IRC305", Severity.ERROR, "lags that contradict each other")
+
+    UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
+    REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")
+
+    UNSUPPORTED = ("IRC501", Severity.ERROR, "a feature the target cannot take")
+    OUT_OF_RANGE = ("IRC502", Severity.ERROR, "numbers beyond the target's range")
+
+    BAD_SCHEDULE = ("IRC601", Severity.ERROR, "a schedule file that cannot be read")
+    BAD_ANSWER = ("IRC602", Severity.ERROR, "an engine's answer that cannot be used")
+    DAMAGED = ("IRC603", Severity.WARNING, "damaged lines in an engine's answer")
+
+    def __init__(self, id: str, severity: Severity, summary: str) -> None:
+        self.id = id
+        self.severity = severity
+        self.summary = summary
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding. `offset` places it in the text where no element of the document does."""
+
+    code: Code
+    message: str
+    pointer: Pointer = ()
+    hint: str | None = None
+    at_key: bool = False
+    offset: int | None = None
+    line: int | None = None
+    column: int | None = None
+
+    @property
+    def severity(self) -> Severity:
+        """The severity of its code."""
+        return self.code.severity
+
+    def as_json(self) -> dict[str, Any]:
+        """The machine-readable form (design: "Diagnostics")."""
+        return {
+            "code": self.code.id,
+            "severity": str(self.severity),
+            "message": self.message,
+            "pointer": pointer_text(self.pointer),
+            "line": self.line,
+            "column": self.column,
+            "hint": self.hint,
+        }
+
+
+_ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
+
+
+@dataclass(frozen=True)
+class Report:
+    """All findings about one input, in the order of the text."""
+
+    diagnostics: tuple[Diagnostic, ...] = ()
+    source: Source | None = None
+
+    @property
+    def errors(self) -> tuple[Diagnostic, ...]:
+        """Those that stop a compilation."""
+        return tuple(d for d in self.diagnostics if d.severity is Severity.ERROR)
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing stops a compilation."""
+        return not any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self.diagnostics)
+
+    def __add__(self, more: Iterable[Diagnostic]) -> Report:
+        return Report((*self.diagnostics, *more), self.source)
+
+    def located(self) -> Report:
+        """The same with line and column filled in, in reading order."""
+        if self.source is None:
+            return self
+        unplaced = [d.pointer for d in self.diagnostics if d.offset is None]
+        places = self.source.locate(unplaced) if unplaced else {}
+        placed = []
+        for d in self.diagnostics:
+            offset = d.offset
+            if offset is None and (found := places.get(d.pointer)) is not None:
+                offset = (
+                    found.key_start if d.at_key and found.key_start is not None else found.start
+                )
+            if offset is not None:
+                line, column = self.source.line_and_column(offset)
+                d = replace(d, line=line, column=column)
+            placed.append(d)
+        placed.sort(key=lambda d: (d.line or 0, d.column or 0, _ORDER[d.severity]))
+        return Report(tuple(placed), self.source)
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """Every diagnostic, located."""
+        return [d.as_json() for d in self.located()]
+
+    def render(self, *, notes: bool = True) -> str:
+        """The text a person reads: each finding with the source line under a caret."""
+        report = self.located()
+        shown: Counter[Code] = Counter()
+        blocks = []
+        for d in report:
+            if d.severity is Severity.NOTE and not notes:
+                continue
+            shown[d.code] += 1
+            if shown[d.code] <= SHOWN_PER_CODE:
+                blocks.append(_render(d, self.source))
+        blocks += [
+            f"… and {count - SHOWN_PER_CODE} more of {code.id} ({code.summary})"
+            for code, count in shown.items()
+            if count > SHOWN_PER_CODE
+        ]
+        return "\n".join(blocks)
+
+
+def _render(d: Diagnostic, source: Source | None) -> str:
+    lines = [f"{d.severity}[{d.code.id}]: {d.message}"]
+    if source is not None and d.line is not None and d.column is not None:
+        lines.append(f"  --> {source.name}:{d.line}:{d.column}")
+        excerpt, caret = _excerpt(source.line_text(d.line), d.column - 1)
+        number = str(d.line)
+        lines += [f" {number} | {excerpt}", f" {' ' * len(number)} | {' ' * caret}^"]
+    elif d.pointer:
+        lines.append(f"  --> {pointer_text(d.pointer)}")
+    if d.hint:
+        lines.append(f"  hint: {d.hint}")
+    return "\n".join(lines)
+
+
+def _excerpt(line: str, caret: int) -> tuple[str, int]:
+    """At most `_WIDEST_EXCERPT` printable characters of a line around the caret."""
+    start = max(0, caret - _WIDEST_EXCERPT // 2)
+    cut = "".join(c if c.isprintable() else " " for c in line[start : start + _WIDEST_EXCERPT])
+    lead = "…" if start else ""
+    tail = "…" if start + _WIDEST_EXCERPT < len(line) else ""
+    return lead + cut + tail, caret - start + len(lead)
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str | None:
+    """A hint with the closest known name, if one is close."""
+    candidates: Sequence[str] = list(known)
+    if len(candidates) > 5000:
+        # Close matching is quadratic in spirit; in a large file look only at similar lengths.
+        candidates = [k for k in candidates if k[:1] == name[:1] and abs(len(k) - len(name)) < 3]
+    close = get_close_matches(name, candidates[:5000], n=1, cutoff=0.6)
+    return f"did you mean `{close[0]}`?" if close else None
+
+
+class InputError(Exception):
+    """The input is at fault; `report` says how, each finding with its place."""
+
+    def __init__(self, report: Report) -> None:
+        self.report = report
+        super().__init__(report.render(notes=False))
+
+
+@dataclass
+class Findings:
+    """Collects diagnostics while a check runs."""
+
+    items: list[Diagnostic] = field(default_factory=list)
+
+    def add(
+        self,
+        code: Code,
+        message: str,
+        pointer: Pointer = (),
+        *,
+        hint: str | None = None,
+        at_key: bool = False,
+        offset: int | None = None,
+    ) -> None:
+        """Records one finding."""
+        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset))

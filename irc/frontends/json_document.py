@@ -1,0 +1,228 @@
+"""JSON text → the raw document, with every fault of the text located.
+
+A language model's answer is read as it stands: code fences and chatter around the JSON are set
+aside with a note. Exactly one JSON object must be left.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from typing import Any
+
+from irc.diagnostics import Code, Findings, InputError, Report
+from irc.frontends.json_scan import MAX_DEPTH, scan
+from irc.source import Pointer, Range, Source
+
+MAX_BYTES = 512 * 1024 * 1024
+"""Larger inputs are refused before they are read into memory twice."""
+
+_MAX_ATTEMPTS = 1000
+_BLANK = re.compile(r"\s*")
+_FENCE = re.compile(r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z")
+
+
+@dataclass(frozen=True)
+class RawDocument:
+    """The decoded JSON object, the text it came from, and what there is to note about that."""
+
+    content: dict[str, Any]
+    source: Source
+    notes: Findings
+
+
+class _Unacceptable(ValueError):
+    """Raised inside the fast decoder where only the scanner can say what is wrong and where."""
+
+
+def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    members = dict(pairs)
+    if len(members) != len(pairs):
+        raise _Unacceptable("duplicate key")
+    return members
+
+
+def _reject(constant: str) -> Any:
+    raise _Unacceptable(constant)
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:
+        raise _Unacceptable(text) from None
+
+
+_DECODER = json.JSONDecoder(
+    object_pairs_hook=_members, parse_float=_decimal, parse_constant=_reject
+)
+
+
+def decode_bytes(data: bytes, name: str) -> str:
+    """UTF-8 text (or UTF-16/32 with a byte-order mark); `InputError` shows the first bad byte."""
+    if len(data) > MAX_BYTES:
+        findings = Findings()
+        findings.add(
+            Code.TOO_LARGE,
+            f"the input has {len(data):,} bytes; at most {MAX_BYTES:,} are read",
+        )
+        raise InputError(Report(tuple(findings.items)))
+    encoding = "utf-8"
+    if data.startswith((b"\xff\xfe\x00\x00", b"\x00\x00\xfe\xff")):
+        encoding = "utf-32"
+    elif data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encoding = "utf-16"
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        text = data.decode("utf-8", "replace")
+        offset = len(data[: error.start].decode("utf-8", "replace"))
+        findings = Findings()
+        findings.add(
+            Code.UNREADABLE,
+            f"byte 0x{data[error.start]:02x} is not valid {encoding.upper()}",
+            hint="save the file as UTF-8",
+            offset=offset,
+        )
+        raise InputError(Report(tuple(findings.items), Source(name, text))) from None
+
+
+def read_document(text: str, name: str) -> RawDocument:
+    """The one JSON object in `text`.
+
+    Raises `InputError` with every fault of the text: syntax, duplicate keys, NaN, nesting.
+    """
+    findings = Findings()
+    if text.startswith("\ufeff"):
+        findings.add(Code.BYTE_ORDER_MARK, "a byte-order mark at the start is ignored", offset=0)
+        text = text[1:]
+    start = _skip_blank(text, 0)
+    if text.startswith("{", start):
+        try:
+            content, end = _DECODER.raw_decode(text, start)
+        except (ValueError, RecursionError):
+            raise _faults(text, start, name, findings) from None
+        found = [(start, end, content)] + _objects(text, end)[0]
+    else:
+        found, failed = _objects(text, start)
+        if not found:
+            raise _faults(text, failed if failed is not None else start, name, findings)
+    start, end, content = _only(found, text, name, findings)
+    _note_surroundings(text, start, end, findings)
+    source = Source(name, text, _locator(start))
+    if _depth(content) > MAX_DEPTH:
+        raise _faults(text, start, name, findings)
+    return RawDocument(content, source, findings)
+
+
+def _skip_blank(text: str, at: int) -> int:
+    match = _BLANK.match(text, at)
+    return match.end() if match else at
+
+
+def _locator(start: int) -> Any:
+    def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        return scan(text, start, wanted).places
+
+    return locate
+
+
+_Found = tuple[int, int, dict[str, Any]]
+
+
+def _objects(text: str, at: int) -> tuple[list[_Found], int | None]:
+    """All JSON objects from `at` on, and where the most promising broken one starts.
+
+    Linear: an attempt that failed at some place is not repeated from before that place.
+    """
+    found: list[_Found] = []
+    failed, longest = None, 0
+    for _ in range(_MAX_ATTEMPTS):
+        at = text.find("{", at)
+        if at < 0:
+            break
+        try:
+            content, end = _DECODER.raw_decode(text, at)
+        except json.JSONDecodeError as error:
+            reached = max(error.pos, at + 1)
+        except (ValueError, RecursionError):
+            reached = scan(text, at).end
+        else:
+            if content:
+                found.append((at, end, content))
+            at = end
+            continue
+        if failed is None or reached - at > longest:
+            failed, longest = at, reached - at
+        at = reached
+    return found, failed
+
+
+def _only(found: list[_Found], text: str, name: str, findings: Findings) -> _Found:
+    tasks = [f for f in found if "actions" in f[2]] or found[:1]
+    first = tasks[0]
+    for other in tasks[1:]:
+        if other[2] != first[2]:
+            findings.add(
+                Code.SYNTAX,
+                "a second JSON document with other actions begins here",
+                hint="keep exactly one task in the text",
+                offset=other[0],
+            )
+            raise InputError(Report(tuple(findings.items), Source(name, text)))
+    return first
+
+
+def _note_surroundings(text: str, start: int, end: int, findings: Findings) -> None:
+    before, after = text[:start].strip(), text[end:].strip()
+    if before or after:
+        fenced = bool(_FENCE.search(text[:start]))
+        what = "a code fence" if fenced else "other text"
+        findings.add(
+            Code.SURROUNDED,
+            f"there is {what} around the JSON document; it was set aside",
+            offset=_skip_blank(text, 0) if before else _skip_blank(text, end),
+        )
+
+
+def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
+    """What the scanner says about a text the decoder did not take."""
+    if not text[start:].strip():
+        findings.add(
+            Code.SYNTAX,
+            "the input is empty",
+            hint='expected a task such as {"actions": [{"id": "a", "duration": 3}]}',
+            offset=max(0, len(text) - 1),
+        )
+    elif "{" not in text[start:]:
+        findings.add(
+            Code.SYNTAX,
+            "there is no JSON object in the text",
+            hint='expected a task such as {"actions": [{"id": "a", "duration": 3}]}',
+            offset=start,
+        )
+    else:
+        faults = scan(text, start).faults
+        for fault in faults:
+            findings.add(fault.code, fault.message, hint=fault.hint, offset=fault.offset)
+        if not faults:
+            findings.add(Code.SYNTAX, "the JSON document cannot be read", offset=start)
+    return InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+def _depth(content: Any) -> int:
+    level, depth = [content], 0
+    while level:
+        depth += 1
+        if depth > MAX_DEPTH:
+            return depth
+        level = [
+            inner
+            for outer in level
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
+            if isinstance(inner, (dict, list))
+        ]
+    return depth

@@ -1,0 +1,30 @@
+"""A horizon by which some optimal schedule has ended, if there is any schedule."""
+
+from __future__ import annotations
+
+from irc.problem import Problem
+
+
+def safe_horizon(problem: Problem) -> int:
+    """In ticks; counts durations, lags (maximum ones too), releases and fixed starts.
+
+    Fix the choices and the order on every resource as some optimal schedule has them. The least
+    solution of the resulting temporal network is optimal too, and in it every time is the floor
+    of one activity plus the length of a simple path, which leaves each point at most once, over
+    an edge no longer than the longest that leaves it. Summing those over all points is enough.
+    """
+    floor = 0
+    from_start = [0] * len(problem.activities)
+    from_end = [0] * len(problem.activities)
+    total = 0
+    for activity in problem.activities:
+        floor = max(floor, activity.release, activity.start or 0)
+        total += activity.duration_max
+    for arc in problem.arcs:
+        leaving = from_end if arc.from_end else from_start
+        leaving[arc.before] = max(leaving[arc.before], arc.min_lag)
+        if arc.max_lag is not None and arc.max_lag < 0:
+            back = from_end if arc.to_end else from_start
+            back[arc.after] = max(back[arc.after], -arc.max_lag)
+    horizon = floor + total + sum(from_start) + sum(from_end)
+    return horizon if problem.deadline is None else min(horizon, problem.deadline)

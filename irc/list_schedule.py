@@ -1,0 +1,171 @@
+"""A quick schedule by rule: one activity after another, each as early as its resources allow.
+
+The serial schedule generation scheme with the priority rule "longest head + duration + tail
+behind it first" (Kolisch, "Serial and parallel resource-constrained project scheduling methods
+revisited", EJOR 90, 1996). It is a hint and an upper bound, not an answer: where maximum lags,
+deadlines or fixed starts defeat it there simply is none.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from heapq import heappop, heappush
+
+from irc.problem import Activity, Problem
+from irc.retime import Decision
+
+Choice = tuple[int, ...]
+
+
+class _Profile:
+    """How much of one shared resource is in use: a step function of time."""
+
+    def __init__(self, capacity: int) -> None:
+        self.capacity = capacity
+        self.times = [0]
+        self.used = [0]
+
+    def blocked_until(self, start: int, end: int, amount: int) -> int | None:
+        """None if `amount` more fits throughout [start, end), else the next time worth trying."""
+        k = bisect_right(self.times, start) - 1
+        limit = self.capacity - amount
+        while k < len(self.times) and self.times[k] < end:
+            if self.used[k] > limit:
+                while self.used[k] > limit:
+                    k += 1
+                return self.times[k]
+            k += 1
+        return None
+
+    def take(self, start: int, end: int, amount: int) -> None:
+        """Adds `amount` over [start, end)."""
+        first, last = self._split(start), self._split(end)
+        for k in range(first, last):
+            self.used[k] += amount
+
+    def _split(self, time: int) -> int:
+        k = bisect_right(self.times, time) - 1
+        if self.times[k] != time:
+            k += 1
+            self.times.insert(k, time)
+            self.used.insert(k, self.used[k - 1])
+        return k
+
+
+def list_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | None:
+    """Starts and ends in ticks, and for each activity the shared resource of each claim.
+
+    None where the rule finds no schedule that keeps every window and lag.
+    """
+    order = _order(problem)
+    if order is None or any(
+        claim.amount > max(problem.shared[r].capacity for r in claim.alternatives)
+        for activity in problem.activities
+        for claim in activity.claims
+    ):
+        return None
+    incoming: list[list[int]] = [[] for _ in problem.activities]
+    for k, arc in enumerate(problem.arcs):
+        incoming[arc.after].append(k)
+    profiles = [_Profile(shared.capacity) for shared in problem.shared]
+    decisions = [Decision(0, 0)] * len(problem.activities)
+    choices: list[Choice] = [()] * len(problem.activities)
+    for i in order:
+        activity = problem.activities[i]
+        start = _ready(problem, i, incoming[i], decisions)
+        if activity.start is not None:
+            start = max(start, activity.start)
+        placed = _place(activity, start, profiles)
+        if placed is None:
+            return None
+        start, choices[i] = placed
+        decisions[i] = Decision(start, start + activity.duration_min)
+    return (decisions, choices) if _keeps_windows(problem, decisions) else None
+
+
+def _order(problem: Problem) -> list[int] | None:
+    """Precedence-consistent, most urgent first; None where arcs form a cycle."""
+    waiting = [0] * len(problem.activities)
+    following: list[list[int]] = [[] for _ in problem.activities]
+    for arc in problem.arcs:
+        following[arc.before].append(arc.after)
+        waiting[arc.after] += 1
+    heap: list[tuple[int, int]] = []
+
+    def push(i: int) -> None:
+        activity = problem.activities[i]
+        heappush(heap, (-(activity.duration_min + problem.tails[i]), i))
+
+    for i, count in enumerate(waiting):
+        if not count:
+            push(i)
+    order = []
+    while heap:
+        _, i = heappop(heap)
+        order.append(i)
+        for j in following[i]:
+            waiting[j] -= 1
+            if not waiting[j]:
+                push(j)
+    return order if len(order) == len(waiting) else None
+
+
+def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[Decision]) -> int:
+    start = problem.heads[index]
+    duration = problem.activities[index].duration_min
+    for k in incoming:
+        arc = problem.arcs[k]
+        before = decisions[arc.before]
+        point = int(before.end if arc.from_end else before.start) + arc.min_lag
+        start = max(start, point - duration if arc.to_end else point)
+    return start
+
+
+def _place(activity: Activity, start: int, profiles: list[_Profile]) -> tuple[int, Choice] | None:
+    """The first time from `start` on at which every claim fits, and what it takes."""
+    duration = activity.duration_min
+    if not activity.claims or not duration:
+        return start, tuple(claim.alternatives[0] for claim in activity.claims)
+    while True:
+        choice: list[int] = []
+        needed: dict[int, int] = {}
+        later: int | None = None
+        for claim in activity.claims:
+            soonest: int | None = None
+            for r in claim.alternatives:
+                amount = claim.amount + needed.get(r, 0)
+                if amount > profiles[r].capacity:
+                    continue
+                wait = profiles[r].blocked_until(start, start + duration, amount)
+                if wait is None:
+                    choice.append(r)
+                    needed[r] = amount
+                    break
+                soonest = wait if soonest is None else min(soonest, wait)
+            else:
+                if soonest is None:
+                    return None
+                later = soonest
+                break
+        if later is None:
+            for r, amount in needed.items():
+                profiles[r].take(start, start + duration, amount)
+            return start, tuple(choice)
+        start = later
+
+
+def _keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:
+    for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
+        deadline = problem.effective_deadline(i)
+        if deadline is not None and decision.end > deadline:
+            return False
+        if activity.start is not None and decision.start != activity.start:
+            return False
+    for arc in problem.arcs:
+        before, after = decisions[arc.before], decisions[arc.after]
+        lag = (after.end if arc.to_end else after.start) - (
+            before.end if arc.from_end else before.start
+        )
+        if lag < arc.min_lag or (arc.max_lag is not None and lag > arc.max_lag):
+            return False
+    return True

@@ -1,0 +1,61 @@
+"""What all parts of the IR share: strict parsing, names, times."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, WithJsonSchema
+
+from irc.times import Instant as _Instant
+from irc.times import Quantity, json_number, parse_instant, parse_span
+from irc.times import Span as _Span
+
+
+class Node(BaseModel):
+    """A frozen part of the IR; an unknown field is an error, never ignored."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        populate_by_name=True,
+        defer_build=True,
+        hide_input_in_errors=True,
+    )
+
+
+def write_time(value: Any) -> Any:
+    """A time as JSON: whole numbers as integers, units as they were written, the rest as text."""
+    if isinstance(value, int):
+        return value
+    if isinstance(value, Quantity):
+        return value.text
+    if hasattr(value, "isoformat"):
+        return value.isoformat()
+    return json_number(value)
+
+
+_TIME_SCHEMA: dict[str, Any] = {
+    "anyOf": [
+        {"type": "number"},
+        {"type": "string", "examples": ["1 h 30 min", "PT1H30M", "90 days", "1/3"]},
+    ]
+}
+
+Span = Annotated[
+    _Span,
+    PlainValidator(parse_span),
+    PlainSerializer(write_time),
+    WithJsonSchema(
+        {**_TIME_SCHEMA, "description": "A length of time, in time_unit or with units."}
+    ),
+]
+Instant = Annotated[
+    _Instant,
+    PlainValidator(parse_instant),
+    PlainSerializer(write_time),
+    WithJsonSchema({**_TIME_SCHEMA, "description": "A time after t = 0, or a date-time."}),
+]
+Name = Annotated[str, Field(min_length=1, strict=True)]
+Count = Annotated[int, Field(ge=0, strict=True)]
+Amount = Annotated[int, Field(ge=1, strict=True)]
+StateValue = Annotated[bool, Field(strict=True)] | Annotated[str, Field(strict=True)]

@@ -1,0 +1,95 @@
+"""The whole document (design: "The IR")."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr, field_validator, model_validator
+
+from irc.model.base import Instant, Node
+from irc.model.events import Event
+from irc.model.parts import (
+    Action,
+    Goal,
+    Group,
+    ObjectiveName,
+    Precedence,
+    Resource,
+    StateVariable,
+    objective_names,
+    without_aliases,
+)
+from irc.source import Source
+from irc.times import Clock, Number, unit_seconds
+from irc.times import Instant as InstantValue
+
+
+class Task(Node):
+    """The whole document.
+
+    >>> task = Task(actions=[{"id": "boil", "duration": "4 min"}])
+    >>> task.actions[0].duration.seconds
+    Fraction(240, 1)
+    """
+
+    irc: Literal["1"] = "1"
+    name: str | None = None
+    description: str | None = None
+    time_unit: str = "s"
+    days_per_month: Annotated[int, Field(ge=1, le=31, strict=True)] = 30
+    deadline: Instant | None = None
+    origin: datetime | None = None
+    metadata: dict[str, Any] = Field(default_factory=dict)
+    resources: tuple[Resource, ...] = ()
+    state: tuple[StateVariable, ...] = ()
+    actions: tuple[Action, ...]
+    precedence: tuple[Precedence, ...] = ()
+    groups: tuple[Group, ...] = ()
+    goals: tuple[Goal, ...] = ()
+    objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
+    events: tuple[Event, ...] = ()
+
+    _source: Source | None = PrivateAttr(default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_aliases(cls, raw: Any) -> Any:
+        if not isinstance(raw, dict) or "dependencies" not in raw:
+            return raw
+        return without_aliases(raw, {"dependencies": "precedence"})
+
+    @field_validator("time_unit")
+    @classmethod
+    def _known_unit(cls, unit: str) -> str:
+        unit_seconds(unit)
+        return unit
+
+    _one_objective = field_validator("objective", mode="before")(objective_names)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal contents, whatever file they were read from."""
+        return isinstance(other, Task) and self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def source(self) -> Source | None:
+        """The text this task was read from, if it was."""
+        return self._source
+
+    def with_source(self, source: Source | None) -> Task:
+        """This task, remembering where it was read."""
+        self._source = source
+        return self
+
+    @property
+    def clock(self) -> Clock:
+        """How this task's times become numbers of its time unit."""
+        return Clock(
+            unit_seconds(self.time_unit, self.days_per_month), self.days_per_month, self.origin
+        )
+
+    def number(self, value: InstantValue) -> Number:
+        """A time of this task in its time unit, exactly."""
+        return self.clock.number(value)

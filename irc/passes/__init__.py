@@ -1,0 +1,30 @@
+"""The passes, in the order in which they run: plain functions from `Problem` to `Problem`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from irc.passes.contention import drop_uncontended, merge_pools
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.destructive import destructive_bound
+from irc.passes.energy import energy_bound
+from irc.passes.reduction import reduce_transitively
+from irc.problem import Problem
+
+Pass = Callable[[Problem], Problem]
+
+PASSES: tuple[Pass, ...] = (
+    reduce_transitively,
+    merge_pools,
+    drop_uncontended,
+    heads_and_tails,
+    energy_bound,
+    destructive_bound,
+)
+
+
+def run_passes(problem: Problem, passes: tuple[Pass, ...] = PASSES) -> Problem:
+    """The problem after all passes."""
+    for step in passes:
+        problem = step(problem)
+    return problem

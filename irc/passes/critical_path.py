@@ -1,0 +1,37 @@
+"""Heads, tails and the critical path: what precedence and lags alone say about time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irc.network import earliest
+from irc.problem import Bound, Problem
+from irc.timing import timing_network
+
+
+def heads_and_tails(problem: Problem) -> Problem:
+    """Fills `heads` and `tails`, and raises the bound to the critical path.
+
+    Raises `ValueError` where the network has a contradiction; the checks tell of it before.
+    """
+    timing = timing_network(problem)
+    points, network = timing.points, timing.network
+    forward = earliest(network, timing.floors)
+    if forward.cycles:
+        raise ValueError("the temporal network of the problem contradicts itself")
+    floors = [0] * points.size
+    for end, offset in zip(points.end, points.end_offset, strict=True):
+        floors[end] = offset
+    backward = earliest(network.reversed(), floors)
+    critical = max((a + b for a, b in zip(forward.t, backward.t, strict=True)), default=0)
+    bound = problem.bound
+    if critical > bound.value:
+        bound = Bound(critical, "critical path")
+    return replace(
+        problem,
+        heads=tuple(forward.t[p] for p in points.start),
+        tails=tuple(
+            backward.t[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
+        ),
+        bound=bound,
+    )

@@ -1,0 +1,128 @@
+"""The energy bound: what must pass through a resource takes the time that the resource needs.
+
+For every set of activities, `least head + ceil(work / capacity) + least tail` is a lower bound on
+the makespan, where an activity's work is its amount times its least duration. Only the sets
+"head at least r and tail at least q" matter, and the best of them is found in O(n log n).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from irc.problem import Bound, Problem
+from irc.times import format_number
+
+POOLS_LIMIT = 32
+"""So many sets of alternatives are looked at, unions of overlapping ones among them."""
+
+FILL_LIMIT = 4_096
+"""Up to this capacity it is worked out how much of it the amounts can fill at most."""
+
+CROWDS_LIMIT = 4
+"""Views of a resource on which at most 1, 2, … activities fit at once, up to this number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """Activities (by index) that hold `amounts` of something with `capacity` units.
+
+    `of` names it for the user. Each has a least duration above 0; together they exceed the
+    capacity.
+    """
+
+    of: str
+    capacity: int
+    activities: tuple[int, ...]
+    amounts: tuple[int, ...]
+
+
+class _Window(NamedTuple):
+    """The activities with head and tail at least these, and how long their work takes."""
+
+    head: int
+    work: int
+    tail: int
+    value: int
+
+
+def energy_bound(problem: Problem) -> Problem:
+    """Raises the bound to the best energy argument over all resources and pools.
+
+    Needs `heads` and `tails`. Time O(n log n) for each resource, pool and view of one.
+
+    Source: Carlier, "The one-machine sequencing problem", EJOR 11 (1982): for capacity 1 the best
+    set gives the makespan of Jackson's preemptive schedule. Above 1 it is the same argument on
+    the resource's units.
+    """
+    if not problem.has_contention:
+        return problem
+    best: tuple[_Window, Load] | None = None
+    value = problem.bound.value
+    for load in loads(problem):
+        window = _best_window(problem, load)
+        if window.value > value:
+            best, value = (window, load), window.value
+    if best is None:
+        return problem
+    return replace(problem, bound=Bound(value, _reason(problem, *best)))
+
+
+def _reason(problem: Problem, window: _Window, load: Load) -> str:
+    head, work, tail = (
+        format_number(problem.to_units(ticks)) for ticks in (window.head, window.work, window.tail)
+    )
+    return (
+        f"energy of {load.of} (head {head} + work {work} / capacity {load.capacity} + tail {tail})"
+    )
+
+
+def _best_window(problem: Problem, load: Load) -> _Window:
+    """The set with the greatest bound, by a sweep over heads with a Θ-tree over tails.
+
+    Leaves are the distinct tails in rising order. A node knows the work of its leaves, and the
+    greatest `capacity * q + work of the leaves from q on` over its leaves q. (The tree is
+    Vilím's: "Global constraints in scheduling", 2007, turned round in time.)
+    """
+    heads, tails, capacity = problem.heads, problem.tails, load.capacity
+    distinct = sorted({tails[i] for i in load.activities})
+    leaves = 1 << (len(distinct) - 1).bit_length()
+    leaf = {tail: leaves + k for k, tail in enumerate(distinct)}
+    work = [0] * (2 * leaves)
+    envelope = [-1] * (2 * leaves)
+    works = dict(zip(load.activities, _works(problem, load), strict=True))
+    best, best_head = -1, 0
+    for i in sorted(load.activities, key=heads.__getitem__, reverse=True):
+        node = leaf[tails[i]]
+        work[node] += works[i]
+        envelope[node] = capacity * tails[i] + work[node]
+        while node > 1:
+            node >>= 1
+            left, right = 2 * node, 2 * node + 1
+            work[node] = work[left] + work[right]
+            from_left = envelope[left] + work[right] if envelope[left] >= 0 else -1
+            envelope[node] = max(from_left, envelope[right])
+        reached = heads[i] + -(-envelope[1] // capacity)
+        if reached > best:
+            best, best_head = reached, heads[i]
+    return _window_from(problem, load, works, best_head)
+
+
+def _window_from(problem: Problem, load: Load, works: dict[int, int], head: int) -> _Window:
+    """The best set among those with heads of at least `head`."""
+    best = _Window(head, 0, 0, -1)
+    late = [i for i in load.activities if problem.heads[i] >= head]
+    work = 0
+    for i in sorted(late, key=problem.tails.__getitem__, reverse=True):
+        work += works[i]
+        value = head - (-work // load.capacity) + problem.tails[i]
+        if value > best.value:
+            best = _Window(head, work, problem.tails[i], value)
+    return best
+
+
+def _works(problem: Problem, load: Load) -> Iterator[int]:
+    for i, amount in zip(load.activities, load.amounts, strict=True):
+        yield amount * problem.activities[i].duration_min

@@ -1,0 +1,206 @@
+"""Choices and order → the exact earliest schedule.
+
+An engine's answer is read for what it decided: the resources chosen, and which of two occurrences
+that share a resource comes first. Everything then moves as early as that allows, so equal choices
+give equal schedules, and an engine's own times (its epsilons, its rounding) are never reported.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right, insort
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from irc.network import earliest
+from irc.problem import Problem
+from irc.timing import timing_network
+
+Moment = int | Fraction
+
+
+class AnswerError(Exception):
+    """An engine's answer that no exact schedule of the task corresponds to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What an engine decided about one activity. Times are in ticks, perhaps not whole.
+
+    `chosen[u]` is the resource (index) taken for use u, or None where the engine did not say.
+    """
+
+    start: Moment
+    end: Moment
+    chosen: tuple[int | None, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """One activity's place in the exact schedule: whole ticks, one resource for each use."""
+
+    start: int
+    end: int
+    resources: tuple[int, ...]
+
+
+def retime(
+    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
+) -> tuple[Placed, ...]:
+    """The earliest schedule with the same choices and the same order on every resource.
+
+    `tolerance` (ticks) is how far the engine's times may be off: an end that is later than the
+    next start by no more than that still counts as before it. Raises `AnswerError` where choices
+    and order contradict the task's lags, or the choices leave no resource to take.
+    """
+    chosen = assign(problem, decisions)
+    timing = timing_network(problem)
+    points, network = timing.points, timing.network
+    for before, after in _orders(problem, decisions, chosen, tolerance):
+        network.add(points.end[before], points.start[after], points.end_offset[before])
+    for i, decision in enumerate(decisions):
+        if points.start[i] != points.end[i] and decision.end - decision.start <= tolerance:
+            # Chosen to have no length: it must not grow into somebody else's time.
+            network.add(points.end[i], points.start[i], 0)
+    times = earliest(network, timing.floors)
+    if times.cycles:
+        raise AnswerError("the order of the answer contradicts the lags of the task")
+    placed = []
+    for i, resources in enumerate(chosen):
+        start = times.t[points.start[i]]
+        end = times.t[points.end[i]] + points.end_offset[i]
+        fixed = problem.activities[i].start
+        if fixed is not None and start > fixed:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
+        placed.append(Placed(start, end, resources))
+    return tuple(placed)
+
+
+def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
+    """The exact optimum of a problem without contention: everything as early as it can be."""
+    timing = timing_network(problem)
+    times = earliest(timing.network, timing.floors)
+    if times.cycles:
+        raise AnswerError("the temporal network of the task contradicts itself")
+    points = timing.points
+    decisions = [
+        Decision(times.t[s], times.t[e] + offset)
+        for s, e, offset in zip(points.start, points.end, points.end_offset, strict=True)
+    ]
+    chosen = assign(problem, decisions)
+    return tuple(
+        Placed(int(d.start), int(d.end), resources)
+        for d, resources in zip(decisions, chosen, strict=True)
+    )
+
+
+def _orders(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    chosen: Sequence[tuple[int, ...]],
+    tolerance: Fraction | int,
+) -> list[tuple[int, int]]:
+    """Pairs (i, j) with i wholly before j on a shared resource, without those that follow.
+
+    j needs an arc only from those that were still running when the last one that ended before j
+    began; the others come before that one already. At most `capacity` of them for each j.
+    """
+    users: dict[int, set[int]] = {}
+    for i, resources in enumerate(chosen):
+        for r in resources:
+            users.setdefault(r, set()).add(i)
+    orders: list[tuple[int, int]] = []
+    for members in users.values():
+        # What has no length takes no room, so it neither waits nor lets wait.
+        busy = [i for i in members if decisions[i].end - decisions[i].start > tolerance]
+        by_end = sorted((decisions[i].end, decisions[i].start, i) for i in busy)
+        ends = [e for e, _, _ in by_end]
+        latest_start: list[Moment] = []
+        for _, start, _ in by_end:
+            latest_start.append(max(start, latest_start[-1]) if latest_start else start)
+        for j in busy:
+            ended = bisect_right(ends, decisions[j].start + tolerance)
+            if not ended:
+                continue
+            first = bisect_right(ends, latest_start[ended - 1] + tolerance)
+            orders += [(i, j) for _, _, i in by_end[first:ended]]
+    return orders
+
+
+def assign(problem: Problem, decisions: Sequence[Decision]) -> list[tuple[int, ...]]:
+    """One resource for each use: the engine's choices first, then what is free by start time.
+
+    Members of a pool are handed out greedily in order of start, which never runs out where the
+    pool's summed capacity is kept. Raises `AnswerError` where nothing is free.
+    """
+    result: list[list[int | None]] = []
+    undecided: list[tuple[Moment, int]] = []
+    for i, activity in enumerate(problem.activities):
+        if not activity.uses:
+            result.append([])
+            continue
+        chosen: list[int | None] = list(decisions[i].chosen) or [None] * len(activity.uses)
+        for u, use in enumerate(activity.uses):
+            if len(use.alternatives) == 1:
+                chosen[u] = use.alternatives[0]
+            elif chosen[u] is None:
+                chosen[u] = problem.settled.get((i, u))
+        result.append(chosen)
+        if None in chosen:
+            undecided.append((decisions[i].start, i))
+    if undecided:
+        _hand_out(problem, decisions, result, undecided)
+    return [tuple(r for r in chosen if r is not None) for chosen in result]
+
+
+def _hand_out(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    result: list[list[int | None]],
+    undecided: list[tuple[Moment, int]],
+) -> None:
+    held: dict[int, list[tuple[Moment, Moment, int]]] = {}
+    for i, chosen in enumerate(result):
+        for u, r in enumerate(chosen):
+            if r is not None:
+                insort(
+                    held.setdefault(r, []),
+                    (decisions[i].start, decisions[i].end, problem.activities[i].uses[u].amount),
+                )
+    for _, i in sorted(undecided):
+        activity, decision = problem.activities[i], decisions[i]
+        for u, use in enumerate(activity.uses):
+            if result[i][u] is not None:
+                continue
+            taken = next(
+                (
+                    r
+                    for r in use.alternatives
+                    if decision.start == decision.end
+                    or _free(held.get(r, []), decision, problem.resources[r].capacity) >= use.amount
+                ),
+                None,
+            )
+            if taken is None:
+                raise AnswerError(f"nothing is left for {activity.id!r} to use")
+            result[i][u] = taken
+            insort(held.setdefault(taken, []), (decision.start, decision.end, use.amount))
+
+
+def _free(held: list[tuple[Moment, Moment, int]], decision: Decision, capacity: int) -> int:
+    """Units free throughout a decision's interval.
+
+    Called in order of start, so what has ended by now is forgotten.
+    """
+    held[:] = [h for h in held if h[1] > decision.start]
+    until = bisect_left(held, (decision.end,))
+    changes: Counter[Moment] = Counter()
+    for start, end, amount in held[:until]:
+        changes[max(start, decision.start)] += amount
+        changes[end] -= amount
+    level = peak = 0
+    for moment in sorted(changes):
+        level += changes[moment]
+        peak = max(peak, level)
+    return capacity - peak

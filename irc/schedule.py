@@ -1,0 +1,298 @@
+"""A schedule: when each action happens, in which mode, on which resources — exact times."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from enum import StrEnum
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any
+
+from irc.diagnostics import Code, Findings, InputError, Report
+from irc.source import Pointer, Source
+from irc.times import (
+    Number,
+    TimeError,
+    exact,
+    format_number,
+    json_number,
+    parse_number,
+    parse_span,
+)
+
+SCHEDULE_VERSION = "1"
+
+_NOTHING: Mapping[str, int] = MappingProxyType({})
+
+
+class Status(StrEnum):
+    """How an attempt to solve ended. `optimal` and `infeasible` are said only with a proof."""
+
+    OPTIMAL = "optimal"
+    FEASIBLE = "feasible"
+    INFEASIBLE = "infeasible"
+    UNKNOWN = "unknown"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One occurrence of an action. Times are in the task's unit; resources map to amounts held."""
+
+    id: str
+    start: Number
+    end: Number
+    resources: Mapping[str, int] = field(default_factory=lambda: _NOTHING)
+    mode: str | None = None
+    occurrence: int = 1
+    rank: int = 0
+    end_rank: int | None = None
+    status: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveValue:
+    """The value reached for one objective, and a proven bound on it (None: none is known)."""
+
+    name: str
+    value: Number
+    bound: Number | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """An answer: entries by start time, and what is known about them."""
+
+    entries: tuple[Entry, ...]
+    status: Status = Status.FEASIBLE
+    objective: tuple[ObjectiveValue, ...] = ()
+    task: str | None = None
+    task_sha256: str | None = None
+    target: str | None = None
+    engine: str | None = None
+    seconds: float | None = None
+
+    @property
+    def makespan(self) -> Number:
+        """The latest end; 0 for an empty schedule."""
+        return max((entry.end for entry in self.entries), default=0)
+
+    def as_json(self) -> dict[str, Any]:
+        """The document that `irc solve --format json` prints."""
+        return {
+            "irc_schedule": SCHEDULE_VERSION,
+            "task": self.task,
+            "task_sha256": self.task_sha256,
+            "status": str(self.status),
+            "makespan": json_number(self.makespan),
+            "objective": [
+                {
+                    "name": o.name,
+                    "value": json_number(o.value),
+                    "bound": None if o.bound is None else json_number(o.bound),
+                }
+                for o in self.objective
+            ],
+            "actions": [_entry_json(entry) for entry in self.entries],
+            "target": self.target,
+            "engine": self.engine,
+            "seconds": self.seconds,
+        }
+
+
+def _entry_json(entry: Entry) -> dict[str, Any]:
+    shown: dict[str, Any] = {
+        "id": entry.id,
+        "start": json_number(entry.start),
+        "end": json_number(entry.end),
+    }
+    if entry.occurrence != 1:
+        shown["occurrence"] = entry.occurrence
+    if entry.mode is not None:
+        shown["mode"] = entry.mode
+    if entry.resources:
+        shown["resources"] = dict(sorted(entry.resources.items()))
+    if entry.rank:
+        shown["rank"] = entry.rank
+    if entry.end_rank is not None and entry.end_rank != entry.rank:
+        shown["end_rank"] = entry.end_rank
+    if entry.status is not None:
+        shown["status"] = entry.status
+    return shown
+
+
+_SCHEDULE_FIELDS = frozenset(
+    [
+        "irc_schedule",
+        "task",
+        "task_sha256",
+        "status",
+        "makespan",
+        "objective",
+        "actions",
+        "target",
+        "engine",
+        "seconds",
+    ]
+)
+_ENTRY_FIELDS = frozenset(
+    ["id", "start", "end", "resources", "mode", "occurrence", "rank", "end_rank", "status"]
+)
+
+
+def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> Schedule:
+    """Reads a schedule document; only `actions` with `id`, `start` and `end` are required.
+
+    Raises `InputError` with every fault. The stated makespan must be that of the entries.
+    """
+    reader = _Reader(Findings())
+    schedule = reader.schedule(raw)
+    if reader.findings.items:
+        raise InputError(Report(tuple(reader.findings.items), source))
+    return schedule
+
+
+class _Reader:
+    def __init__(self, findings: Findings) -> None:
+        self.findings = findings
+
+    def _fault(self, message: str, pointer: Pointer, *, at_key: bool = False) -> None:
+        self.findings.add(Code.BAD_SCHEDULE, message, pointer, at_key=at_key)
+
+    def schedule(self, raw: Mapping[str, Any]) -> Schedule:
+        for key in raw.keys() - _SCHEDULE_FIELDS:
+            self._fault(f"a schedule has no field {key!r}", (key,), at_key=True)
+        version = raw.get("irc_schedule", SCHEDULE_VERSION)
+        if version != SCHEDULE_VERSION:
+            self._fault(f"unknown schedule version {version!r}; expected '1'", ("irc_schedule",))
+        actions = raw.get("actions")
+        if not isinstance(actions, list):
+            self._fault("a schedule needs 'actions', a list", ("actions",) if actions else ())
+            actions = []
+        entries = tuple(
+            entry
+            for i, item in enumerate(actions)
+            if (entry := self.entry(item, ("actions", i))) is not None
+        )
+        status = self._status(raw)
+        schedule = Schedule(
+            entries,
+            status,
+            self._objective(raw.get("objective") or []),
+            self._text(raw, "task"),
+            self._text(raw, "task_sha256"),
+            self._text(raw, "target"),
+            self._text(raw, "engine"),
+            self._seconds(raw),
+        )
+        self._check_makespan(raw, schedule)
+        return schedule
+
+    def _status(self, raw: Mapping[str, Any]) -> Status:
+        value = raw.get("status", "feasible")
+        if value not in list(Status):
+            self._fault(f"unknown status {value!r}; known are {', '.join(Status)}", ("status",))
+            return Status.FEASIBLE
+        return Status(value)
+
+    def _text(self, raw: Mapping[str, Any], key: str) -> str | None:
+        value = raw.get(key)
+        if value is not None and not isinstance(value, str):
+            self._fault(f"'{key}' must be text", (key,))
+            return None
+        return value
+
+    def _seconds(self, raw: Mapping[str, Any]) -> float | None:
+        value = raw.get("seconds")
+        if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, type(None))):
+            self._fault("'seconds' must be a number", ("seconds",))
+            return None
+        return None if value is None else float(value)
+
+    def _check_makespan(self, raw: Mapping[str, Any], schedule: Schedule) -> None:
+        if raw.get("makespan") is None or self.findings.items:
+            return
+        stated = self.time(raw["makespan"], ("makespan",))
+        if stated != schedule.makespan and not self.findings.items:
+            latest = format_number(schedule.makespan)
+            self._fault(f"the latest end is {latest}, not the stated makespan", ("makespan",))
+
+    def _objective(self, raw: Any) -> tuple[ObjectiveValue, ...]:
+        if not isinstance(raw, list) or not all(
+            isinstance(o, dict) and isinstance(o.get("name"), str) and "value" in o for o in raw
+        ):
+            self._fault("'objective' must be a list of {name, value, bound}", ("objective",))
+            return ()
+        values = []
+        for i, o in enumerate(raw):
+            value = self.time(o["value"], ("objective", i, "value"))
+            bound = o.get("bound")
+            values.append(
+                ObjectiveValue(
+                    o["name"],
+                    value,
+                    None if bound is None else self.time(bound, ("objective", i, "bound")),
+                )
+            )
+        return tuple(values)
+
+    def entry(self, raw: Any, pointer: Pointer) -> Entry | None:
+        """One entry, or None where it names no action."""
+        if not isinstance(raw, dict) or not isinstance(raw.get("id"), str):
+            self._fault("expected an object with 'id', 'start' and 'end'", pointer)
+            return None
+        for key in raw.keys() - _ENTRY_FIELDS:
+            self._fault(f"an entry has no field {key!r}", (*pointer, key), at_key=True)
+        for key in ("start", "end"):
+            if key not in raw:
+                self._fault(f"the entry of {raw['id']!r} has no '{key}'", pointer)
+        mode, status = raw.get("mode"), raw.get("status")
+        for key in ("mode", "status"):
+            if not isinstance(raw.get(key), (str, type(None))):
+                self._fault(f"'{key}' must be text", (*pointer, key))
+        return Entry(
+            raw["id"],
+            self.time(raw.get("start", 0), (*pointer, "start")),
+            self.time(raw.get("end", 0), (*pointer, "end")),
+            self._resources(raw.get("resources"), (*pointer, "resources")),
+            mode if isinstance(mode, str) else None,
+            self._whole(raw, "occurrence", 1, pointer),
+            self._whole(raw, "rank", 0, pointer),
+            self._whole(raw, "end_rank", None, pointer),
+            status if isinstance(status, str) else None,
+        )
+
+    def _whole(self, raw: Mapping[str, Any], key: str, default: Any, pointer: Pointer) -> Any:
+        value = raw.get(key, default)
+        if value is not default and type(value) is not int:
+            self._fault(f"'{key}' must be a whole number", (*pointer, key))
+            return default
+        return value
+
+    def _resources(self, raw: Any, pointer: Pointer) -> Mapping[str, int]:
+        if raw is None:
+            return _NOTHING
+        if isinstance(raw, dict) and all(type(v) is int for v in raw.values()):
+            return dict(raw)
+        self._fault("'resources' must map names to whole amounts", pointer)
+        return _NOTHING
+
+    def time(self, raw: Any, pointer: Pointer) -> Number:
+        """A number of the task's unit; 0 after a fault has been told."""
+        try:
+            value = parse_number(raw) if isinstance(raw, str) else parse_span(raw)
+        except TimeError as error:
+            self._fault(str(error), pointer)
+            return 0
+        if not isinstance(value, (int, Fraction)):
+            self._fault("expected a number of the task's time unit", pointer)
+            return 0
+        return exact(value) if isinstance(value, Fraction) else value
+
+
+def dump_json(document: Any) -> str:
+    """JSON text as the project writes it: UTF-8, two spaces, a final line end."""
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,0 +1,77 @@
+"""Where a task was read from, and where in that text each of its elements stands."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+Pointer = tuple[str | int, ...]
+"""A path into the document: keys and array indexes, as in RFC 6901."""
+
+Locator = Callable[[str, frozenset[Pointer]], Mapping[Pointer, "Range"]]
+"""Finds elements in a text. A front end supplies the one for its language."""
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Offsets into the text: [start, end) of a value, and of its key where it has one."""
+
+    start: int
+    end: int
+    key_start: int | None = None
+
+
+def pointer_text(pointer: Pointer) -> str:
+    """The RFC 6901 text of a path: "/actions/3/duration"."""
+    return "".join(f"/{str(part).replace('~', '~0').replace('/', '~1')}" for part in pointer)
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A named text and the way to find an element in it.
+
+    Positions are looked up only when a diagnostic needs them, so a good task pays nothing.
+    """
+
+    name: str
+    text: str
+    locator: Locator | None = None
+    _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        starts, at = [0], self.text.find("\n")
+        while at >= 0:
+            starts.append(at + 1)
+            at = self.text.find("\n", at + 1)
+        return starts
+
+    def line_and_column(self, offset: int) -> tuple[int, int]:
+        """1-based line and column (in characters) of an offset."""
+        line = bisect_right(self._line_starts, offset)
+        return line, offset - self._line_starts[line - 1] + 1
+
+    def line_text(self, line: int) -> str:
+        """The text of a 1-based line, without its line end."""
+        start = self._line_starts[line - 1]
+        end = self.text.find("\n", start)
+        return self.text[start : end if end >= 0 else len(self.text)].rstrip("\r")
+
+    def locate(self, pointers: Iterable[Pointer]) -> Mapping[Pointer, Range | None]:
+        """The place of each element; of its nearest known ancestor where it has none itself."""
+        missing = {p for p in pointers if p not in self._found}
+        if missing and self.locator is not None:
+            wanted = frozenset(p[:n] for p in missing for n in range(len(p) + 1))
+            places = self.locator(self.text, wanted)
+            for pointer in missing:
+                self._found[pointer] = next(
+                    (
+                        places[pointer[:n]]
+                        for n in range(len(pointer), -1, -1)
+                        if pointer[:n] in places
+                    ),
+                    None,
+                )
+        return self._found

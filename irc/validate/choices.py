@@ -1,0 +1,167 @@
+"""Rule 4: are the resources an entry names explained by its uses and one choice per `one_of`?"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
+
+from irc.model import Use
+from irc.validate.subject import Subject
+from irc.validate.verdict import Violations
+
+MAX_PARTIAL_CHOICES = 100_000
+"""Choices among *different* amounts are a packing problem; beyond so many partial ones the
+validator says that it does not know. Choices among equal amounts are a matching, never bounded."""
+
+
+def check_choices(subject: Subject, violations: Violations) -> None:
+    """Every entry names exactly what it uses."""
+    for occurrence in subject.occurrences:
+        named, uses = occurrence.entry.resources, occurrence.uses
+        if not named and not uses:
+            continue
+        unknown = [name for name in named if name not in subject.resources]
+        if unknown:
+            names = ", ".join(repr(name) for name in unknown[:10])
+            violations.add(
+                "resources",
+                f"{occurrence.name} names the resource {names}, which the task does not have",
+                [occurrence.entry.id],
+            )
+            continue
+        explained = is_explained(uses, named)
+        if explained:
+            continue
+        shown = ", ".join(f"{name!r}: {amount}" for name, amount in sorted(named.items()))
+        if explained is None:
+            message = (
+                f"{occurrence.name} names {{{shown}}}; whether some choice for each 'one_of' "
+                "explains that is too hard to decide"
+            )
+        else:
+            message = f"{occurrence.name} names {{{shown}}}, but uses {_uses_text(uses)}"
+        rule = "resources" if explained is False else "undecided"
+        violations.add(rule, message, [occurrence.entry.id])
+
+
+def _uses_text(uses: Sequence[Use]) -> str:
+    if not uses:
+        return "nothing"
+    texts = []
+    for use in uses:
+        what = " or ".join(repr(name) for name in use.alternatives)
+        texts.append(what if use.amount == 1 else f"{use.amount} of {what}")
+    return "; ".join(texts)
+
+
+def is_explained(uses: Sequence[Use], named: Mapping[str, int]) -> bool | None:
+    """Whether `named` is the sum of the plain uses and of one choice per `one_of`.
+
+    None where that could not be decided within `MAX_PARTIAL_CHOICES`.
+    """
+    left = Counter(dict(named))
+    choices: list[tuple[int, frozenset[str]]] = []
+    for use in uses:
+        if use.one_of is None:
+            left.subtract(dict.fromkeys(use.alternatives, use.amount))
+        else:
+            choices.append((use.amount, frozenset(use.one_of)))
+    if any(amount < 0 for amount in left.values()):
+        return False
+    left = +left
+    if sum(amount for amount, _ in choices) != left.total():
+        return False
+    if len({amount for amount, _ in choices}) <= 1:
+        return _match_equal(choices, left)
+    return _pack(choices, left)
+
+
+def _match_equal(choices: Sequence[tuple[int, frozenset[str]]], left: Counter[str]) -> bool:
+    """Choices of one amount: a bipartite matching by augmenting paths, O(choices × edges)."""
+    if not choices:
+        return True
+    amount = choices[0][0]
+    if any(total % amount for total in left.values()):
+        return False
+    room = {name: total // amount for name, total in left.items()}
+    taken: dict[str, set[int]] = {name: set() for name in room}
+    return all(_augment(index, choices, room, taken) for index in range(len(choices)))
+
+
+def _augment(
+    index: int,
+    choices: Sequence[tuple[int, frozenset[str]]],
+    room: Mapping[str, int],
+    taken: dict[str, set[int]],
+) -> bool:
+    """Finds a resource for one more choice, moving earlier ones aside along a shortest path."""
+    came_from: dict[str, int] = {}
+    was_at: dict[int, str] = {}
+    queue = deque([index])
+    while queue:
+        chooser = queue.popleft()
+        for name in choices[chooser][1] & taken.keys() - came_from.keys():
+            came_from[name] = chooser
+            if len(taken[name]) < room[name]:
+                _shift(name, index, came_from, was_at, taken)
+                return True
+            for other in taken[name]:
+                was_at[other] = name
+                queue.append(other)
+    return False
+
+
+def _shift(
+    name: str,
+    index: int,
+    came_from: Mapping[str, int],
+    was_at: Mapping[int, str],
+    taken: dict[str, set[int]],
+) -> None:
+    while True:
+        chooser = came_from[name]
+        taken[name].add(chooser)
+        if chooser == index:
+            return
+        name = was_at[chooser]
+        taken[name].discard(chooser)
+
+
+def _pack(choices: Sequence[tuple[int, frozenset[str]]], left: Counter[str]) -> bool | None:
+    """Choices of different amounts: all reachable remainders, the largest amounts first."""
+    names = sorted(left)
+    order = sorted(choices, key=lambda choice: (-choice[0], len(choice[1]), sorted(choice[1])))
+    still_possible = _possible_totals(order, names)
+    remainders = {tuple(left[name] for name in names)}
+    spent = 0
+    for (amount, alternatives), possible in zip(order, still_possible, strict=True):
+        columns = [i for i, name in enumerate(names) if name in alternatives]
+        following = set()
+        for remainder in remainders:
+            for i in columns:
+                if remainder[i] < amount:
+                    continue
+                rest = (*remainder[:i], remainder[i] - amount, *remainder[i + 1 :])
+                if all(need <= most for need, most in zip(rest, possible, strict=True)):
+                    following.add(rest)
+            spent += len(columns)
+            if spent > MAX_PARTIAL_CHOICES:
+                return None
+        remainders = following
+    return bool(remainders)
+
+
+def _possible_totals(
+    order: Sequence[tuple[int, frozenset[str]]], names: Sequence[str]
+) -> list[list[int]]:
+    """After each choice, how much of each resource the choices that follow could still take."""
+    totals = [[0] * len(names)]
+    for amount, alternatives in reversed(order[1:]):
+        later = totals[-1]
+        totals.append(
+            [
+                total + amount if name in alternatives else total
+                for name, total in zip(names, later, strict=True)
+            ]
+        )
+    return totals[::-1]

@@ -1,0 +1,86 @@
+"""What a schedule is worth, and whether it says so truthfully."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from irc.schedule import ObjectiveValue
+from irc.times import Number, exact, format_number
+from irc.validate.subject import Subject
+from irc.validate.verdict import Violations
+
+_UNKNOWABLE = "changes"
+"""How much a schedule differs from an earlier one: the entries alone do not say."""
+
+
+def objective_values(subject: Subject) -> MappingProxyType[str, Number]:
+    """Makespan, tardiness, reward and cost of the entries, repeated occurrences each counted."""
+    present = [group for group in subject.groups.values() if subject.is_present(group)]
+    reward = sum(o.action.reward or 0 for o in subject.occurrences)
+    reward += sum(group.reward or 0 for group in present)
+    return MappingProxyType(
+        {
+            "makespan": _exact(subject.schedule.makespan),
+            "tardiness": _tardiness(subject),
+            "reward": reward,
+            "cost": sum(o.action.cost or 0 for o in subject.occurrences),
+        }
+    )
+
+
+def _tardiness(subject: Subject) -> Number:
+    """Σ weight · max(0, end − due) over occurrences and present groups; the weight is 1 if none."""
+    total: Number = 0
+    for occurrence in subject.occurrences:
+        action = occurrence.action
+        if action.due is not None:
+            late = max(0, occurrence.end - subject.clock.number(action.due))
+            total += late * (1 if action.weight is None else action.weight)
+    for group in subject.groups.values():
+        if group.due is not None and subject.is_present(group):
+            end = max(o.end for name in group.actions for o in subject.by_action[name])
+            late = max(0, end - subject.clock.number(group.due))
+            total += late * (1 if group.weight is None else group.weight)
+    return _exact(total)
+
+
+def _exact(value: Number) -> Number:
+    return value if isinstance(value, int) else exact(value)
+
+
+def check_stated(
+    subject: Subject, values: MappingProxyType[str, Number], violations: Violations
+) -> None:
+    """The stated values are the true ones, and no stated bound contradicts them."""
+    for stated in subject.schedule.objective:
+        if stated.name not in values and stated.name != _UNKNOWABLE:
+            known = ", ".join([*values, _UNKNOWABLE])
+            violations.add("objective", f"there is no objective {stated.name!r}; there are {known}")
+            continue
+        true = values.get(stated.name, stated.value)
+        if stated.value != true:
+            violations.add(
+                "objective",
+                f"the {stated.name} is {format_number(true)}, "
+                f"not {format_number(stated.value)} as stated",
+                (),
+                (true, stated.value),
+            )
+        _check_bound(stated, true, violations)
+
+
+def _check_bound(stated: ObjectiveValue, true: Number, violations: Violations) -> None:
+    if stated.bound is None:
+        return
+    if stated.name == "reward":
+        impossible, relation = stated.bound < true, "upper bound on the reward is below"
+    else:
+        impossible, relation = stated.bound > true, f"lower bound on the {stated.name} is above"
+    if impossible:
+        violations.add(
+            "objective",
+            f"the stated {relation} the value reached: "
+            f"{format_number(stated.bound)} against {format_number(true)}",
+            (),
+            (stated.bound, true),
+        )

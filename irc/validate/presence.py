@@ -1,0 +1,115 @@
+"""Rule 1: what must be there is there, nothing else is, and occurrences are in order."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import pairwise
+
+from irc.validate.subject import Occurrence, Subject
+from irc.validate.verdict import Violations, listed
+
+
+def check_presence(subject: Subject, violations: Violations) -> None:
+    """Occurrence bounds, groups, unknown and repeated entries, numbering, overlap."""
+    _check_entries(subject, violations)
+    _check_bounds(subject, violations)
+    for occurrences in subject.by_action.values():
+        if len(occurrences) > 1 or occurrences[0].entry.occurrence != 1:
+            _check_numbers(occurrences, violations)
+            _check_overlap(occurrences, violations)
+    _check_groups(subject, violations)
+
+
+def _check_entries(subject: Subject, violations: Violations) -> None:
+    for entry in subject.unknown:
+        times = (entry.start, entry.end)
+        violations.add("unknown", f"the task has no action {entry.id!r}", [entry.id], times)
+    for entry in subject.schedule.entries:
+        if entry.status is not None:
+            violations.add(
+                "status",
+                f"the entry of {entry.id!r} has the status {entry.status!r}, "
+                "which only a schedule that is being carried out may have",
+                [entry.id],
+                (entry.start, entry.end),
+            )
+
+
+def _check_bounds(subject: Subject, violations: Violations) -> None:
+    # A group that may be absent decides for its members, whatever their own default says.
+    decided_by_group = {
+        name for group in subject.groups.values() if not group.required for name in group.actions
+    }
+    for name, action in subject.actions.items():
+        least, greatest = action.occurrence_bounds
+        if name in decided_by_group:
+            least = 0
+        found = subject.by_action.get(name, ())
+        if len(found) < least:
+            wanted = "" if least == 1 else f"; it must occur at least {least} times"
+            count = f"occurs {len(found)} times" if found else "is missing"
+            violations.add("presence", f"{name!r} {count}{wanted}", [name])
+        elif greatest is not None and len(found) > greatest:
+            violations.add(
+                "presence",
+                f"{name!r} occurs {len(found)} times; at most {greatest} may be there",
+                [name],
+                (o.start for o in found),
+            )
+
+
+def _check_numbers(occurrences: list[Occurrence], violations: Violations) -> None:
+    name = occurrences[0].entry.id
+    given = Counter(o.entry.occurrence for o in occurrences)
+    for number, count in given.items():
+        if count > 1:
+            violations.add(
+                "occurrence", f"occurrence {number} of {name!r} is given {count} times", [name]
+            )
+    if set(given) != set(range(1, len(given) + 1)):
+        numbers = ", ".join(str(n) for n in sorted(given)[:10])
+        violations.add(
+            "occurrence",
+            f"the occurrences of {name!r} are not numbered from 1 on without a gap: {numbers}",
+            [name],
+        )
+    for one, two in pairwise(sorted(occurrences, key=lambda o: o.entry.occurrence)):
+        if two.start < one.start:
+            violations.add(
+                "occurrence",
+                f"the occurrences of {name!r} are not numbered by start: "
+                f"number {two.entry.occurrence} starts at {violations.time(two.start)}, "
+                f"number {one.entry.occurrence} at {violations.time(one.start)}",
+                [name],
+                (one.start, two.start),
+            )
+
+
+def _check_overlap(occurrences: list[Occurrence], violations: Violations) -> None:
+    in_time = sorted(occurrences, key=lambda o: (o.start, o.end))
+    running = in_time[0]
+    for later in in_time[1:]:
+        if later.start < running.end:
+            violations.add(
+                "occurrence",
+                f"two occurrences of {running.entry.id!r} overlap: one lasts until "
+                f"{violations.time(running.end)}, another starts at "
+                f"{violations.time(later.start)}",
+                [running.entry.id],
+                (later.start, running.end),
+            )
+        if later.end > running.end:
+            running = later
+
+
+def _check_groups(subject: Subject, violations: Violations) -> None:
+    for group in subject.groups.values():
+        missing = [name for name in group.actions if name not in subject.by_action]
+        if not missing or (len(missing) == len(group.actions) and not group.required):
+            continue
+        rule = "is required" if group.required else "is all or none"
+        violations.add(
+            "group",
+            f"the group {group.id!r} {rule}; missing: {listed(missing, len(missing))}",
+            missing,
+        )

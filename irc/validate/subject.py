@@ -1,0 +1,248 @@
+"""What is judged: a task and the entries of a schedule, brought together by name."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple, Protocol, TypeVar
+
+from irc.model import (
+    Action,
+    DurationRange,
+    Group,
+    Mode,
+    Resource,
+    StateGoal,
+    StateVariable,
+    StockChange,
+    Task,
+    Use,
+)
+from irc.schedule import Entry, Schedule
+from irc.times import Clock, Number
+
+
+class UncheckedTaskError(ValueError):
+    """The task itself is at fault, so no schedule of it can be judged; `irc check` says how."""
+
+
+class InexactTimeError(ValueError):
+    """A schedule holds a time that is not an exact number, such as a binary float."""
+
+
+class Occurrence(NamedTuple):
+    """An entry of the schedule with the action it is an occurrence of.
+
+    `shortest` and `longest` bound its duration; both are None where the mode is not known.
+    `number` is its place in `Subject.occurrences`.
+    """
+
+    number: int
+    entry: Entry
+    action: Action
+    mode: Mode | None
+    shortest: Number | None
+    longest: Number | None
+    start: Number
+    end: Number
+    rank: int
+    end_rank: int
+
+    @property
+    def name(self) -> str:
+        """How messages call it."""
+        entry = self.entry
+        return repr(entry.id) + (
+            f" (occurrence {entry.occurrence})" if entry.occurrence != 1 else ""
+        )
+
+    @property
+    def uses(self) -> tuple[Use, ...]:
+        """What it holds from start to end: the action's own uses and its mode's."""
+        return self.action.uses if self.mode is None else self.action.uses + self.mode.uses
+
+    @property
+    def ends_freely(self) -> bool:
+        """Whether its duration was chosen, so that its end has a rank of its own."""
+        return self.shortest != self.longest
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A task and a schedule of it, with every name resolved."""
+
+    task: Task
+    clock: Clock
+    schedule: Schedule
+    actions: dict[str, Action]
+    resources: dict[str, Resource]
+    variables: dict[str, StateVariable]
+    groups: dict[str, Group]
+    occurrences: tuple[Occurrence, ...]
+    by_action: dict[str, list[Occurrence]]
+    unknown: tuple[Entry, ...]
+    """Entries that name no action of the task."""
+
+    @property
+    def ranked(self) -> bool:
+        """Whether the schedule gives ranks; if not, they are looked for."""
+        return any(e.rank or e.end_rank not in (None, 0) for e in self.schedule.entries)
+
+    def is_present(self, group: Group) -> bool:
+        """Whether all actions of a group are there."""
+        return bool(group.actions) and all(name in self.by_action for name in group.actions)
+
+
+def resolve(task: Task, schedule: Schedule) -> Subject:
+    """Brings a task and a schedule together.
+
+    Raises `UncheckedTaskError` for a task whose references do not hold, and `InexactTimeError` for
+    an entry whose times are not exact numbers.
+    """
+    clock = task.clock
+    actions = _by_id("action", task.actions)
+    resources = _by_id("resource", task.resources)
+    variables = _by_id("state variable", task.state)
+    groups = _by_id("group", task.groups)
+    _check_references(task, actions, resources, variables)
+    occurrences: list[Occurrence] = []
+    by_action: dict[str, list[Occurrence]] = {}
+    unknown = []
+    for entry in schedule.entries:
+        action = actions.get(entry.id)
+        _check_exact(entry)
+        if action is None:
+            unknown.append(entry)
+            continue
+        occurrence = _occurrence(len(occurrences), entry, action, clock)
+        occurrences.append(occurrence)
+        by_action.setdefault(entry.id, []).append(occurrence)
+    return Subject(
+        task,
+        clock,
+        schedule,
+        actions,
+        resources,
+        variables,
+        groups,
+        tuple(occurrences),
+        by_action,
+        tuple(unknown),
+    )
+
+
+def _occurrence(number: int, entry: Entry, action: Action, clock: Clock) -> Occurrence:
+    mode = next((m for m in action.modes if m.id == entry.mode), None)
+    duration = action.duration if mode is None and not action.modes else mode and mode.duration
+    shortest: Number | None
+    longest: Number | None
+    if isinstance(duration, DurationRange):
+        shortest, longest = clock.number(duration.min), clock.number(duration.max)
+    else:
+        shortest = longest = None if duration is None else clock.number(duration)
+    end_rank = entry.rank if entry.end_rank is None or shortest == longest else entry.end_rank
+    return Occurrence(
+        number,
+        entry,
+        action,
+        mode,
+        shortest,
+        longest,
+        entry.start,
+        entry.end,
+        entry.rank,
+        end_rank,
+    )
+
+
+def _check_exact(entry: Entry) -> None:
+    for value in (entry.start, entry.end):
+        if not isinstance(value, (int, Fraction)):
+            raise InexactTimeError(
+                f"the entry of {entry.id!r} has the time {value!r}; use an int or a Fraction"
+            )
+
+
+class _Named(Protocol):
+    @property
+    def id(self) -> str: ...
+
+
+_N = TypeVar("_N", bound=_Named)
+
+
+def _by_id(what: str, parts: Iterable[_N]) -> dict[str, _N]:
+    found: dict[str, _N] = {}
+    for part in parts:
+        first = found.setdefault(part.id, part)
+        if first is not part and first != part:
+            raise UncheckedTaskError(f"the {what} {part.id!r} is given twice, differently")
+    return found
+
+
+def _check_references(
+    task: Task,
+    actions: dict[str, Action],
+    resources: dict[str, Resource],
+    variables: dict[str, StateVariable],
+) -> None:
+    repeatable = {
+        action.id
+        for action in actions.values()
+        if action.occurs != "once" and action.occurrence_bounds[1] not in (0, 1)
+    }
+    renewable = {r.id for r in resources.values() if r.kind == "renewable"}
+    stocks = {r.id for r in resources.values() if r.kind == "reservoir"}
+    for action in actions.values():
+        _check_action(action, renewable, stocks, variables)
+        if action.start is not None and action.id in repeatable:
+            raise UncheckedTaskError(f"{action.id!r} may repeat, so it can have no fixed start")
+    for precedence in task.precedence:
+        for name in (precedence.before, precedence.after):
+            _require_single(name, actions, repeatable, "a precedence")
+    for group in task.groups:
+        for name in group.actions:
+            _require_single(name, actions, repeatable, f"the group {group.id!r}")
+    for goal in task.goals:
+        if isinstance(goal, StateGoal):
+            _require(goal.var, variables, "a goal")
+        else:
+            _require(goal, actions, "a goal")
+
+
+def _check_action(
+    action: Action, renewable: set[str], stocks: set[str], variables: dict[str, StateVariable]
+) -> None:
+    where = f"the action {action.id!r}"
+    if action.duration is None and not action.modes:
+        raise UncheckedTaskError(f"{where} has neither a duration nor modes")
+    for use in _all_uses(action):
+        for name in use.alternatives:
+            _require(name, renewable, f"a use of {where}")
+    stock_changes: tuple[StockChange, ...] = action.consumes + action.produces
+    for change in stock_changes:
+        _require(change.resource, stocks, f"a consumption or production of {where}")
+    for condition in action.conditions:
+        _require(condition.var, variables, f"a condition of {where}")
+    for effect in action.effects:
+        _require(effect.var, variables, f"an effect of {where}")
+
+
+def _all_uses(action: Action) -> Iterator[Use]:
+    yield from action.uses
+    for mode in action.modes:
+        yield from mode.uses
+
+
+def _require_single(
+    name: str, actions: dict[str, Action], repeatable: set[str], where: str
+) -> None:
+    _require(name, actions, where)
+    if name in repeatable:
+        raise UncheckedTaskError(f"{where} names {name!r}, which may occur more than once")
+
+
+def _require(name: str, known: Container[str], where: str) -> None:
+    if name not in known:
+        raise UncheckedTaskError(f"{where} names {name!r}, which the task does not have")

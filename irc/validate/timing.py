@@ -1,0 +1,223 @@
+"""Rules 2 and 3: durations, releases, fixed starts, deadlines, and precedence with its lags."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import MappingProxyType
+
+from irc.times import Number, format_number
+from irc.validate.subject import Occurrence, Subject
+from irc.validate.verdict import Violations
+
+AT_END = MappingProxyType(
+    {
+        "finish-start": (True, False),
+        "start-start": (False, False),
+        "finish-finish": (True, True),
+        "start-finish": (False, True),
+    }
+)
+"""For each precedence type: whether it binds the end of `before`, and the end of `after`."""
+
+
+def check_windows(subject: Subject, violations: Violations) -> None:
+    """Rule 2: mode, duration, release, fixed start and every deadline of each occurrence."""
+    deadlines = _group_deadlines(subject)
+    if subject.task.deadline is not None:
+        of_task = (subject.clock.number(subject.task.deadline), "the task's deadline")
+    else:
+        of_task = None
+    for occurrence in subject.occurrences:
+        _check_mode(occurrence, violations)
+        _check_duration(occurrence, violations)
+        _check_start(subject, occurrence, violations)
+        limits = deadlines.get(occurrence.entry.id, [])
+        if occurrence.action.deadline is not None:
+            own = subject.clock.number(occurrence.action.deadline)
+            limits = [(own, "its deadline"), *limits]
+        if of_task is not None:
+            limits = [*limits, of_task]
+        for limit, whose in limits:
+            if occurrence.end > limit:
+                violations.add(
+                    "deadline",
+                    f"{occurrence.name} ends at {violations.time(occurrence.end)}, "
+                    f"after {whose} ({violations.time(limit)})",
+                    [occurrence.entry.id],
+                    (occurrence.end, limit),
+                )
+
+
+def _group_deadlines(subject: Subject) -> dict[str, list[tuple[Number, str]]]:
+    limits: dict[str, list[tuple[Number, str]]] = {}
+    for group in subject.groups.values():
+        if group.deadline is not None:
+            limit = (subject.clock.number(group.deadline), f"the deadline of group {group.id!r}")
+            for name in group.actions:
+                limits.setdefault(name, []).append(limit)
+    return limits
+
+
+def _check_mode(occurrence: Occurrence, violations: Violations) -> None:
+    given, action = occurrence.entry.mode, occurrence.action
+    if occurrence.mode is not None or (given is None and not action.modes):
+        return
+    if not action.modes:
+        message = f"{occurrence.name} has no modes, but the mode {given!r} is given"
+    else:
+        known = ", ".join(repr(mode.id) for mode in action.modes[:10])
+        fault = f"has no mode {given!r}" if given is not None else "is given no mode"
+        message = f"{occurrence.name} {fault}; its modes are {known}"
+    violations.add("mode", message, [occurrence.entry.id])
+
+
+def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
+    shortest, longest = occurrence.shortest, occurrence.longest
+    lasts = occurrence.end - occurrence.start
+    if shortest is None or longest is None:
+        # Its mode is unknown, which is told elsewhere; still, nothing ends before it starts.
+        if lasts >= 0:
+            return
+        wanted = "a duration of its modes"
+    elif shortest <= lasts <= longest:
+        return
+    elif shortest == longest:
+        wanted = violations.time(shortest)
+    else:
+        wanted = f"{format_number(shortest)} to {violations.time(longest)}"
+    violations.add(
+        "duration",
+        f"{occurrence.name} lasts {violations.time(lasts)} "
+        f"({format_number(occurrence.start)} to {format_number(occurrence.end)}) "
+        f"instead of {wanted}",
+        [occurrence.entry.id],
+        (occurrence.start, occurrence.end),
+    )
+
+
+def _check_start(subject: Subject, occurrence: Occurrence, violations: Violations) -> None:
+    action, start = occurrence.action, occurrence.start
+    release = subject.clock.number(action.release)
+    if start < release or start < 0:
+        limit = max(0, release)
+        why = f"its release ({violations.time(limit)})" if limit else violations.time(0)
+        violations.add(
+            "release",
+            f"{occurrence.name} starts at {violations.time(start)}, before {why}",
+            [occurrence.entry.id],
+            (start, limit),
+        )
+    if action.start is not None and start != (fixed := subject.clock.number(action.start)):
+        violations.add(
+            "start",
+            f"{occurrence.name} starts at {violations.time(start)}; "
+            f"its start is fixed at {violations.time(fixed)}",
+            [occurrence.entry.id],
+            (start, fixed),
+        )
+
+
+def check_precedence(subject: Subject, violations: Violations) -> None:
+    """Rule 3: every precedence between present actions, at both its lags.
+
+    A minimum is compared with ranks, lexicographically; a maximum by time alone.
+    """
+    number, present, ranked = subject.clock.number, subject.by_action, subject.ranked
+    for precedence in subject.task.precedence:
+        if precedence.before not in present or precedence.after not in present:
+            continue
+        before, after = present[precedence.before][0], present[precedence.after][0]
+        from_end, to_end = AT_END[precedence.type]
+        base = before.end if from_end else before.start
+        time = after.end if to_end else after.start
+        lag = number(precedence.min_lag)
+        if time < base + lag:
+            _add_too_early(before, from_end, after, to_end, lag, violations)
+        elif ranked and time == base + lag:
+            _check_rank(before, from_end, after, to_end, violations)
+        if precedence.max_lag is not None:
+            longest = number(precedence.max_lag)
+            if time > base + longest:
+                _add_too_late(before, from_end, after, to_end, longest, violations)
+
+
+def tight_precedences(subject: Subject) -> Iterator[tuple[Occurrence, bool, Occurrence, bool]]:
+    """The precedences kept with no time to spare, so that ranks decide: `before`, whether its end
+    is meant, `after`, whether its end is meant."""
+    present = subject.by_action
+    for precedence in subject.task.precedence:
+        if precedence.before not in present or precedence.after not in present:
+            continue
+        before, after = present[precedence.before][0], present[precedence.after][0]
+        from_end, to_end = AT_END[precedence.type]
+        base = before.end if from_end else before.start
+        time = after.end if to_end else after.start
+        if time == base + subject.clock.number(precedence.min_lag):
+            yield before, from_end, after, to_end
+
+
+def _add_too_early(
+    before: Occurrence,
+    from_end: bool,
+    after: Occurrence,
+    to_end: bool,
+    lag: Number,
+    violations: Violations,
+) -> None:
+    base = before.end if from_end else before.start
+    time = after.end if to_end else after.start
+    plus = f" + lag {violations.time(lag)} allows it ({violations.time(base + lag)})"
+    violations.add(
+        "precedence",
+        f"{after.name} {_verb(to_end)} at {violations.time(time)}, before the "
+        f"{_noun(from_end)} of {before.name} ({violations.time(base)})"
+        + (plus if lag else " allows it"),
+        [before.entry.id, after.entry.id],
+        (time, base + lag),
+    )
+
+
+def _add_too_late(
+    before: Occurrence,
+    from_end: bool,
+    after: Occurrence,
+    to_end: bool,
+    longest: Number,
+    violations: Violations,
+) -> None:
+    base = before.end if from_end else before.start
+    time = after.end if to_end else after.start
+    violations.add(
+        "precedence",
+        f"{after.name} {_verb(to_end)} at {violations.time(time)}, later than the "
+        f"{_noun(from_end)} of {before.name} ({violations.time(base)}) + maximal lag "
+        f"{violations.time(longest)} allows it ({violations.time(base + longest)})",
+        [before.entry.id, after.entry.id],
+        (time, base + longest),
+    )
+
+
+def _check_rank(
+    before: Occurrence, from_end: bool, after: Occurrence, to_end: bool, violations: Violations
+) -> None:
+    base_rank = before.end_rank if from_end else before.rank
+    rank = after.end_rank if to_end else after.rank
+    if rank >= base_rank:
+        return
+    time = after.end if to_end else after.start
+    violations.add(
+        "precedence",
+        f"{after.name} {_verb(to_end)} at {violations.time(time)} with rank {rank}, as early as "
+        f"the {_noun(from_end)} of {before.name} allows, whose rank is {base_rank}: "
+        f"it needs rank {base_rank} at least",
+        [before.entry.id, after.entry.id],
+        (time,),
+    )
+
+
+def _verb(at_end: bool) -> str:
+    return "ends" if at_end else "starts"
+
+
+def _noun(at_end: bool) -> str:
+    return "end" if at_end else "start"

@@ -1,0 +1,187 @@
+"""What the validator says: every violation in the task's own words, and the verdict over all."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import islice
+from types import MappingProxyType
+from typing import Any
+
+from irc.times import Number, format_number, json_number
+
+SHOWN_PER_RULE = 50
+"""At most this many violations of one rule are told; `Verdict.omitted` counts the rest."""
+
+RULES: Mapping[str, int | None] = MappingProxyType(
+    {
+        "unknown": 1,
+        "status": 1,
+        "presence": 1,
+        "occurrence": 1,
+        "group": 1,
+        "mode": 2,
+        "duration": 2,
+        "start": 2,
+        "release": 2,
+        "deadline": 2,
+        "precedence": 3,
+        "resources": 4,
+        "capacity": 4,
+        "reservoir": 5,
+        "rank": 6,
+        "interference": 6,
+        "state": 6,
+        "goal": 7,
+        "undecided": None,
+        "objective": None,
+    }
+)
+"""Each rule's short name, and the number it has under "What a valid schedule is" in the design.
+
+`undecided` says that a bounded search gave up, `objective` that what the schedule states about
+itself is not so; neither is a rule of its own there.
+"""
+
+_NAMED_IN_A_MESSAGE = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One way in which a schedule breaks a rule; times are in the task's unit."""
+
+    rule: str
+    number: int | None
+    message: str
+    actions: tuple[str, ...] = ()
+    times: tuple[Number, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """The machine-readable form; times as in a schedule document."""
+        return {
+            "rule": self.rule,
+            "number": self.number,
+            "message": self.message,
+            "actions": list(self.actions),
+            "times": [json_number(t) for t in self.times],
+        }
+
+    def __str__(self) -> str:
+        place = self.rule if self.number is None else f"rule {self.number}, {self.rule}"
+        return f"{place}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Whether a schedule is valid, every reason why not, and what its objectives are worth.
+
+    `objective` holds the values computed here from the entries: makespan, tardiness (in the task's
+    unit), reward and cost. `omitted` counts the violations beyond `SHOWN_PER_RULE` of each rule.
+    """
+
+    violations: tuple[Violation, ...]
+    objective: Mapping[str, Number]
+    omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    time_unit: str = "s"
+
+    @property
+    def valid(self) -> bool:
+        """Whether every rule is known to hold."""
+        return not self.violations
+
+    @property
+    def undecided(self) -> bool:
+        """Whether nothing worse is known than that a bounded search gave up."""
+        return bool(self.violations) and all(v.rule == "undecided" for v in self.violations)
+
+    @property
+    def makespan(self) -> Number:
+        """The latest end; 0 for an empty schedule."""
+        return self.objective["makespan"]
+
+    def as_json(self) -> dict[str, Any]:
+        """The document that `irc validate --format json` prints."""
+        return {
+            "irc_verdict": "1",
+            "valid": self.valid,
+            "undecided": self.undecided,
+            "makespan": json_number(self.makespan),
+            "objective": {name: json_number(value) for name, value in self.objective.items()},
+            "violations": [v.as_json() for v in self.violations],
+            "omitted": dict(self.omitted),
+        }
+
+    def __str__(self) -> str:
+        if self.valid:
+            return f"valid: {self._worth()}"
+        count = len(self.violations) + sum(self.omitted.values())
+        head = "undecided" if self.undecided else "not valid"
+        lines = [f"{head}, {count} violation{'s' if count > 1 else ''}:"]
+        lines += [f"  {violation}" for violation in self.violations]
+        lines += [f"  … and {more} more of rule {rule}" for rule, more in self.omitted.items()]
+        return "\n".join(lines)
+
+    def _worth(self) -> str:
+        units = {"makespan": f" {self.time_unit}", "tardiness": f" {self.time_unit}"}
+        return ", ".join(
+            f"{name} {format_number(value)}{units.get(name, '')}"
+            for name, value in self.objective.items()
+            if value or name == "makespan"
+        )
+
+
+class Violations:
+    """Collects violations while the rules are checked, and phrases times in the task's unit."""
+
+    def __init__(self, time_unit: str) -> None:
+        self.time_unit = time_unit
+        self._found: list[Violation] = []
+        self._count: Counter[str] = Counter()
+
+    def add(
+        self, rule: str, message: str, actions: Iterable[str] = (), times: Iterable[Number] = ()
+    ) -> None:
+        """Records a violation; `actions` and `times` are read only if it will be told."""
+        self._count[rule] += 1
+        if self._count[rule] <= SHOWN_PER_RULE:
+            distinct = tuple(dict.fromkeys(actions))
+            self._found.append(Violation(rule, RULES[rule], message, distinct, tuple(times)))
+
+    def merge(self, other: Violations) -> None:
+        """Takes over all that `other` collected."""
+        shown = Counter(violation.rule for violation in other._found)
+        for violation in other._found:
+            self.add(violation.rule, violation.message, violation.actions, violation.times)
+        self._count.update(other._count - shown)
+
+    def time(self, value: Number) -> str:
+        """ "3 s": a time with the task's unit."""
+        return f"{format_number(value)} {self.time_unit}"
+
+    def __bool__(self) -> bool:
+        return bool(self._count)
+
+    def __contains__(self, rule: str) -> bool:
+        return rule in self._count
+
+    @property
+    def found(self) -> tuple[Violation, ...]:
+        """All that will be told, by the number of the rule, what has none last."""
+        return tuple(sorted(self._found, key=lambda v: (v.number is None, v.number or 0)))
+
+    @property
+    def omitted(self) -> dict[str, int]:
+        """How many more there are of each rule than are told."""
+        return {
+            rule: count - SHOWN_PER_RULE
+            for rule, count in self._count.items()
+            if count > SHOWN_PER_RULE
+        }
+
+
+def listed(names: Iterable[str], count: int) -> str:
+    """ "'a', 'b' and 7 more": the first few of `count` names."""
+    shown = ", ".join(repr(name) for name in islice(names, _NAMED_IN_A_MESSAGE))
+    rest = count - _NAMED_IN_A_MESSAGE
+    return f"{shown} and {rest} more" if rest > 0 else shown

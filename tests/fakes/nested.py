@@ -1,0 +1,11 @@
+"""Runs another fake through irc.process, as a planner's wrapper that uses irc would."""
+
+import sys
+
+from irc.process import ProcessLimits, run
+
+run(
+    [sys.executable, *sys.argv[1:]],
+    ProcessLimits(),
+    on_line=lambda line: print(line, flush=True),
+)

@@ -1,0 +1,1 @@
+"""Slow, simple, independent answers that the compiler's own are compared with."""
