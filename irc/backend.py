@@ -15,7 +15,7 @@ from importlib.metadata import entry_points
 from typing import Any, ClassVar
 
 from irc._version import __version__
-from irc.canonical import canonical_task, task_sha256
+from irc.canonical import canonical_sha256, canonical_task
 from irc.diagnostics import Code, Diagnostic, InputError, Report, did_you_mean
 from irc.features import Feature, FeatureUse, features_of
 from irc.model import Task
@@ -108,11 +108,12 @@ class Program:
     @cached_property
     def manifest(self) -> dict[str, Any]:
         """Everything needed to read an answer later: the canonical task, names, tick, versions."""
+        canonical = canonical_task(self.task)
         return {
             "irc_manifest": MANIFEST_VERSION,
             "irc_version": __version__,
             "target": self.target,
-            "task_sha256": task_sha256(self.task),
+            "task_sha256": canonical_sha256(canonical),
             "tick": format_number(self.problem.to_units(1)),
             "time_unit": self.problem.time_unit,
             "bound": {
@@ -120,12 +121,16 @@ class Program:
                 "reason": self.problem.bound.reason,
             },
             "names": self.names,
-            "task": canonical_task(self.task),
+            "task": canonical,
         }
 
     def manifest_text(self) -> str:
-        """The manifest as JSON text, the same bytes for the same task."""
-        return json.dumps(self.manifest, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+        """The manifest as JSON text, one line for each of its parts; same task, same bytes."""
+        parts = (
+            f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
+            for key, value in self.manifest.items()
+        )
+        return "{" + ",\n".join(parts) + "}\n"
 
     def decode(self, answer: str) -> Schedule:
         """The exact schedule that an engine's raw answer stands for (not yet validated).

@@ -12,7 +12,7 @@ import json
 from typing import Any
 
 from irc.model import Task
-from irc.model.base import write_time
+from irc.model.base import Node, write_time
 from irc.times import Clock, Number, TimeError, json_number
 
 _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
@@ -37,9 +37,12 @@ def canonical_task(task: Task) -> dict[str, Any]:
 
 def task_sha256(task: Task) -> str:
     """The SHA-256 of the canonical form, in hexadecimal."""
-    text = json.dumps(
-        canonical_task(task), sort_keys=True, ensure_ascii=False, separators=(",", ":")
-    )
+    return canonical_sha256(canonical_task(task))
+
+
+def canonical_sha256(canonical: dict[str, Any]) -> str:
+    """The SHA-256 of a canonical form that is already at hand."""
+    text = json.dumps(canonical, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -67,8 +70,8 @@ def _as_written(node: Any) -> Any:
 def _object(node: Any, clock: Clock) -> dict[str, Any]:
     fields = type(node).model_fields
     shown: dict[str, Any] = {}
-    for name, value in node.__dict__.items():
-        default = fields[name].default
+    for name in sorted(node.model_fields_set):
+        value, default = getattr(node, name), fields[name].default
         if value == default or value in ((), {}):
             continue
         written = _value(name, value, clock)
@@ -78,17 +81,19 @@ def _object(node: Any, clock: Clock) -> dict[str, Any]:
 
 
 def _value(name: str, value: Any, clock: Clock) -> Any:
+    if type(value) is str or type(value) is int or value is None:
+        return value
     if isinstance(value, tuple):
         items = [_value("", item, clock) for item in value]
         if name in _SETS:
             unique = {_sort_key(item): item for item in items}
             return [unique[key] for key in sorted(unique)]
         return sorted(items, key=_sort_key) if name in _BAGS else items
-    if hasattr(value, "model_fields_set"):
+    if isinstance(value, Node):
         return _object(value, clock)
     if name == "origin":
         return value.isoformat()
-    if value is None or isinstance(value, (str, bool, dict)):
+    if isinstance(value, (bool, dict)):
         return value
     return _number(value, clock)
 
@@ -103,7 +108,15 @@ def _number(value: Any, clock: Clock) -> Any:
     return json_number(number)
 
 
-def _sort_key(item: Any) -> str:
-    if isinstance(item, dict) and "id" in item:
-        return f"0{item['id']}"
-    return "1" + json.dumps(item, sort_keys=True, ensure_ascii=False)
+_ENCODER = json.JSONEncoder(sort_keys=True, ensure_ascii=False)
+
+
+def _sort_key(item: Any) -> tuple[str, ...]:
+    if isinstance(item, dict):
+        if "id" in item:
+            return (item["id"],)
+        if len(item) == 2 and "before" in item:
+            return (item["before"], item["after"])
+        if "before" in item:
+            return (item["before"], item["after"], _ENCODER.encode(item))
+    return ("", "", _ENCODER.encode(item))

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 from irc.backend import (
+    MANIFEST_VERSION,
     Backend,
     Engine,
+    EngineFailed,
     EngineMissing,
     Limits,
     OnProgress,
@@ -22,12 +25,14 @@ from irc.backend import (
 )
 from irc.canonical import task_sha256
 from irc.checks import Checked, run_checks
-from irc.diagnostics import Diagnostic, InputError, Report
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.frontends.shape import to_task
 from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import Problem
-from irc.retime import Placed, earliest_schedule
+from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
+from irc.validate import Verdict, validate
 
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""
@@ -42,9 +47,9 @@ class Answer:
     notes: tuple[Diagnostic, ...] = ()
 
 
-def check_task(task: Task) -> Report:
-    """All diagnostics of a task, errors, warnings and notes."""
-    return run_checks(task).report
+def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
+    """All diagnostics of a task, after the `earlier` ones about its text."""
+    return run_checks(task, earlier).report
 
 
 def _accepted(task: Task) -> Checked:
@@ -111,9 +116,87 @@ def solve_task(
             raise EngineMissing(reason)
         with _refusals_told(task):
             outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
-    return Answer(
-        finish(task, problem, outcome, target, time.perf_counter() - began), problem, outcome.notes
-    )
+    schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
+    return Answer(_approved(task, schedule), problem, outcome.notes)
+
+
+def extract_answer(manifest: Mapping[str, Any], answer: str) -> Answer:
+    """A raw answer to a program, long after it was compiled: decoded, re-timed, validated.
+
+    Raises `InputError` where the manifest is not one of ours or the answer has no valid schedule.
+    """
+    began = time.perf_counter()
+    task, target, names = _read_manifest(manifest)
+    backend = get_backend(target)
+    problem = lower_for(task, backend)
+    try:
+        schedule = backend.decode(problem, names, answer)
+    except AnswerError as error:
+        diagnostic = Diagnostic(Code.BAD_ANSWER, str(error))
+        raise InputError(Report((diagnostic,))) from None
+    outcome = Outcome(Status.FEASIBLE, "extract", schedule)
+    schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
+    return Answer(_approved(task, replace(schedule, engine=None)), problem)
+
+
+def _read_manifest(manifest: Mapping[str, Any]) -> tuple[Task, str, Mapping[str, Any]]:
+    findings = Findings()
+    if manifest.get("irc_manifest") != MANIFEST_VERSION:
+        findings.add(
+            Code.BAD_ANSWER,
+            f"this is not a manifest of this version: 'irc_manifest' must be {MANIFEST_VERSION!r}",
+            hint="give the manifest.json that `irc compile -o` wrote",
+        )
+        raise InputError(Report(tuple(findings.items)))
+    raw, target, names = (manifest.get(key) for key in ("task", "target", "names"))
+    if (
+        not isinstance(raw, Mapping)
+        or not isinstance(target, str)
+        or not isinstance(names, Mapping)
+    ):
+        findings.add(Code.BAD_ANSWER, "the manifest lacks 'task', 'target' or 'names'")
+        raise InputError(Report(tuple(findings.items)))
+    task = to_task(raw, findings)
+    if task is None:
+        raise InputError(Report(tuple(findings.items)))
+    if task_sha256(task) != manifest.get("task_sha256"):
+        findings.add(Code.BAD_ANSWER, "the manifest was changed: its task has another hash")
+        raise InputError(Report(tuple(findings.items)))
+    return task, target, names
+
+
+def _approved(task: Task, schedule: Schedule) -> Schedule:
+    """The schedule, once the validator has found nothing against it.
+
+    Raises `EngineFailed` with the validator's reasons otherwise: nothing invalid is reported.
+    """
+    if schedule.status not in (Status.OPTIMAL, Status.FEASIBLE):
+        return schedule
+    verdict = validate(task, schedule)
+    if not verdict.valid:
+        reasons = "; ".join(v.message for v in verdict.violations[:3])
+        raise EngineFailed(f"the answer was rejected by the validator: {reasons}")
+    return schedule
+
+
+def validate_schedule(task: Task, schedule: Schedule) -> Verdict:
+    """The independent verdict on a schedule, once the task itself has been checked.
+
+    Raises `InputError` for a faulty task, or a schedule that says it is of another task.
+    """
+    report = run_checks(task, lint=False).report
+    structural = [d for d in report.errors if not d.code.id.startswith("IRC3")]
+    if structural:
+        raise InputError(report)
+    if schedule.task_sha256 is not None and schedule.task_sha256 != task_sha256(task):
+        diagnostic = Diagnostic(
+            Code.BAD_SCHEDULE,
+            "this schedule was made for another task, or the task has changed since",
+            ("task_sha256",),
+            "remove 'task_sha256' from the schedule to judge it all the same",
+        )
+        raise InputError(Report((diagnostic,)))
+    return validate(task, schedule)
 
 
 def _engine(backend: Backend, name: str) -> Engine:

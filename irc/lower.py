@@ -62,6 +62,8 @@ def _greatest_capacity(task: Task, index: int) -> int:
 
 def _is_sure(action: Action, clock: Clock) -> bool:
     """Whether every schedule contains the action exactly once, with durations that make sense."""
+    if type(action.duration) is int and not action.modes and action.occurs == "once":
+        return action.duration >= 0
     if action.occurrence_bounds != (1, 1) or not (action.duration is not None or action.modes):
         return False
     try:
@@ -101,6 +103,7 @@ def _tick(task: Task, kept: Iterable[int], clock: Clock) -> tuple[ToTicks, Fract
 
 
 def _times(task: Task, kept: Iterable[int]) -> Iterator[Instant]:
+    """Every time of what is kept, as it was written."""
     if task.deadline is not None:
         yield task.deadline
     for i in kept:
@@ -176,14 +179,21 @@ def _claims(uses: tuple[Requirement, ...]) -> tuple[Claim, ...]:
 
 
 def _arcs(task: Task, index: dict[str, int], to_ticks: ToTicks) -> tuple[Arc, ...]:
-    arcs = [
-        _arc(edge, k, index, to_ticks)
-        for k, edge in enumerate(task.precedence)
-        if edge.before in index and edge.after in index and edge.before != edge.after
-    ]
-    arcs.sort(key=_arc_order)
-    return tuple(
-        arc for k, arc in enumerate(arcs) if not k or _arc_order(arcs[k - 1]) != _arc_order(arc)
+    """Plain precedences first, then the others, each in canonical order and once."""
+    plain: dict[tuple[int, int], int] = {}
+    others: dict[tuple[int, ...], Arc] = {}
+    for k, edge in enumerate(task.precedence):
+        before, after = index.get(edge.before), index.get(edge.after)
+        if before is None or after is None or before == after:
+            continue
+        if edge.max_lag is None and edge.min_lag == 0 and edge.type == "finish-start":
+            plain.setdefault((before, after), k)
+        else:
+            arc = _arc(edge, k, index, to_ticks)
+            others.setdefault(_arc_order(arc), arc)
+    return (
+        *(Arc(before, after, origin=k) for (before, after), k in sorted(plain.items())),
+        *(others[key] for key in sorted(others)),
     )
 
 
@@ -199,5 +209,5 @@ def _arc(edge: Precedence, origin: int, index: dict[str, int], to_ticks: ToTicks
     )
 
 
-def _arc_order(arc: Arc) -> tuple[int, int, bool, bool, int, int]:
-    return (*arc[:5], -1 if arc.max_lag is None else arc.max_lag)
+def _arc_order(arc: Arc) -> tuple[int, ...]:
+    return (*arc[:5], arc.max_lag is not None, arc.max_lag or 0)

@@ -8,8 +8,9 @@ positive cycles. Source: Dechter, Meiri, Pearl, "Temporal constraint networks", 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 
 @dataclass
@@ -193,3 +194,19 @@ def components(
                             break
                     found.append(component)
     return found[::-1]
+
+
+def is_acyclic(size: int, arcs: Iterable[tuple[Any, ...]]) -> bool:
+    """Whether arcs (their first two fields: from, to) between numbered points form no cycle."""
+    following: list[list[int]] = [[] for _ in range(size)]
+    waiting = [0] * size
+    for arc in arcs:
+        following[arc[0]].append(arc[1])
+        waiting[arc[1]] += 1
+    ready = [point for point in range(size) if not waiting[point]]
+    for u in ready:
+        for v in following[u]:
+            waiting[v] -= 1
+            if not waiting[v]:
+                ready.append(v)
+    return len(ready) == size

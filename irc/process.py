@@ -119,7 +119,9 @@ class ProcessLimits:
         seconds: wall-clock time, at least 0.
         memory_mb: address space in MiB (RLIMIT_AS, `ulimit -v`), at least 1, for each process of
             the run by itself; what asks for more sees its allocation fail. Reserved but untouched
-            memory counts. Not enforced on Windows, nor where the shell cannot (macOS).
+            memory counts. Not enforced on Windows, nor where the shell cannot (macOS). The command
+            is then started by `/bin/sh`: a script whose interpreter is missing ends with exit code
+            126 or 127, where without a memory limit it is a `ProcessError`.
         output_bytes: bytes of stdout, at least 0.
 
     Raises:
@@ -530,6 +532,8 @@ class _Tree:
             found = _sent(os.killpg, group, number)
             if not found and exited:
                 self._group = None  # its number may soon be somebody else's
+            if found and number == _LOOK:
+                return True  # as cheaply as can be: it may be asked after each read
         for pid in _bearers(self._token, outside=group):
             found |= _sent(os.kill, pid, number)
         return found

@@ -48,6 +48,7 @@ class Model:
     ends: list[cp_model.IntVar | None]
     makespan: cp_model.IntVar
     literals: list[list[list[tuple[int, cp_model.IntVar]]]]
+    sizes: dict[int, cp_model.IntVar]
     positive: dict[int, cp_model.IntVar]
 
 
@@ -68,6 +69,7 @@ class _Builder:
         found = list_schedule(problem) if bounds or hints else None
         self.hint = found if hints else None
         self.horizon = self._horizon(found[0] if bounds and found else None)
+        self.sizes: dict[int, cp_model.IntVar] = {}
         self.positive: dict[int, cp_model.IntVar] = {}
 
     def _horizon(self, known: Sequence[Any] | None) -> int:
@@ -102,7 +104,7 @@ class _Builder:
             tail = self.problem.tails[i] if self.bounds else 0
             model.add(makespan >= self._end(i) + tail)
         model.minimize(makespan)
-        built = Model(model, starts, ends, makespan, literals, self.positive)
+        built = Model(model, starts, ends, makespan, literals, self.sizes, self.positive)
         if self.hint is not None:
             self._add_hint(built, *self.hint)
         return built
@@ -120,8 +122,12 @@ class _Builder:
             self.model.add(start + activity.duration_min <= latest_end)
         if activity.is_fixed:
             return start, None
-        end = self.model.new_int_var(0, latest_end, f"end {activity.id}")
-        self.model.add_linear_constraint(end - start, activity.duration_min, activity.duration_max)
+        end = self.model.new_int_var(0, max(0, latest_end), f"end {activity.id}")
+        size = self.model.new_int_var(
+            activity.duration_min, activity.duration_max, f"duration {activity.id}"
+        )
+        self.model.add(start + size == end)
+        self.sizes[i] = size
         return start, end
 
     def _end(self, i: int) -> Any:
@@ -147,9 +153,8 @@ class _Builder:
         if activity.duration_min > 0:
             return None
         literal = self.model.new_bool_var(f"holds {activity.id}")
-        size = self._end(i) - self.starts[i]
-        self.model.add(size >= 1).only_enforce_if(literal)
-        self.model.add(size == 0).only_enforce_if(~literal)
+        self.model.add(self.sizes[i] >= 1).only_enforce_if(literal)
+        self.model.add(self.sizes[i] == 0).only_enforce_if(~literal)
         self.positive[i] = literal
         return literal
 
@@ -188,10 +193,10 @@ class _Builder:
             return self.model.new_optional_fixed_size_interval_var(
                 start, size, literal, activity.id
             )
-        end = self._end(i)
+        length, end = self.sizes[i], self._end(i)
         if literal is None:
-            return self.model.new_interval_var(start, end - start, end, activity.id)
-        return self.model.new_optional_interval_var(start, end - start, end, literal, activity.id)
+            return self.model.new_interval_var(start, length, end, activity.id)
+        return self.model.new_optional_interval_var(start, length, end, literal, activity.id)
 
     def _take(self, r: int, interval: cp_model.IntervalVar, amount: int) -> None:
         self.users[r].intervals.append(interval)
@@ -217,6 +222,8 @@ class _Builder:
             for taken, literals in zip(choices[i], built.literals[i], strict=True):
                 for r, literal in literals:
                     self.model.add_hint(literal, int(r == taken))
+        for i, size in built.sizes.items():
+            self.model.add_hint(size, decisions[i].end - decisions[i].start)
         for i, literal in built.positive.items():
             self.model.add_hint(literal, int(decisions[i].end > decisions[i].start))
         latest = max((int(d.end) for d in decisions), default=0)

@@ -75,7 +75,7 @@ def _set_limits(solver: Any, limits: Limits, spent: float) -> None:
 def _reporter(engine: str, built: Model, on_progress: OnProgress) -> Any:
     from ortools.sat.python import cp_model
 
-    class Reporter(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
+    class Reporter(cp_model.CpSolverSolutionCallback):
         def on_solution_callback(self) -> None:
             on_progress(
                 Progress(

@@ -41,7 +41,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lark import Lark
+    from lark import Lark, UnexpectedInput
 
 __all__ = ["Damage", "PlanBlock", "PlanLog", "PlanStep", "read_plans"]
 
@@ -204,9 +204,11 @@ _EVENT = re.compile(
 
 _HEADING = re.compile(r";[ ]?(?:Solution Found|Plan found with metric[ ]?(?P<metric>[^\s;]{0,64}))")
 _UNSOLVABLE = re.compile(r"[Pp]roblem [Uu]nsolvable|: unsolvable|Goals unreachable")
-_STEP_HEAD = re.compile(
-    r"(?:[ \t]|\x1b\[[0-9;]{0,16}m){0,64}[^\s:()]{1,64}[ \t]{0,64}:[ \t]{0,64}\("
-)
+_LEAD = r"(?:[ \t]|\x1b\[[0-9;]{0,16}m){0,64}"
+_STEP_HEAD = re.compile(_LEAD + r"[^\s:()]{1,64}[ \t]{0,64}:[ \t]{0,64}\(")
+"""How a step begins wherever it stands: a time, a colon, a parenthesis."""
+_STEP_REMAINS = re.compile(_LEAD + r"[^\s:()\[]{1,64}[ \t]{0,64}(?:[:(\[]|$)")
+"""What is enough among steps to be a damaged one: punctuation, or nothing, behind a number."""
 _COMMENTS = re.compile(r"(?:[ \t]{0,64}+;[^\n]*+\n)*+")
 _NUMBER = re.compile(
     r"[-+]?(?:[0-9]{1,40}(?:\.[0-9]{0,40})?|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,2})?"
@@ -304,11 +306,7 @@ class _Reader:
     def _take_clue(self, line: int, start: int, end: int) -> None:
         """A line that is neither a step nor a figure, with a word in it that matters."""
         if heading := _HEADING.search(self._text, start, end):
-            self._close()
-            metric = heading["metric"]
-            kind = _Heading.SOLUTION if metric is None else _Heading.FOUND
-            self._open(kind, line, end)
-            self._set_figure("metric", metric or "", line)
+            self._take_heading(line, end, heading["metric"])
         elif _UNSOLVABLE.search(self._text, start, end):
             self._close()
             self._reported_unsolvable = True
@@ -319,24 +317,40 @@ class _Reader:
             self._spoil(line, self._shown(start, end), "the line does not begin with a time")
             self._extend(end)
 
+    def _take_heading(self, line: int, end: int, metric: str | None) -> None:
+        self._close()
+        self._open(_Heading.SOLUTION if metric is None else _Heading.FOUND, line, end)
+        self._set_figure("metric", metric or "", line)
+
     def _take_figure(self, line: int, end: int, figure: str, value: str) -> None:
         """A comment with a cost, metric or makespan: of the plan above, or of the next one."""
         name = "makespan" if figure == "makespan" else "metric"
         draft = self._draft
-        if draft is None or (draft.steps and self._has_figure(draft, name)):
+        if draft is None or not self._can_be_of(draft, name):
             self._close()
             self._open(_Heading.FIGURE, line, end)
-        elif draft.steps:
+        elif draft.steps or draft.damage:
             draft.is_over = True
         self._set_figure(name, value, line)
         self._extend(end)
 
+    def _can_be_of(self, draft: _Draft, name: str) -> bool:
+        """The figure may belong to the draft; if not, it announces the next plan."""
+        if draft.heading is _Heading.NONE and not draft.steps:
+            return False
+        return not ((draft.steps or draft.damage) and self._has_figure(draft, name))
+
     def _take_step(self, line: int, start: int, end: int) -> None:
         """A line that begins like a number: a step, a damaged step, or chatter."""
+        is_shaped = _STEP_HEAD.match(self._text, start, end) is not None
+        heading = None if is_shaped else _HEADING.search(self._text, start, end)
+        if heading:
+            self._take_heading(line, end, heading["metric"])
+            return
         if self._draft is not None and self._draft.is_given_up:
             return
         is_next = self._is_next_in_draft(start)
-        if not is_next and not _STEP_HEAD.match(self._text, start, end):
+        if not is_shaped and not (is_next and _STEP_REMAINS.match(self._text, start, end)):
             return
         if self._draft is not None and self._draft.is_over:
             self._close()
@@ -370,8 +384,9 @@ class _Reader:
         return not draft.steps or any(step.duration is not None for step in draft.steps)
 
     def _is_next_in_draft(self, start: int) -> bool:
-        """Nothing but comments stands between the draft's last line and this one."""
-        if self._draft is None or self._draft.is_given_up or self._is_behind_gap:
+        """Nothing but comments stands between the last line of an open draft and this one."""
+        draft = self._draft
+        if draft is None or draft.is_given_up or draft.is_over or self._is_behind_gap:
             return False
         comments = _COMMENTS.fullmatch(self._text, self._draft_end + 1, start)
         self._is_behind_gap = comments is None
@@ -452,8 +467,8 @@ class _Reader:
             self._plans[identity] = replace(earlier, metric=block.metric)
 
     def _lacking(self, draft: _Draft, at_end: bool) -> str:
-        """What shows that steps are missing from the draft; empty where nothing does."""
-        if not draft.steps and draft.damage:
+        """What shows that steps are missing from an undamaged draft; empty where nothing does."""
+        if draft.damage:
             return ""
         if not draft.steps and draft.metric != 0:
             return "no step follows the heading"
@@ -502,9 +517,7 @@ def _parse_step(source: str, line: int) -> PlanStep:
     try:
         tree = _step_parser().parse(source)
     except UnexpectedInput as error:
-        at = error.pos_in_stream
-        rest = source[at : at + 20] if at is not None and at >= 0 else ""
-        raise _UnreadableStep(_where(rest)) from None
+        raise _UnreadableStep(_told(error, source)) from None
     start, words, duration = (None if child is None else str(child) for child in tree.children)
     name, *args = (words or "").lower().split() or [""]
     if not name:
@@ -518,8 +531,13 @@ def _parse_step(source: str, line: int) -> PlanStep:
     )
 
 
-def _where(rest: str) -> str:
-    return f"not a step from {rest!r} on" if rest else "the step is not finished"
+def _told(error: UnexpectedInput, source: str) -> str:
+    """What Lark found, in words that do not name its tokens."""
+    at = error.pos_in_stream
+    token = getattr(error, "token", None)
+    if at is None or (token is not None and token.type == "$END"):
+        return "the step is not finished"
+    return f"not a step from {source[at : at + 20]!r} on"
 
 
 def _exact(text: str, what: str) -> Fraction:

@@ -126,3 +126,118 @@ def _window_from(problem: Problem, load: Load, works: dict[int, int], head: int)
 def _works(problem: Problem, load: Load) -> Iterator[int]:
     for i, amount in zip(load.activities, load.amounts, strict=True):
         yield amount * problem.activities[i].duration_min
+
+
+def loads(problem: Problem) -> Iterator[Load]:
+    """What is contended for: each resource, each pool of alternatives, and views of them.
+
+    A claim that can only be met inside a set of resources loads the sum of their capacities.
+    """
+    demands = _demands(problem)
+    room = _room(problem, demands)
+    singles = [frozenset(key) for key in sorted(demands) if len(key) == 1]
+    for members in (*singles, *_pools(demands)):
+        total: Counter[int] = Counter()
+        for key, claims in demands.items():
+            if members.issuperset(key):
+                for i, amount in claims:
+                    total[i] += amount
+        load = Load(
+            _named(problem, sorted(members)),
+            _fill(sum(room[r] for r in members), total.values()),
+            tuple(sorted(total)),
+            tuple(total[i] for i in sorted(total)),
+        )
+        if load.capacity and sum(load.amounts) > load.capacity:
+            yield load
+            yield from _crowds(load)
+
+
+Demands = dict[tuple[int, ...], list[tuple[int, int]]]
+"""For each set of alternatives the (activity, amount) pairs of the claims on it."""
+
+
+def _demands(problem: Problem) -> Demands:
+    """Claims that cost something, on those of their alternatives that can meet them."""
+    demands: Demands = {}
+    for i, activity in enumerate(problem.activities):
+        if not activity.duration_min:
+            continue
+        for _, alternatives, amount in activity.claims:
+            key = alternatives
+            if len(key) > 1:
+                key = tuple(r for r in key if amount <= problem.shared[r].capacity) or key
+            demands.setdefault(key, []).append((i, amount))
+    return demands
+
+
+def _room(problem: Problem, demands: Demands) -> dict[int, int]:
+    """For each resource how much of it can be in use at once."""
+    amounts: dict[int, Counter[int]] = {}
+    for key, claims in demands.items():
+        counted = Counter(amount for _, amount in claims)
+        for r in key:
+            amounts.setdefault(r, Counter()).update(counted)
+    return {r: _fill(problem.shared[r].capacity, a.elements()) for r, a in amounts.items()}
+
+
+def _fill(capacity: int, amounts: Iterable[int]) -> int:
+    """The greatest sum of some of `amounts` that is at most `capacity`, or `capacity` itself."""
+    if capacity > FILL_LIMIT:
+        return capacity
+    reachable, within = 1, (1 << (capacity + 1)) - 1
+    for amount in amounts:
+        if amount <= capacity:
+            reachable |= (reachable << amount) & within
+        if reachable >> capacity:
+            return capacity
+    return reachable.bit_length() - 1
+
+
+def _pools(demands: Demands) -> list[frozenset[int]]:
+    """The sets of alternatives, and unions of those that overlap, while there is room."""
+    pools = [frozenset(key) for key in sorted(demands) if len(key) > 1][:POOLS_LIMIT]
+    known = set(pools)
+    for k, one in enumerate(pools):
+        for other in pools[:k]:
+            if len(pools) >= POOLS_LIMIT:
+                return pools
+            both = one | other
+            if one & other and both not in known:
+                known.add(both)
+                pools.append(both)
+    return pools
+
+
+def _crowds(load: Load) -> Iterator[Load]:
+    """Views that count units more sharply: amounts above 1/2 of it fit one at a time, and so on.
+
+    Of amounts whose sum is at most the capacity c, `ceil((m + 1) * amount / c) - 1` sums up to
+    at most m: each is below (m + 1) * amount / c, so their sum is below m + 1. (Dual feasible
+    functions: Fekete, Schepers, "New classes of fast lower bounds for bin packing", 2001.)
+    """
+    capacity = load.capacity
+    for m in range(1, min(CROWDS_LIMIT, capacity - 1) + 1):
+        counts = [-(-(m + 1) * amount // capacity) - 1 for amount in load.amounts]
+        sharper = any(
+            n * capacity > amount * m for n, amount in zip(counts, load.amounts, strict=True)
+        )
+        if sharper and sum(counts) > m:
+            kept = [k for k, n in enumerate(counts) if n]
+            yield Load(
+                f"{load.of}, amounts above 1/{m + 1} of it",
+                m,
+                tuple(load.activities[k] for k in kept),
+                tuple(counts[k] for k in kept),
+            )
+
+
+def _named(problem: Problem, members: list[int]) -> str:
+    """The resources behind some shared ones, in the user's words."""
+    names = [repr(problem.resources[k].id) for r in members for k in problem.shared[r].members]
+    if len(names) > _NAMES_SHOWN:
+        names = [*names[:_NAMES_SHOWN], f"{len(names) - _NAMES_SHOWN} more"]
+    return " or ".join(names)
+
+
+_NAMES_SHOWN = 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Mapping, Sequence
 
 from irc.model import Use
@@ -12,6 +12,9 @@ from irc.validate.verdict import Violations
 MAX_PARTIAL_CHOICES = 100_000
 """Choices among *different* amounts are a packing problem; beyond so many partial ones the
 validator says that it does not know. Choices among equal amounts are a matching, never bounded."""
+
+_Choice = tuple[int, frozenset[str]]
+"""An amount, and the resources of which one gives it."""
 
 
 def check_choices(subject: Subject, violations: Violations) -> None:
@@ -59,27 +62,27 @@ def is_explained(uses: Sequence[Use], named: Mapping[str, int]) -> bool | None:
 
     None where that could not be decided within `MAX_PARTIAL_CHOICES`.
     """
-    left = Counter(dict(named))
-    choices: list[tuple[int, frozenset[str]]] = []
+    left = dict(named)
+    choices: list[_Choice] = []
     for use in uses:
-        if use.one_of is None:
-            left.subtract(dict.fromkeys(use.alternatives, use.amount))
-        else:
-            choices.append((use.amount, frozenset(use.one_of)))
+        if use.resource is None:
+            choices.append((use.amount, frozenset(use.alternatives)))
+            continue
+        left[use.resource] = left.get(use.resource, 0) - use.amount
+    left = {name: amount for name, amount in left.items() if amount}
     if any(amount < 0 for amount in left.values()):
         return False
-    left = +left
-    if sum(amount for amount, _ in choices) != left.total():
+    if sum(amount for amount, _ in choices) != sum(left.values()):
         return False
-    if len({amount for amount, _ in choices}) <= 1:
+    if len(choices) <= 1:
+        return all(name in choices[0][1] for name in left) and len(left) == len(choices)
+    if len({amount for amount, _ in choices}) == 1:
         return _match_equal(choices, left)
     return _pack(choices, left)
 
 
-def _match_equal(choices: Sequence[tuple[int, frozenset[str]]], left: Counter[str]) -> bool:
+def _match_equal(choices: Sequence[_Choice], left: Mapping[str, int]) -> bool:
     """Choices of one amount: a bipartite matching by augmenting paths, O(choices × edges)."""
-    if not choices:
-        return True
     amount = choices[0][0]
     if any(total % amount for total in left.values()):
         return False
@@ -90,7 +93,7 @@ def _match_equal(choices: Sequence[tuple[int, frozenset[str]]], left: Counter[st
 
 def _augment(
     index: int,
-    choices: Sequence[tuple[int, frozenset[str]]],
+    choices: Sequence[_Choice],
     room: Mapping[str, int],
     taken: dict[str, set[int]],
 ) -> bool:
@@ -127,7 +130,7 @@ def _shift(
         taken[name].discard(chooser)
 
 
-def _pack(choices: Sequence[tuple[int, frozenset[str]]], left: Counter[str]) -> bool | None:
+def _pack(choices: Sequence[_Choice], left: Mapping[str, int]) -> bool | None:
     """Choices of different amounts: all reachable remainders, the largest amounts first."""
     names = sorted(left)
     order = sorted(choices, key=lambda choice: (-choice[0], len(choice[1]), sorted(choice[1])))
@@ -151,9 +154,7 @@ def _pack(choices: Sequence[tuple[int, frozenset[str]]], left: Counter[str]) -> 
     return bool(remainders)
 
 
-def _possible_totals(
-    order: Sequence[tuple[int, frozenset[str]]], names: Sequence[str]
-) -> list[list[int]]:
+def _possible_totals(order: Sequence[_Choice], names: Sequence[str]) -> list[list[int]]:
     """After each choice, how much of each resource the choices that follow could still take."""
     totals = [[0] * len(names)]
     for amount, alternatives in reversed(order[1:]):

@@ -23,12 +23,14 @@ def check_capacity(subject: Subject, violations: Violations) -> None:
         if occurrence.end <= occurrence.start:
             continue
         for name, amount in occurrence.entry.resources.items():
+            if amount <= 0:
+                continue
             steps = holds.setdefault(name, [])
             steps.append((occurrence.start, amount, occurrence.number))
             steps.append((occurrence.end, -amount, occurrence.number))
     for resource in subject.resources.values():
         if resource.kind == "renewable" and resource.id in holds:
-            _check_renewable(subject, resource, sorted(holds[resource.id]), violations)
+            _check_renewable(subject, resource, holds[resource.id], violations)
 
 
 def _check_renewable(

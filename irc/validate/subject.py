@@ -134,7 +134,9 @@ def resolve(task: Task, schedule: Schedule) -> Subject:
 
 def _occurrence(number: int, entry: Entry, action: Action, clock: Clock) -> Occurrence:
     mode = next((m for m in action.modes if m.id == entry.mode), None)
-    duration = action.duration if mode is None and not action.modes else mode and mode.duration
+    duration = action.duration
+    if action.modes:
+        duration = None if mode is None else mode.duration
     shortest: Number | None
     longest: Number | None
     if isinstance(duration, DurationRange):
@@ -198,9 +200,11 @@ def _check_references(
         _check_action(action, renewable, stocks, variables)
         if action.start is not None and action.id in repeatable:
             raise UncheckedTaskError(f"{action.id!r} may repeat, so it can have no fixed start")
+    single = actions.keys() - repeatable
     for precedence in task.precedence:
-        for name in (precedence.before, precedence.after):
-            _require_single(name, actions, repeatable, "a precedence")
+        if precedence.before not in single or precedence.after not in single:
+            for name in (precedence.before, precedence.after):
+                _require_single(name, actions, repeatable, "a precedence")
     for group in task.groups:
         for name in group.actions:
             _require_single(name, actions, repeatable, f"the group {group.id!r}")

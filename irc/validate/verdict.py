@@ -162,8 +162,10 @@ class Violations:
     def __bool__(self) -> bool:
         return bool(self._count)
 
-    def __contains__(self, rule: str) -> bool:
-        return rule in self._count
+    @property
+    def only_undecided(self) -> bool:
+        """Whether all that was found is that a search gave up."""
+        return set(self._count) == {"undecided"}
 
     @property
     def found(self) -> tuple[Violation, ...]:

@@ -1,9 +1,14 @@
 """Prints a plan, begins a better one, and hangs in the middle of it."""
 
+import os
 import time
 
-print("; Plan found with metric 12.000")
-print("0.000: (grill) [10.000]")
-print("10.001: (stack) [1.000]")
-print("; Plan found with metric 11.000\n0.000: (gri", end="", flush=True)
+PLANS = b"""\
+; Plan found with metric 12.000
+0.000: (grill) [10.000]
+10.001: (stack) [1.000]
+; Plan found with metric 11.000
+0.000: (gri"""
+
+os.write(1, PLANS)
 time.sleep(600)

@@ -31,7 +31,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from typing import TypeVar
 
 import networkx as nx
@@ -49,12 +49,16 @@ Held = dict[str, dict[int, int]]
 _Part = TypeVar("_Part", Action, Resource)
 
 _TASK_FIELDS = frozenset(
-    ["irc", "name", "description", "time_unit", "days_per_month", "deadline", "origin"]
-    + ["metadata", "resources", "actions", "precedence", "objective"]
+    [
+        *("irc", "name", "description", "time_unit", "days_per_month", "deadline", "origin"),
+        *("metadata", "resources", "actions", "precedence", "objective"),
+    ]
 )
 _ACTION_FIELDS = frozenset(
-    ["id", "label", "description", "duration", "uses", "release", "deadline", "start"]
-    + ["due", "weight", "reward", "cost"]
+    [
+        *("id", "label", "description", "duration", "uses", "release", "deadline", "start"),
+        *("due", "weight", "reward", "cost"),
+    ]
 )
 _RESOURCE_FIELDS = frozenset(["id", "label", "description", "capacity"])
 
@@ -121,33 +125,40 @@ def optimal_makespan(task: Task, horizon: int | None = None) -> int | None:
 def optimal_schedule(task: Task, horizon: int | None = None) -> Optimum | None:
     """A schedule that `optimal_makespan` stands for; the same one on every call."""
     facts = _facts(task)
-    edges = list(facts.edges)
+    edges = [*facts.edges, *_twin_edges(task, facts.point)]
     if horizon is not None:
         edges.append((facts.point.makespan, facts.point.origin, -horizon))
     bounds = _closure(2 * facts.point.size + 2, edges)
     if bounds is None:
         return None
-    search = _Search(facts)
-    search.visit(bounds, {r: {} for r in facts.capacities}, facts.choices)
-    return search.best
+    held: Held = {r: {} for r in facts.capacities}
+    found = _Search(facts).visit(bounds, held, facts.choices)
+    if found is None: return None
+    p = facts.point
+    for makespan in range(int(bounds[p.origin][p.makespan]), found.makespan):
+        within = _with_edge(bounds, p.makespan, p.origin, -makespan)
+        better = _Search(facts, makespan).visit(within, held, facts.choices)
+        if better: return better
+    return found
 
 
 @dataclass
 class _Search:
     facts: _Facts
-    best: Optimum | None = field(default=None, init=False)
+    limit: float = math.inf
 
     def visit(self, bounds: Bounds, held: Held, open_choices: tuple[_Choice, ...]) -> None:
-        if self.best is not None and self._lower_bound(bounds, held) >= self.best.makespan:
+        if self._lower_bound(bounds, held) > self.limit:
             return
         too_many = self._overload(bounds, held)
         if too_many is not None:
             for branch in self._resolutions(bounds, too_many):
-                self.visit(branch, held, open_choices)
+                r=self.visit(branch, held, open_choices)
+                if r: return r
         elif open_choices:
-            self._choose(bounds, held, open_choices)
+            return self._choose(bounds, held, open_choices)
         else:
-            self.best = self._optimum(bounds, held)
+            return self._optimum(bounds, held)
 
     def _choose(self, bounds: Bounds, held: Held, open_choices: tuple[_Choice, ...]) -> None:
         choice, *others = sorted(
@@ -162,7 +173,8 @@ class _Search:
             tried.add(twin)
             amounts = held[resource]
             more = {**amounts, choice.action: amounts.get(choice.action, 0) + choice.amount}
-            self.visit(bounds, {**held, resource: more}, tuple(others))
+            r= self.visit(bounds, {**held, resource: more}, tuple(others))
+            if r: return r
 
     def _twin_key(self, resource: str, held: Held) -> object:
         """Equal for two resources that nothing told apart yet: one of them need be tried."""
@@ -190,15 +202,16 @@ class _Search:
     def _resolutions(self, bounds: Bounds, too_many: list[int]) -> list[Bounds]:
         """One of `too_many` ends before another starts (before itself: it has length 0)."""
         point = self.facts.point
-        branches = (
-            _with_edge(bounds, point.end(i), point.start(j), 0)
-            for i, j in product(too_many, repeat=2)
-        )
-        end = point.makespan
-        return sorted(
-            (branch for branch in branches if branch is not None),
-            key=lambda branch: branch[point.origin][end],
-        )
+        branches: list[Bounds] = []
+        rest: Bounds | None = bounds
+        for i, j in product(too_many, repeat=2):
+            if rest is None:
+                break
+            branch = _with_edge(rest, point.end(i), point.start(j), 0)
+            if branch is not None:
+                branches.append(branch)
+            rest = _with_edge(rest, point.start(j), point.end(i), 1)
+        return sorted(branches, key=lambda branch: branch[point.origin][point.makespan])
 
     def _lower_bound(self, bounds: Bounds, held: Held) -> float:
         """Critical path, and for each resource: earliest head + work / capacity + least tail."""
@@ -266,6 +279,19 @@ def _with_edge(bounds: Bounds, u: int, v: int, weight: int) -> Bounds | None:
     ]
 
 
+def _twin_edges(task: Task, point: _Point) -> list[tuple[int, int, int]]:
+    """Puts actions that only their names tell apart in order of start: they could be exchanged."""
+    bound = {name for arc in task.precedence for name in (arc.before, arc.after)}
+    twins: dict[str, list[int]] = {}
+    for i, action in enumerate(_by_id(task.actions, "action").values()):
+        if action.id not in bound:
+            rest = action.model_dump_json(exclude={"id", "label", "description"})
+            twins.setdefault(rest, []).append(i)
+    return [
+        (point.start(i), point.start(j), 0) for alike in twins.values() for i, j in pairwise(alike)
+    ]
+
+
 def enough_time(task: Task) -> int:
     """A time by which some optimal schedule of `task` has ended, if there is a valid one.
 
@@ -287,13 +313,15 @@ def longest_path(task: Task) -> Number:
     By networkx's longest path through the graph of actions; exact for fractions too. Raises
     `ValueError` for any other feature, or for a cycle.
     """
-    _refuse(task, _TASK_FIELDS - {"deadline"}, "the task")
+    _refuse(task, _TASK_FIELDS - {"deadline", "resources"}, "the task")
     graph = nx.DiGraph()
     for action in _by_id(task.actions, "action").values():
         _refuse(action, _ACTION_FIELDS - {"uses", "deadline", "start"}, f"action {action.id!r}")
         if action.duration is None or isinstance(action.duration, DurationRange):
             raise ValueError(f"action {action.id!r} has no fixed duration")
         duration = task.number(action.duration)
+        if duration < 0:
+            raise ValueError(f"action {action.id!r} has a negative duration")
         graph.add_edge(("t = 0",), (action.id, "start"), weight=task.number(action.release))
         graph.add_edge((action.id, "start"), (action.id, "end"), weight=duration)
     for arc in task.precedence:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
@@ -114,7 +114,7 @@ def random_task(rng: random.Random, **knobs: Any) -> Task:
     setting = Knobs(**knobs)
     draft = _Draft()
     _draw_resources(rng, setting, draft)
-    for i in range(rng.randint(*setting.actions)):
+    for i in range(max(rng.randint(*setting.actions) for _ in range(2))):
         _draw_action(rng, setting, draft, i)
     _draw_max_lags(rng, setting, draft)
     _draw_windows(rng, setting, draft)
@@ -139,20 +139,22 @@ def big_capacity_task(rng: random.Random, **knobs: Any) -> Task:
 
 def contended_task(rng: random.Random, n: int) -> Task:
     """A feasible task of `n` jobs on stations, most with one of two or three robots, and lags."""
-    robots = [f"robot{i + 1}" for i in range(rng.randint(2, 3))]
+    robots = [f"robot{i + 1}" for i in range(2 if n < 12 else 3)]
     stations = [f"station{i + 1}" for i in range(max(2, n // 4))]
     actions: list[Document] = []
     precedence: list[Document] = []
     for i in range(n):
         uses: list[Document] = [{"resource": rng.choice(stations)}]
-        if rng.random() < 0.7:
+        if rng.random() < 0.8:
             uses.append({"one_of": robots})
         actions.append({"id": f"job{i + 1}", "duration": rng.randint(1, 9), "uses": uses})
-        for before in rng.sample(range(i), min(i, rng.choice((0, 1, 1, 2)))):
-            lag = {"min_lag": rng.randint(1, 4)} if rng.random() < 0.4 else {}
-            precedence.append({"before": f"job{before + 1}", "after": f"job{i + 1}", **lag})
-    resources = [{"id": r} for r in robots]
-    resources += [{"id": s, "capacity": rng.choice((1, 1, 2))} for s in stations]
+        for before in rng.sample(range(i), min(i, rng.choice((0, 0, 1, 1, 2)))):
+            arc: Document = {"before": f"job{before + 1}", "after": f"job{i + 1}"}
+            if rng.random() < 0.4:
+                arc["min_lag"] = rng.randint(1, 4)
+            precedence.append(arc)
+    resources: list[Document] = [{"id": robot} for robot in robots]
+    resources += [{"id": s, "capacity": rng.choice((1, 1, 1, 2))} for s in stations]
     return Task.model_validate(
         {"resources": resources, "actions": actions, "precedence": precedence}
     )
@@ -186,7 +188,7 @@ def _draw_action(rng: random.Random, setting: Knobs, draft: _Draft, i: int) -> N
 def _draw_uses(rng: random.Random, setting: Knobs, draft: _Draft) -> list[Document]:
     uses: list[Document] = []
     room = {r["id"]: r["capacity"] for r in draft.resources}
-    for _ in range(rng.choice((0, 1, 1, 1, 2)) if room else 0):
+    for _ in range(rng.choice((0, 1, 1, 1, 1, 2, 2)) if room else 0):
         pool = rng.sample(list(room), rng.randint(2, len(room))) if len(room) > 1 else []
         if not setting.one_of or rng.random() < 0.6:
             pool = []
@@ -206,8 +208,8 @@ def _draw_uses(rng: random.Random, setting: Knobs, draft: _Draft) -> list[Docume
 def _draw_amount(rng: random.Random, setting: Knobs, most: int) -> int:
     if not setting.amounts or most == 1:
         return 1
-    if most > 5:
-        return rng.randint(max(2, most // 5), max(2, most * 3 // 4))
+    if most >= 5:
+        return rng.randint(max(2, most // 3), max(2, most * 3 // 4))
     return rng.randint(1, most) if rng.random() < 0.4 else 1
 
 
@@ -215,7 +217,7 @@ def _draw_arcs(rng: random.Random, setting: Knobs, i: int) -> list[Document]:
     if not setting.precedence:
         return []
     arcs: list[Document] = []
-    for j in rng.sample(range(i), min(i, rng.choice((0, 0, 1, 1, 2)))):
+    for j in rng.sample(range(i), min(i, rng.choice((0, 0, 0, 1, 1, 2)))):
         arc: Document = {"before": f"a{j + 1}", "after": f"a{i + 1}"}
         if setting.types:
             arc["type"] = rng.choices(_TYPES, _TYPE_WEIGHTS)[0]
@@ -307,8 +309,12 @@ _REFERENCES = {
 """Fields whose text (or list of texts) names something, and the name space it is in."""
 
 _OWNERS = {
-    **{"actions": "action", "resources": "resource", "groups": "group", "state": "state"},
-    **{"modes": "mode", "events": "event"},
+    "actions": "action",
+    "resources": "resource",
+    "groups": "group",
+    "state": "state",
+    "modes": "mode",
+    "events": "event",
 }
 """Lists whose objects have an `id`, and its name space."""
 
@@ -319,15 +325,20 @@ def hostile_names(task: Task, rng: random.Random) -> Task:
     Actions, resources, groups, state variables, modes and events have name spaces of their own,
     so an action and a resource may now have the same name.
     """
+
+    def fresh(space: str, old: str, taken: Collection[str]) -> str:
+        free = [name for name in HOSTILE_NAMES if name not in taken]
+        return rng.choice(free) if free else "(" * (len(taken) + 1)
+
     document = task.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    return Task.model_validate(_Renamer(rng).renamed(document))
+    return Task.model_validate(_Renamer(fresh).renamed(document))
 
 
 @dataclass
 class _Renamer:
-    """Renames what it meets for the first time, and remembers it."""
+    """Asks `fresh(space, old name, names taken)` for a new name once for each old one."""
 
-    rng: random.Random
+    fresh: Callable[[str, str, Collection[str]], str]
     known: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def renamed(self, raw: Any, key: str = "") -> Any:
@@ -350,9 +361,7 @@ class _Renamer:
     def _name(self, space: str, old: str) -> str:
         names = self.known.setdefault(space, {})
         if old not in names:
-            taken = set(names.values())
-            free = [name for name in HOSTILE_NAMES if name not in taken]
-            names[old] = self.rng.choice(free) if free else "(" * (len(taken) + 1)
+            names[old] = self.fresh(space, old, names.values())
         return names[old]
 
 
@@ -360,22 +369,32 @@ class _Renamer:
 
 _Strategy = st.SearchStrategy[Any]
 
-_EARLIEST, _LATEST = datetime(1990, 1, 1), datetime(2100, 1, 1)
-_UNITS = ("ms", "s", "min", "h", "days", "weeks", "months", "years")
-_OBJECTIVES = (
-    *("minimize_makespan", "minimize_tardiness", "maximize_reward"),
-    *("minimize_cost", "minimize_changes"),
-)
+_ACTIONS, _LATE_ACTIONS = ("action 1", "action 2"), ("action 3",)
+_RENEWABLES, _RESERVOIRS, _GROUPS = ("robot 1", "robot 2"), ("stock 1",), ("order 1",)
+_STATE: dict[str, list[bool | str]] = {
+    "fact 1": [False, True],
+    "fact 2": ["raw", "grilled", ""],
+    "fact 3": [True, "true", ") (:goal", "1"],
+}
+_ZONES = (None, "", "Z", "+05:30")
+"""No origin at all, or the time zone of the origin and of every date-time beside it."""
 
-_TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
-_NAMES = st.sampled_from(HOSTILE_NAMES) | _TEXTS.filter(bool) | st.sampled_from(["a", "b", "c"])
+_CHARACTERS = st.characters(exclude_categories=["Cs"])
+_TEXTS = st.text(_CHARACTERS, max_size=20)
+_NAMES = st.sampled_from(HOSTILE_NAMES) | st.text(_CHARACTERS, min_size=1, max_size=20)
+_NAME_LISTS = st.fixed_dictionaries(
+    {
+        space: st.lists(_NAMES, max_size=4, unique=True)
+        for space in ("action", "resource", "state", "group")
+    }
+)
 _AMOUNTS = st.integers(1, 10**9)
 _INTEGERS = st.integers(-(10**12), 10**12)
-_QUANTITIES = (
-    st.builds("{} {}".format, st.integers(0, 10**6), st.sampled_from(_UNITS))
+_UNITS = st.sampled_from(["ms", "s", "min", "h", "days", "weeks", "months", "years"])
+_WITH_UNITS = (
+    st.builds("{} {}".format, st.integers(0, 10**6), _UNITS)
+    | st.builds("{}.{} {}".format, st.integers(0, 99), st.integers(0, 999), _UNITS)
     | st.builds("{} h {} min".format, st.integers(0, 99), st.integers(0, 59))
-    | st.builds("PT{}H{}M".format, st.integers(0, 99), st.integers(0, 59))
-    | st.builds("{}.{} {}".format, st.integers(0, 99), st.integers(0, 999), st.sampled_from(_UNITS))
 )
 _SPANS = (
     st.integers(0, 20)
@@ -383,31 +402,17 @@ _SPANS = (
     | st.sampled_from([0.1, 0.25, 2.5, 1e-6])
     | st.builds("{}/{}".format, st.integers(0, 99), st.integers(1, 99))
     | st.builds("{}.{}".format, st.integers(0, 99), st.integers(0, 99))
-    | _QUANTITIES
+    | st.builds("PT{}H{}M".format, st.integers(0, 99), st.integers(0, 59))
+    | _WITH_UNITS
 )
-_LAGS = (
-    _SPANS
-    | st.integers(-20, -1)
-    | st.builds("-{}".format, _QUANTITIES.filter(lambda text: text[0] != "P"))
-)
+_LAGS = _SPANS | st.integers(-20, -1) | st.builds("-{}".format, _WITH_UNITS)
+_DURATIONS = _SPANS | st.fixed_dictionaries({"min": _SPANS, "max": _SPANS})
 _JSON = st.recursive(
     st.none() | st.booleans() | _INTEGERS | _TEXTS,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(_TEXTS, inner, max_size=3),
     max_leaves=5,
 )
 """Free-form data. Without floats, which a careful reader turns into decimals."""
-
-
-@dataclass(frozen=True)
-class _Declared:
-    """What the parts of a document may name, and how its instants are written."""
-
-    actions: tuple[str, ...]
-    resources: tuple[str, ...]
-    reservoirs: tuple[str, ...]
-    state: Mapping[str, tuple[bool | str, ...]]
-    groups: tuple[str, ...]
-    instants: _Strategy
 
 
 def tasks() -> st.SearchStrategy[Task]:
@@ -419,270 +424,233 @@ def tasks() -> st.SearchStrategy[Task]:
     return documents().map(Task.model_validate)
 
 
-@st.composite
-def documents(draw: st.DrawFn) -> Document:
-    """The JSON documents behind `tasks`: only JSON's own types; aliases are used now and then."""
-    origin, instants = draw(_origins())
-    names = draw(st.lists(_NAMES, min_size=1, max_size=5, unique=True))
-    stocks = draw(st.lists(_NAMES, max_size=4, unique=True))
-    cut = draw(st.integers(0, len(stocks)))
-    declared = _Declared(
-        actions=tuple(names),
-        resources=tuple(stocks[:cut]),
-        reservoirs=tuple(stocks[cut:]),
-        state=draw(st.dictionaries(_NAMES, _state_values(), max_size=3)),
-        groups=tuple(draw(st.lists(_NAMES, max_size=2, unique=True))),
-        instants=instants,
+def documents() -> st.SearchStrategy[Document]:
+    """The JSON documents behind `tasks`: JSON's own types only, and now and then an alias."""
+    small = st.fixed_dictionaries(
+        {
+            "actions": _each(_ACTIONS, lambda name: _object(id=st.just(name), duration=_DURATIONS)),
+            "precedence": st.lists(_ARCS, max_size=4),
+        }
     )
-    late = draw(st.integers(0, len(names) - 1))
-    document: Document = draw(_settings(declared))
-    document["actions"] = [draw(_action(declared, name)) for name in names[late:]]
-    document["resources"] = [draw(_renewable(declared, r)) for r in declared.resources]
-    document["resources"] += [draw(_reservoir(r)) for r in declared.reservoirs]
-    document["state"] = [draw(_variable(v, values)) for v, values in declared.state.items()]
-    document["groups"] = [draw(_group(declared, name)) for name in declared.groups]
-    arcs = draw(st.lists(_arc(declared), max_size=4))
-    document[draw(st.sampled_from(["precedence", "dependencies"]))] = arcs
-    document["events"] = draw(st.lists(_event(declared, names[:late]), max_size=3))
-    return document if origin is None else {**document, "origin": origin}
+    kinds = st.one_of([small, *(_whole_document(zone) for zone in _ZONES)])
+    return st.builds(_with_names, kinds, _NAME_LISTS)
 
 
-@st.composite
-def _origins(draw: st.DrawFn) -> tuple[str | None, _Strategy]:
-    """An `origin` or None, and instants to go with it: with a time zone as the origin has one."""
-    zone = draw(st.sampled_from([None, "", "Z", "+05:30"]))
-    if zone is None:
-        return None, _SPANS
-    dates = st.datetimes(min_value=_EARLIEST, max_value=_LATEST).map(
-        lambda date: date.isoformat() + zone
+def _with_names(document: Document, names: Mapping[str, Sequence[str]]) -> Document:
+    """`document` with as many names replaced as there are; the others keep their plain ones."""
+
+    def fresh(space: str, old: str, taken: Collection[str]) -> str:
+        return next((name for name in names.get(space, ()) if name not in taken), old)
+
+    renamed: Document = _Renamer(fresh).renamed(document)
+    return renamed
+
+
+def _object(optional: Mapping[str, _Strategy] | None = None, **fields: _Strategy) -> _Strategy:
+    return st.fixed_dictionaries(fields, optional=dict(optional or {}))
+
+
+def _each(names: Iterable[str], element: Callable[[str], _Strategy]) -> _Strategy:
+    return st.tuples(*(element(name) for name in names)).map(list)
+
+
+def _some(names: Sequence[str], least: int = 0) -> _Strategy:
+    return st.lists(st.sampled_from(names), min_size=least, max_size=3, unique=True)
+
+
+def _valued(**fields: _Strategy) -> _Strategy:
+    """Objects that give a state variable one of its values."""
+    return st.one_of(
+        [
+            _object(**fields, var=st.just(var), value=st.sampled_from(values))
+            for var, values in _STATE.items()
+        ]
     )
-    return draw(dates), _SPANS | dates
 
 
-def _state_values() -> _Strategy:
-    several = st.lists(_TEXTS | st.booleans(), min_size=1, max_size=3, unique=True).map(tuple)
-    return st.just((False, True)) | several
+_ANY_ACTION, _ANY_RENEWABLE = st.sampled_from(_ACTIONS), st.sampled_from(_RENEWABLES)
+_GOALS = st.lists(_ANY_ACTION | _valued(), max_size=2)
+_OBJECTIVE_NAMES = st.sampled_from(
+    [
+        *("minimize_makespan", "minimize_tardiness", "maximize_reward"),
+        *("minimize_cost", "minimize_changes"),
+    ]
+)
+_OBJECTIVES = _OBJECTIVE_NAMES | st.lists(_OBJECTIVE_NAMES, min_size=1, max_size=5, unique=True)
+_ARCS = (
+    _object(
+        {"type": st.sampled_from(_TYPES), "min_lag": _LAGS, "max_lag": _LAGS},
+        before=_ANY_ACTION,
+        after=_ANY_ACTION,
+    )
+    | _object({"lag": _LAGS, "max_lag": _LAGS}, predecessor=_ANY_ACTION, successor=_ANY_ACTION)
+    | st.lists(_ANY_ACTION, min_size=2, max_size=2)
+)
+_USES = st.lists(
+    _object({"amount": _AMOUNTS}, resource=_ANY_RENEWABLE)
+    | _object({"amount": _AMOUNTS}, one_of=_some(_RENEWABLES, least=1)),
+    max_size=2,
+)
+_STOCK_CHANGES = st.lists(
+    _object(
+        {"amount": _AMOUNTS, "at": st.sampled_from(["start", "end"])},
+        resource=st.sampled_from(_RESERVOIRS),
+    ),
+    max_size=2,
+)
+_MODES = st.lists(
+    _object({"label": _TEXTS, "uses": _USES}, id=_NAMES, duration=_DURATIONS),
+    min_size=1,
+    max_size=3,
+    unique_by=lambda mode: mode["id"],
+)
+_OCCURS = st.sampled_from(["once", "optional"]) | _object(
+    {"min": st.integers(0, 5), "max": st.integers(0, 5)}
+)
+_CONDITIONS = st.lists(_valued(at=st.sampled_from(["start", "all", "end"])), max_size=2)
+_EFFECTS = st.lists(_valued(at=st.sampled_from(["start", "end"])), max_size=2)
 
 
-def _settings(declared: _Declared) -> _Strategy:
-    return st.fixed_dictionaries(
-        {},
-        optional={
+def _whole_document(zone: str | None) -> _Strategy:
+    instants = _SPANS if zone is None else _SPANS | _dates(zone)
+    parts = _object(
+        {
             "irc": st.just("1"),
             "name": _TEXTS,
             "description": _TEXTS,
             "time_unit": st.sampled_from(["ms", "s", "min", "hour", "day", "month"]),
             "days_per_month": st.integers(1, 31),
-            "deadline": declared.instants,
+            "deadline": instants,
             "metadata": st.dictionaries(_TEXTS, _JSON, max_size=3),
-            "goals": st.lists(_goal(declared), max_size=2),
-            "objective": _objective(),
+            "goals": _GOALS,
+            "objective": _OBJECTIVES,
         },
+        resources=st.tuples(
+            *(_renewable(name, instants) for name in _RENEWABLES),
+            *(_reservoir(name) for name in _RESERVOIRS),
+        ).map(list),
+        state=_each(_STATE, _variable),
+        actions=_each(_ACTIONS, lambda name: _action(name, instants)),
+        groups=_each(_GROUPS, lambda name: _group(name, instants)),
+        events=st.lists(_event(instants), max_size=3),
+    )
+    arcs = st.lists(_ARCS, max_size=4)
+    spelling = _object(precedence=arcs) | _object(dependencies=arcs)
+    origin = st.just({}) if zone is None else _object(origin=_dates(zone))
+    return st.builds(
+        lambda *said: {k: v for part in said for k, v in part.items()}, parts, spelling, origin
     )
 
 
-def _objective() -> _Strategy:
-    several = st.lists(st.sampled_from(_OBJECTIVES), min_size=1, max_size=5, unique=True)
-    return st.sampled_from(_OBJECTIVES) | several
+def _dates(zone: str) -> _Strategy:
+    dates = st.datetimes(min_value=datetime(1990, 1, 1), max_value=datetime(2100, 1, 1))
+    return dates.map(lambda date: date.isoformat() + zone)
 
 
-def _goal(declared: _Declared) -> _Strategy:
-    present = st.sampled_from(declared.actions)
-    return present | _assignment(declared, {}) if declared.state else present
-
-
-def _assignment(declared: _Declared, others: Mapping[str, _Strategy]) -> _Strategy:
-    """An object that gives a state variable one of its values, with `others` beside it."""
-    return st.sampled_from(sorted(declared.state)).flatmap(
-        lambda var: st.fixed_dictionaries(
-            {**others, "var": st.just(var), "value": st.sampled_from(declared.state[var])}
-        )
-    )
-
-
-def _duration() -> _Strategy:
-    return _SPANS | st.fixed_dictionaries({"min": _SPANS, "max": _SPANS})
-
-
-def _use(declared: _Declared) -> _Strategy:
-    named = st.sampled_from(declared.resources)
-    amount = {"amount": _AMOUNTS}
-    pool = st.lists(named, min_size=1, max_size=3, unique=True)
-    return st.fixed_dictionaries({"resource": named}, optional=amount) | st.fixed_dictionaries(
-        {"one_of": pool}, optional=amount
-    )
-
-
-def _few(element: Callable[[_Declared], _Strategy], declared: _Declared, pool: Any) -> _Strategy:
-    """A short list of what can only be said where `pool` has something to name."""
-    return st.lists(element(declared), max_size=2) if pool else st.just([])
-
-
-def _mode(declared: _Declared) -> _Strategy:
-    return st.fixed_dictionaries(
-        {"id": _NAMES, "duration": _duration()},
-        optional={"label": _TEXTS, "uses": _few(_use, declared, declared.resources)},
-    )
-
-
-def _modes(declared: _Declared) -> _Strategy:
-    return st.lists(_mode(declared), min_size=1, max_size=3, unique_by=lambda mode: mode["id"])
-
-
-def _stock_change(declared: _Declared) -> _Strategy:
-    return st.fixed_dictionaries(
-        {"resource": st.sampled_from(declared.reservoirs)},
-        optional={"amount": _AMOUNTS, "at": st.sampled_from(["start", "end"])},
-    )
-
-
-def _condition(declared: _Declared) -> _Strategy:
-    return _assignment(declared, {"at": st.sampled_from(["start", "all", "end"])})
-
-
-def _effect(declared: _Declared) -> _Strategy:
-    return _assignment(declared, {"at": st.sampled_from(["start", "end"])})
-
-
-def _occurs() -> _Strategy:
-    counts = st.integers(0, 5)
-    several = st.fixed_dictionaries({}, optional={"min": counts, "max": counts})
-    return st.sampled_from(["once", "optional"]) | several
-
-
-def _action(declared: _Declared, name: str) -> _Strategy:
-    optional = {
-        "label": _TEXTS,
-        "description": _TEXTS,
-        "occurs": _occurs(),
-        "uses": _few(_use, declared, declared.resources),
-        "consumes": _few(_stock_change, declared, declared.reservoirs),
-        "produces": _few(_stock_change, declared, declared.reservoirs),
-        "release": declared.instants,
-        "deadline": declared.instants,
-        "due": declared.instants,
-        "weight": _AMOUNTS,
-        "start": declared.instants,
-        "conditions": _few(_condition, declared, declared.state),
-        "effects": _few(_effect, declared, declared.state),
-        "reward": _INTEGERS,
-        "cost": _INTEGERS,
-    }
-    own = {"id": st.just(name)}
-    return st.fixed_dictionaries(
-        {**own, "duration": _duration()}, optional=optional
-    ) | st.fixed_dictionaries({**own, "modes": _modes(declared)}, optional=optional)
-
-
-def _renewable(declared: _Declared, name: str) -> _Strategy:
-    window = st.fixed_dictionaries(
-        {"from": declared.instants, "to": declared.instants, "capacity": st.integers(0, 100)}
-    )
-    return st.fixed_dictionaries(
-        {"id": st.just(name)},
-        optional={
+def _renewable(name: str, instants: _Strategy) -> _Strategy:
+    capacities = st.integers(0, 10**9)
+    window = st.fixed_dictionaries({"from": instants, "to": instants, "capacity": capacities})
+    return _object(
+        {
             "kind": st.just("renewable"),
             "label": _TEXTS,
             "description": _TEXTS,
-            "capacity": st.integers(0, 10**9),
+            "capacity": capacities,
             "availability": st.lists(window, max_size=2),
         },
+        id=st.just(name),
     )
 
 
 def _reservoir(name: str) -> _Strategy:
-    return st.fixed_dictionaries(
-        {"id": st.just(name), "kind": st.just("reservoir")},
-        optional={"label": _TEXTS, "initial": _INTEGERS, "min": _INTEGERS, "max": _INTEGERS},
+    return _object(
+        {"label": _TEXTS, "initial": _INTEGERS, "min": _INTEGERS, "max": _INTEGERS},
+        id=st.just(name),
+        kind=st.just("reservoir"),
     )
 
 
-def _variable(name: str, values: Sequence[bool | str]) -> _Strategy:
-    initial = {"initial": st.sampled_from(values)}
-    shown: dict[str, _Strategy] = {"id": st.just(name)}
-    if values != (False, True):
-        shown["values"] = st.just(list(values))
-    return st.fixed_dictionaries(shown, optional=initial)
+def _variable(name: str) -> _Strategy:
+    initial = {"initial": st.sampled_from(_STATE[name])}
+    spelled = _object(initial, id=st.just(name), values=st.just(_STATE[name]))
+    if _STATE[name] == [False, True]:
+        return _object(initial, id=st.just(name)) | spelled
+    return spelled
 
 
-def _group(declared: _Declared, name: str) -> _Strategy:
-    members = st.lists(st.sampled_from(declared.actions), max_size=3, unique=True)
-    return st.fixed_dictionaries(
-        {"id": st.just(name), "actions": members},
-        optional={
+def _group(name: str, instants: _Strategy) -> _Strategy:
+    return _object(
+        {
             "label": _TEXTS,
             "required": st.booleans(),
             "reward": _INTEGERS,
-            "deadline": declared.instants,
-            "due": declared.instants,
+            "deadline": instants,
+            "due": instants,
             "weight": _AMOUNTS,
         },
+        id=st.just(name),
+        actions=_some(_ACTIONS),
     )
 
 
-def _arc(declared: _Declared) -> _Strategy:
-    named = st.sampled_from(declared.actions)
-    more = {"type": st.sampled_from(_TYPES), "max_lag": _LAGS}
-    plain = st.fixed_dictionaries(
-        {"before": named, "after": named}, optional={**more, "min_lag": _LAGS}
+def _action(name: str, instants: _Strategy) -> _Strategy:
+    optional = {
+        "label": _TEXTS,
+        "description": _TEXTS,
+        "occurs": _OCCURS,
+        "uses": _USES,
+        "consumes": _STOCK_CHANGES,
+        "produces": _STOCK_CHANGES,
+        "release": instants,
+        "deadline": instants,
+        "due": instants,
+        "weight": _AMOUNTS,
+        "start": instants,
+        "conditions": _CONDITIONS,
+        "effects": _EFFECTS,
+        "reward": _INTEGERS,
+        "cost": _INTEGERS,
+    }
+    return _object(optional, id=st.just(name), duration=_DURATIONS) | _object(
+        optional, id=st.just(name), modes=_MODES
     )
-    aliased = st.fixed_dictionaries(
-        {"predecessor": named, "successor": named}, optional={**more, "lag": _LAGS}
-    )
-    return plain | aliased | st.lists(named, min_size=2, max_size=2)
 
 
-def _event(declared: _Declared, late: Sequence[str]) -> _Strategy:
-    changes = st.lists(st.one_of(_changes(declared, late)), max_size=3)
-    return st.fixed_dictionaries(
-        {"at": declared.instants}, optional={"id": _NAMES, "changes": changes}
-    )
-
-
-def _changes(declared: _Declared, late: Sequence[str]) -> list[_Strategy]:
-    """One strategy for each operation that has something to work on; `late` are new actions."""
-    action, instant = st.sampled_from(declared.actions), declared.instants
-    actions = st.lists(action, max_size=2, unique=True)
-    pairs = st.lists(st.fixed_dictionaries({"before": action, "after": action}), max_size=2)
-    window = {"from": instant, "to": instant}
-    times = {"started": instant, "finished": instant, "occurrence": st.integers(1, 3)}
-    found = [
-        _change("add_actions", actions=_each(late, lambda name: _action(declared, name))),
-        _change("cancel_actions", actions=actions),
-        _change("set_duration", action=action, duration=_duration()),
-        _change("add_precedence", precedence=st.lists(_arc(declared), max_size=2)),
+def _event(instants: _Strategy) -> _Strategy:
+    """An event with any operations; what it adds has names that the task itself does not use."""
+    action, limit = _ANY_ACTION, instants | st.none()
+    pairs = st.lists(_object(before=action, after=action), max_size=2)
+    observed = {"started": instants, "finished": instants, "occurrence": st.integers(1, 3)}
+    extra = _object(id=st.just("fact 4"), values=st.just(["off", "on"]), initial=st.just("off"))
+    changes = [
+        _change("add_actions", actions=_each(_LATE_ACTIONS, lambda name: _action(name, instants))),
+        _change("cancel_actions", actions=_some(_ACTIONS)),
+        _change("set_duration", action=action, duration=_DURATIONS),
+        _change("add_precedence", precedence=st.lists(_ARCS, max_size=2)),
         _change("remove_precedence", precedence=pairs),
-        _change("set_deadline", deadline=instant | st.none()),
-        _change("set_deadline", deadline=instant | st.none(), action=action),
-        _change("set_release", action=action, release=instant),
-        _change("set_goals", goals=st.lists(_goal(declared), max_size=2)),
-        _change("set_objective", objective=_objective()),
-        _change("observe", times, action=action),
-        _change("add_resources", resources=_NAMES.flatmap(_reservoir).map(_one)),
-        _change("add_state", state=_NAMES.flatmap(lambda v: _variable(v, ("", "on"))).map(_one)),
-        _change("add_groups", groups=_NAMES.flatmap(lambda g: _group(declared, g)).map(_one)),
+        _change("add_resources", resources=_each(["robot 3"], lambda r: _renewable(r, instants))),
+        _change(
+            "set_capacity",
+            {"from": instants, "to": instants},
+            resource=_ANY_RENEWABLE,
+            capacity=st.integers(0, 9),
+        ),
+        _change("set_deadline", deadline=limit),
+        _change("set_deadline", deadline=limit, action=action),
+        _change("set_deadline", deadline=limit, group=st.sampled_from(_GROUPS)),
+        _change("set_release", action=action, release=instants),
+        _change("add_groups", groups=_each(["order 2"], lambda name: _group(name, instants))),
+        _change("cancel_groups", groups=_some(_GROUPS)),
+        _change("set_goals", goals=_GOALS),
+        _valued(op=st.just("set_state")),
+        _change("add_state", state=st.tuples(extra).map(list)),
+        _change("set_objective", objective=_OBJECTIVES),
+        _change("observe", observed, action=action),
     ]
-    if declared.resources:
-        named = st.sampled_from(declared.resources)
-        found.append(_change("set_capacity", window, resource=named, capacity=st.integers(0, 9)))
-    if declared.groups:
-        group = st.sampled_from(declared.groups)
-        found.append(_change("set_deadline", deadline=instant, group=group))
-        found.append(_change("cancel_groups", groups=st.lists(group, max_size=2, unique=True)))
-    if declared.state:
-        found.append(_assignment(declared, {"op": st.just("set_state")}))
-    return found
+    return _object({"id": _NAMES, "changes": st.lists(st.one_of(changes), max_size=3)}, at=instants)
 
 
 def _change(
     op: str, optional: Mapping[str, _Strategy] | None = None, **fields: _Strategy
 ) -> _Strategy:
-    return st.fixed_dictionaries({"op": st.just(op), **fields}, optional=dict(optional or {}))
-
-
-def _each(names: Sequence[str], element: Callable[[str], _Strategy]) -> _Strategy:
-    return st.tuples(*(element(name) for name in names)).map(list)
-
-
-def _one(item: Any) -> list[Any]:
-    return [item]
+    return _object(optional, op=st.just(op), **fields)

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import statistics
 import subprocess
 import sys
 import threading
@@ -88,6 +87,12 @@ def _either_pipes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(process, "_PIPES", getattr(process, request.param))
 
 
+@pytest.fixture
+def patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A grace that suffices on a busy machine; it is over as soon as all have ended."""
+    monkeypatch.setattr(process, "GRACE_SECONDS", 5)
+
+
 either_pipes = pytest.mark.usefixtures("_either_pipes")
 
 
@@ -161,9 +166,10 @@ def test_a_line_is_shown_while_the_child_runs_and_can_stop_it(fake) -> None:
     assert result.stdout.endswith("; Plan found with metric 11.000\n0.000: (gri")
 
 
-def test_a_stop_at_the_last_line_is_still_a_stop(fake) -> None:
-    result = run(fake("crash.py", "exit"), UNLIMITED, on_line=lambda line: "(grill)" in line)
-    assert result.ended is Ended.STOPPED
+@pytest.mark.usefixtures("patience")
+def test_a_stop_at_a_line_that_comes_after_the_exit_is_still_a_stop(fake) -> None:
+    result = run(fake("lingers.py"), UNLIMITED, on_line=lambda line: "(grill)" in line)
+    assert (result.ended, result.exit_code) == (Ended.STOPPED, 0)
 
 
 @either_pipes
@@ -175,6 +181,7 @@ def test_an_error_in_on_line_ends_the_child_and_reaches_the_caller(fake) -> None
         run(fake("ignore_sigterm.py"), UNLIMITED, on_line=fail)
 
 
+@pytest.mark.usefixtures("patience")
 def test_an_error_in_on_line_during_the_grace_still_ends_the_child(fake) -> None:
     def fail(line: str) -> bool:
         if line.startswith("; Plan"):
@@ -182,7 +189,7 @@ def test_an_error_in_on_line_during_the_grace_still_ends_the_child(fake) -> None
         return False
 
     with pytest.raises(RuntimeError, match="Plan found"):
-        run(fake("last_words.py"), ProcessLimits(seconds=0.5), on_line=fail)
+        run(fake("last_words.py", "wide"), ProcessLimits(seconds=0.4), on_line=fail)
 
 
 # Limits
@@ -204,8 +211,10 @@ def test_a_child_that_ignores_sigterm_is_killed(fake) -> None:
     assert seconds < 0.6 + SLACK
 
 
-def test_what_a_child_prints_when_asked_to_end_is_kept(fake) -> None:
-    result, _ = timed(fake("last_words.py"), ProcessLimits(seconds=0.6))
+@pytest.mark.usefixtures("patience")
+@pytest.mark.parametrize("pipe", ["wide", "narrow"])
+def test_what_a_child_prints_when_asked_to_end_is_kept(fake, pipe: str) -> None:
+    result, _ = timed(fake("last_words.py", pipe), ProcessLimits(seconds=0.4))
     assert result.ended is Ended.TIMEOUT
     assert result.exit_code == 7, "it was asked more than once, or killed too early"
     assert result.stdout.count("(grill)") == 8000
@@ -292,6 +301,30 @@ def test_what_a_nested_run_started_is_ended_too(fake) -> None:
     assert (result.ended, result.stdout) == (Ended.STOPPED, "ready\n")
 
 
+def test_a_child_that_dropped_its_environment_is_ended_with_its_group(fake) -> None:
+    command = ["env", "-i", *fake("ignore_sigterm.py")]
+    result = run(command, UNLIMITED, on_line=is_ready)
+    assert (result.ended, result.signal) == (Ended.STOPPED, signal.SIGKILL)
+
+
+@needs_proc
+def test_the_number_of_a_group_that_has_ended_is_not_used_again(fake, monkeypatch) -> None:
+    kill_group = os.killpg
+    refused: list[int] = []
+
+    def watched(group: int, number: int) -> None:
+        try:
+            kill_group(group, number)
+        except ProcessLookupError:
+            refused.append(number)
+            raise
+
+    monkeypatch.setattr(os, "killpg", watched)
+    run(fake("daemonises.py", "silent"), UNLIMITED)
+    assert refused == [signal.SIGTERM]
+
+
+@pytest.mark.usefixtures("patience")
 def test_what_a_grandchild_prints_just_after_the_exit_is_kept(fake) -> None:
     result = run(fake("lingers.py"), UNLIMITED)
     assert result.stdout.endswith("0.000: (grill) [10.000]\n")
@@ -308,6 +341,7 @@ def test_a_keyboard_interrupt_ends_the_child(fake) -> None:
 
 
 @needs_proc
+@pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning")  # Ctrl-C may hit any line
 def test_a_second_keyboard_interrupt_shortens_only_the_grace(fake, monkeypatch) -> None:
     monkeypatch.setattr(process, "GRACE_SECONDS", 20)
 
@@ -367,8 +401,9 @@ def test_a_child_that_closes_its_output_keeps_its_time_limit(fake) -> None:
 
 @either_pipes
 def test_input_and_output_larger_than_pipes_do_not_block_each_other() -> None:
-    text = "".join(f"(at {number} händler)\n" for number in range(300_000))
-    assert run(["cat"], UNLIMITED, stdin=text).stdout == text
+    lines = [f"(at {number} händler)\n" for number in range(100_000)]
+    result = run(["sed", "p;p;p"], UNLIMITED, stdin="".join(lines))  # prints each line four times
+    assert result.stdout == "".join(line * 4 for line in lines)
 
 
 @either_pipes
@@ -385,7 +420,29 @@ def test_a_child_need_not_read_its_input() -> None:
 
 @pytest.mark.parametrize("nothing", [None, "", b""])
 def test_no_input_is_an_empty_one_and_not_our_own(nothing: str | bytes | None) -> None:
-    assert run(["cat"], UNLIMITED, stdin=nothing).ended is Ended.EXITED
+    ours, theirs = os.pipe()
+    saved = os.dup(0)
+    os.dup2(ours, 0)
+    try:
+        result = run(["cat"], ProcessLimits(seconds=5), stdin=nothing)
+    finally:
+        os.dup2(saved, 0)
+        for descriptor in (saved, ours, theirs):
+            os.close(descriptor)
+    assert result.ended is Ended.EXITED
+
+
+@either_pipes
+def test_no_thread_is_left_when_nobody_listens_any_more(fake) -> None:
+    before = threading.active_count()
+
+    def fail(line: str) -> None:
+        time.sleep(0.1)  # until more has arrived than is ever held for us
+        raise RuntimeError(line)
+
+    with pytest.raises(RuntimeError, match="Resorting"):
+        run(fake("floods.py", "stdout"), UNLIMITED, on_line=fail)
+    assert comes_true(lambda: threading.active_count() <= before)
 
 
 @needs_proc
@@ -441,9 +498,9 @@ def test_what_cannot_be_started_is_an_error_of_ours(tmp_path: Path) -> None:
 
 
 def test_a_run_adds_little_to_the_time_of_its_command() -> None:
-    run(["true"], UNLIMITED)
-    assert statistics.median(run(["true"], UNLIMITED).seconds for _ in range(20)) < 0.05
-    begun = time.monotonic()
-    for _ in range(20):
+    def seconds() -> float:
+        begun = time.perf_counter()
         run(["true"], UNLIMITED)
-    assert time.monotonic() - begun < 20 * 0.05
+        return time.perf_counter() - begun
+
+    assert min(seconds() for _ in range(30)) < 0.015  # measured: 0.002

@@ -1,0 +1,54 @@
+"""The PDDL2.1 backend: a domain and a problem that any temporal planner can read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from irc.backend import Backend, Engine
+from irc.features import Feature
+from irc.problem import Problem
+from irc.schedule import Schedule
+
+
+class Pddl21(Backend):
+    """Target "pddl21"."""
+
+    name: ClassVar[str] = "pddl21"
+    supports: ClassVar[frozenset[Feature]] = frozenset(
+        {
+            Feature.DURATION_RANGE,
+            Feature.ZERO_DURATION,
+            Feature.PRECEDENCE,
+            Feature.PRECEDENCE_TYPES,
+            Feature.MIN_LAG,
+            Feature.NEGATIVE_LAG,
+            Feature.MAX_LAG,
+            Feature.RELEASE,
+            Feature.DEADLINE,
+            Feature.FIXED_START,
+            Feature.RESOURCES,
+            Feature.AMOUNTS,
+            Feature.ALTERNATIVES,
+            Feature.PRESENCE_GOALS,
+            Feature.MAKESPAN,
+        }
+    )
+
+    def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
+        """`domain.pddl` and `problem.pddl`; `names` say what their names and numbers mean."""
+        from irc_pddl21.encode import encode_files
+
+        return encode_files(problem)
+
+    def decode(self, problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
+        """Reads what a planner printed: the best complete plan, re-timed."""
+        from irc_pddl21.decode import decode_plans
+
+        return decode_plans(problem, names, answer)
+
+    def engines(self) -> Mapping[str, Engine]:
+        """OPTIC, kairos, aries, and the portfolio of those that are here."""
+        from irc_pddl21.engines import all_engines
+
+        return all_engines()

@@ -1,0 +1,44 @@
+"""Names a PDDL file can hold: deterministic, collision-free, and never able to inject text."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+_LONGEST = 48
+_OUTSIDE = re.compile(r"[^a-z0-9_]+")
+
+# fmt: off
+RESERVED = frozenset((
+    "action", "all", "always", "always-within", "and", "assign", "at", "at-end", "at-most-once",
+    "at-start", "axiom", "condition", "constants", "constraints", "contingent", "decrease",
+    "define", "derived", "domain", "duration", "durative-action", "effect", "either", "end",
+    "equal", "exists", "forall", "functions", "goal", "hold-after", "hold-during", "imply",
+    "increase", "init", "is-violated", "length", "maximize", "metric", "minimize", "not",
+    "number", "object", "objects", "or", "over", "parameters", "precondition", "predicates",
+    "preference", "problem", "requirements", "scale-down", "scale-up", "situation", "sometime",
+    "sometime-after", "sometime-before", "start", "time", "total-cost", "total-time", "types",
+    "undefined", "when", "within",
+))
+"""Words with a meaning of their own in PDDL 1.2 to 3.1 or in a planner's reader."""
+# fmt: on
+
+
+class NameTable:
+    """Hands out PDDL names; PDDL is case-insensitive, so all are lower case."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set(RESERVED)
+
+    def new(self, text: str) -> str:
+        """A free name that reads like `text`: letters, digits and "_", starting with a letter."""
+        plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+        name = _OUTSIDE.sub("_", plain).strip("_")[:_LONGEST] or "x"
+        if not name[0].isalpha():
+            name = f"x{name}"
+        candidate, number = name, 2
+        while candidate in self._taken:
+            candidate = f"{name}_{number}"
+            number += 1
+        self._taken.add(candidate)
+        return candidate

@@ -1,0 +1,103 @@
+"""The Python API: `irc.load`, `check`, `compile`, `solve`, `extract`, `validate`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from irc.backend import Limits, OnProgress, Program
+from irc.compiler import (
+    check_task,
+    compile_task,
+    extract_answer,
+    solve_task,
+    validate_schedule,
+)
+from irc.diagnostics import InputError, Report
+from irc.frontends.files import parse_task, read_task
+from irc.model import Task
+from irc.schedule import Schedule
+from irc.validate import Verdict
+
+__all__ = ["check", "compile", "extract", "load", "loads", "solve", "validate"]
+
+
+def load(path: str | Path) -> Task:
+    """The task in a file ("-": standard input).
+
+    Raises `InputError`, whose `report` names every fault of syntax and shape with its place.
+    """
+    return read_task(path).task
+
+
+def loads(text: str) -> Task:
+    """The task in a text; a language model's answer is read as it stands."""
+    return parse_task(text).task
+
+
+def _task(task: Task | str | Path | Mapping[str, Any]) -> Task:
+    if isinstance(task, Task):
+        return task
+    return Task.model_validate(task) if isinstance(task, Mapping) else load(task)
+
+
+def check(task: Task | str | Path | Mapping[str, Any]) -> Report:
+    """All diagnostics of a task or a file: errors, warnings and notes, in one run."""
+    if isinstance(task, (str, Path)):
+        try:
+            reading = read_task(task)
+        except InputError as error:
+            return error.report
+        return check_task(reading.task, reading.notes)
+    return check_task(_task(task))
+
+
+def compile(task: Task | str | Path | Mapping[str, Any], target: str = "pddl21") -> Program:
+    """The task as a program of `target`: its `files`, its `manifest`, and the way back.
+
+    Raises `InputError` where the task is at fault or the target refuses it.
+    """
+    return compile_task(_task(task), target)
+
+
+def solve(
+    task: Task | str | Path | Mapping[str, Any],
+    target: str = "cpsat",
+    *,
+    engine: str = "auto",
+    time_limit: float | None = None,
+    memory_limit: int | None = None,
+    seed: int = 0,
+    workers: int | None = None,
+    shortcut: bool = True,
+    on_progress: OnProgress | None = None,
+) -> Schedule:
+    """The best schedule found, validated, with an honest status.
+
+    `time_limit` in seconds of wall-clock time, `memory_limit` in MB. With `shortcut` a task
+    without contention is solved by its critical path alone. Raises `InputError`,
+    `irc.backend.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    """
+    limits = Limits(time_limit, memory_limit, workers, seed)
+    return solve_task(
+        _task(task), target, engine, limits, shortcut=shortcut, on_progress=on_progress
+    ).schedule
+
+
+def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:
+    """An engine's raw output → the validated schedule of the original task.
+
+    Needs nothing but the manifest, so another process, or another day, can do it. Raises
+    `InputError` where the manifest or the answer cannot be used.
+    """
+    document = manifest.manifest if isinstance(manifest, Program) else manifest
+    return extract_answer(document, answer).schedule
+
+
+def validate(task: Task | str | Path | Mapping[str, Any], schedule: Schedule) -> Verdict:
+    """The independent verdict: `valid`, and every violation with its rule, actions and times.
+
+    Raises `InputError` where the task is faulty or the schedule says it is of another task.
+    """
+    return validate_schedule(_task(task), schedule)

@@ -1,0 +1,27 @@
+"""The command line: `irc check, compile, solve, extract, validate, targets, schema, convert`."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+
+EXIT_DONE = 0
+EXIT_INPUT = 1
+EXIT_USE = 2
+EXIT_NO_ANSWER = 3
+EXIT_ENGINE = 4
+
+
+def main() -> None:
+    """Entry point of the `irc` script. Exits with one of the `EXIT_*` codes."""
+    from irc.cli.app import build_app
+
+    # A compiler builds large acyclic structures and ends: searching them for cycles is in vain.
+    gc.set_threshold(200_000, 50, 100)
+    try:
+        build_app()()
+    except BrokenPipeError:
+        # The reader of our output went away (`irc … | head`): nothing is left to say.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(EXIT_INPUT)

@@ -1,0 +1,280 @@
+"""The commands. Each loads what it needs when it runs, so that starting stays quick."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.output import (
+    Format,
+    errors_told,
+    fail,
+    put,
+    put_json,
+    report_json,
+    say,
+    summary,
+    tell_notes,
+)
+
+if TYPE_CHECKING:
+    from irc.backend import Program
+    from irc.compiler import Answer
+    from irc.frontends.files import Reading
+
+FileArgument = Annotated[str, typer.Argument(help="A task as JSON; '-' is standard input.")]
+FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")]
+OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]
+
+
+def build_app() -> typer.Typer:
+    """The command line application."""
+    app = typer.Typer(
+        name="irc",
+        help="A solver-neutral compiler for asynchronous tasks.",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback(invoke_without_command=False)(_root)
+    for command in (check, compile_, solve, extract, validate, convert, targets, schema):
+        app.command(command.__name__.rstrip("_"))(command)
+    return app
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from irc._version import __version__
+
+        put(f"irc {__version__}")
+        raise typer.Exit
+
+
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """A solver-neutral compiler for asynchronous tasks: one task graph in, a schedule out."""
+
+
+def _read(file: str) -> Reading:
+    from irc.frontends.files import read_task
+
+    return read_task(file)
+
+
+def check(file: FileArgument, format: FormatOption = Format.text) -> None:
+    """Show every diagnostic of a task: errors, warnings and notes, in one run."""
+    from irc.compiler import check_task
+    from irc.diagnostics import InputError
+
+    with errors_told(format):
+        try:
+            reading = _read(file)
+            report = check_task(reading.task, reading.notes)
+        except InputError as error:
+            report = error.report
+    if format is Format.json:
+        put_json(report_json(report))
+    else:
+        text = report.render()
+        if text:
+            put(text)
+        put(summary(report) or "no problems found")
+    if not report.ok:
+        sys.exit(EXIT_INPUT)
+
+
+def compile_(
+    file: FileArgument,
+    target: Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")],
+    output: OutOption = None,
+    format: FormatOption = Format.text,
+) -> None:
+    """Write a task as a target's own files and manifest.json; without -o print the text."""
+    from irc.backend import MANIFEST_FILE
+    from irc.compiler import compile_task
+    from irc.files import write_folder
+
+    with errors_told(format):
+        reading = _read(file)
+        program = compile_task(reading.task, target)
+        _tell_reading(reading, format)
+        if output is not None:
+            write_folder(output, {**program.files, MANIFEST_FILE: program.manifest_text()})
+            listed = [*program.files, MANIFEST_FILE]
+            if format is Format.json:
+                put_json({"target": target, "folder": str(output), "files": listed})
+            else:
+                say(f"wrote {', '.join(listed)} to {output}")
+        elif format is Format.json:
+            put_json({"target": target, "files": program.files, "manifest": program.manifest})
+        else:
+            _print_files(program)
+
+
+def _print_files(program: Program) -> None:
+    for name, text in program.files.items():
+        put(f"; {name}\n{text}" if len(program.files) > 1 else text)
+
+
+def _tell_reading(reading: Reading, format: Format) -> None:
+    if reading.notes and format is Format.text:
+        from irc.diagnostics import Report
+
+        tell_notes(reading.notes, Report((), reading.task.source))
+
+
+def solve(
+    file: FileArgument,
+    target: Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")] = "cpsat",
+    engine: Annotated[str, typer.Option("--engine", "-e", help="One of the target's.")] = "auto",
+    time_limit: Annotated[
+        float, typer.Option(min=0.01, help="Wall-clock seconds, all engines together.")
+    ] = 60.0,
+    memory_limit: Annotated[int | None, typer.Option(min=16, help="MB for the engine.")] = None,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="For engines that draw.")] = 0,
+    workers: Annotated[int | None, typer.Option(min=1, help="Threads of the engine.")] = None,
+    shortcut: Annotated[
+        bool,
+        typer.Option(
+            "--shortcut/--no-shortcut",
+            help="Solve by the critical path alone where nothing is contended for.",
+        ),
+    ] = True,
+    output: OutOption = None,
+    format: FormatOption = Format.text,
+) -> None:
+    """Compile a task, run an engine, and show the exact schedule that the validator approved."""
+    from irc.backend import Limits
+    from irc.cli.progress import progress_shown
+    from irc.compiler import solve_task
+
+    with errors_told(format):
+        reading = _read(file)
+        limits = Limits(time_limit, memory_limit, workers, seed)
+        with progress_shown(reading.task) as on_progress:
+            answer = solve_task(
+                reading.task, target, engine, limits, shortcut=shortcut, on_progress=on_progress
+            )
+        _tell_reading(reading, format)
+        _show_answer(answer, output, format)
+
+
+def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
+    from irc.schedule import Status, dump_json
+
+    schedule = answer.schedule
+    if answer.notes:
+        from irc.diagnostics import Report
+
+        tell_notes(answer.notes, Report())
+    if output is not None:
+        from irc.files import write_whole
+
+        write_whole(output, dump_json(schedule.as_json()))
+    if format is Format.json:
+        put_json(schedule.as_json())
+    else:
+        from rich.console import Console
+
+        from irc.cli.render import print_answer
+
+        print_answer(answer, Console())
+        if output is not None:
+            say(f"wrote {output}")
+    if schedule.status is Status.INFEASIBLE:
+        sys.exit(EXIT_INPUT)
+    if schedule.status is Status.UNKNOWN:
+        sys.exit(EXIT_NO_ANSWER)
+
+
+def extract(
+    manifest: Annotated[str, typer.Argument(help="The manifest.json of a compiled task.")],
+    answer: Annotated[str, typer.Argument(help="What the engine printed; '-': standard input.")],
+    output: OutOption = None,
+    format: FormatOption = Format.text,
+) -> None:
+    """Turn an engine's raw output back into an exact, validated schedule of the task."""
+    from irc.compiler import extract_answer
+    from irc.frontends.files import read_bytes, read_text
+    from irc.frontends.json_document import read_document
+
+    with errors_told(format):
+        document = read_document(*read_text(manifest))
+        raw, _ = read_bytes(answer)
+        _show_answer(
+            extract_answer(document.content, raw.decode("utf-8", "replace")), output, format
+        )
+
+
+def validate(
+    file: FileArgument,
+    schedule: Annotated[str, typer.Argument(help="A schedule as JSON; '-': standard input.")],
+    format: FormatOption = Format.text,
+) -> None:
+    """Judge a schedule by the rules alone, with reasons; knows no backend."""
+    from irc.compiler import validate_schedule
+    from irc.frontends.files import read_text
+    from irc.frontends.json_document import read_document
+    from irc.schedule import schedule_from_json
+
+    with errors_told(format):
+        if file == schedule == "-":
+            fail(EXIT_USE, "only one of the two can be standard input", format)
+        reading = _read(file)
+        document = read_document(*read_text(schedule))
+        answer = schedule_from_json(document.content, document.source)
+        verdict = validate_schedule(reading.task, answer)
+        if format is Format.json:
+            put_json(verdict.as_json())
+        else:
+            put(str(verdict))
+        if not verdict.valid:
+            sys.exit(EXIT_INPUT)
+
+
+def convert(
+    file: Annotated[str, typer.Argument(help="What to read; '-' is standard input.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="A file, or a folder for many.")],
+    source: Annotated[
+        str, typer.Option("--from", help="The format of the input: irc, asyncplan.")
+    ] = "irc",
+    format: FormatOption = Format.text,
+) -> None:
+    """Write a task as IR JSON; an importer writes one task per instance into a folder."""
+    from irc.frontends.convert import convert_file
+
+    with errors_told(format):
+        written = convert_file(file, source, output)
+        if format is Format.json:
+            put_json({"written": [str(path) for path in written]})
+        else:
+            where = str(written[0]) if len(written) == 1 else f"{len(written)} tasks to {output}"
+            say(f"wrote {where}")
+
+
+def targets(
+    file: Annotated[str | None, typer.Argument(help="A task, to ask why not this file.")] = None,
+    format: FormatOption = Format.text,
+) -> None:
+    """Show what each target can take, and why not this file."""
+    from irc.cli.targets import put_targets
+
+    with errors_told(format):
+        reading = None if file is None else _read(file)
+        put_targets(None if reading is None else reading.task, format)
+
+
+def schema() -> None:
+    """Print the JSON Schema of the IR."""
+    from irc.model import Task
+
+    document = Task.model_json_schema(by_alias=True)
+    put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})

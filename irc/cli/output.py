@@ -1,0 +1,97 @@
+"""What every command shares: where output goes, and how errors end the process."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from typing import Any, NoReturn
+
+from irc.cli import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
+from irc.diagnostics import Diagnostic, InputError, Report, Severity
+
+DIAGNOSTICS_VERSION = "1"
+
+
+class Format(StrEnum):
+    """How a command answers."""
+
+    text = "text"
+    json = "json"
+
+
+def say(text: str) -> None:
+    """A message for people, on standard error."""
+    print(_writable(text, sys.stderr), file=sys.stderr)
+
+
+def put(text: str) -> None:
+    """A result, on standard output."""
+    sys.stdout.write(_writable(text if text.endswith("\n") else text + "\n", sys.stdout))
+    sys.stdout.flush()
+
+
+def _writable(text: str, stream: Any) -> str:
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    return text.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def put_json(document: Any) -> None:
+    """A JSON document, alone on standard output."""
+    encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower().replace("-", "")
+    put(json.dumps(document, indent=2, ensure_ascii=encoding != "utf8", allow_nan=False))
+
+
+def report_json(report: Report) -> dict[str, Any]:
+    """A report as the document that `irc check --format json` prints."""
+    return {
+        "irc_diagnostics": DIAGNOSTICS_VERSION,
+        "ok": report.ok,
+        "diagnostics": report.as_json(),
+    }
+
+
+def summary(report: Report) -> str:
+    """ "2 errors, 1 warning" in words; empty where there is nothing."""
+    counts = {s: sum(d.severity is s for d in report) for s in Severity}
+    return ", ".join(f"{n} {s}{'s' if n != 1 else ''}" for s, n in counts.items() if n)
+
+
+def tell_notes(notes: Iterable[Diagnostic], report: Report) -> None:
+    """Shows what was found on the way to a good answer, on standard error."""
+    shown = Report(tuple(notes), report.source).render()
+    if shown:
+        say(shown)
+
+
+def fail(code: int, message: str, format: Format) -> NoReturn:
+    """Ends the process with one message."""
+    if format is Format.json:
+        put_json({"irc_error": DIAGNOSTICS_VERSION, "exit": code, "message": message})
+    say(f"error: {message}")
+    sys.exit(code)
+
+
+@contextmanager
+def errors_told(format: Format) -> Iterator[None]:
+    """Turns the project's errors into messages and exit codes; nothing ends in a traceback."""
+    from irc.backend import EngineFailed, EngineMissing, UnknownTarget
+    from irc.files import WriteError
+
+    try:
+        yield
+    except InputError as error:
+        if format is Format.json:
+            put_json(report_json(error.report))
+        else:
+            say(error.report.render())
+            say(summary(error.report))
+        sys.exit(EXIT_INPUT)
+    except UnknownTarget as error:
+        fail(EXIT_USE, str(error), format)
+    except WriteError as error:
+        fail(EXIT_USE, str(error), format)
+    except (EngineMissing, EngineFailed) as error:
+        fail(EXIT_ENGINE, str(error), format)

@@ -1,0 +1,59 @@
+"""Reading tasks from files, standard input or text, whatever they are written in."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.frontends.json_document import MAX_BYTES, decode_bytes, read_document
+from irc.frontends.shape import to_task
+from irc.model import Task
+
+STANDARD_INPUT = "-"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A task as read, with what there is to note about its text."""
+
+    task: Task
+    notes: tuple[Diagnostic, ...]
+
+
+def read_bytes(path: str | Path) -> tuple[bytes, str]:
+    """The bytes of a file ("-": standard input) and its name. Raises `InputError`."""
+    if str(path) == STANDARD_INPUT:
+        return sys.stdin.buffer.read(MAX_BYTES + 1), "<stdin>"
+    try:
+        with open(path, "rb") as file:
+            return file.read(MAX_BYTES + 1), str(path)
+    except OSError as error:
+        message = f"cannot read {str(path)!r}: {error.strerror or error}"
+        raise InputError(Report((Diagnostic(Code.UNREADABLE, message),))) from None
+
+
+def read_text(path: str | Path) -> tuple[str, str]:
+    """The text of a file and its name. Raises `InputError`."""
+    data, name = read_bytes(path)
+    return decode_bytes(data, name), name
+
+
+def parse_task(text: str, name: str = "<text>") -> Reading:
+    """A task from JSON text (or a language model's answer around it).
+
+    Raises `InputError` with every fault of syntax or shape.
+    """
+    document = read_document(text, name)
+    findings = Findings(list(document.notes.items))
+    task = to_task(document.content, findings)
+    if task is None:
+        raise InputError(Report(tuple(findings.items), document.source))
+    return Reading(task.with_source(document.source), tuple(findings.items))
+
+
+def read_task(path: str | Path) -> Reading:
+    """A task from a file. Raises `InputError`."""
+    text, name = read_text(path)
+    return parse_task(text, name)

@@ -1,0 +1,603 @@
+"""The destructive bound: assume a makespan of at most D, refute it, and know that D + 1 is needed.
+
+Under the assumption every time point has a window. Windows shrink by
+
+- the lags (the timing network),
+- the order of two activities that cannot overlap: what fits one way round only is so ordered,
+- energetic reasoning on each load (see `irc.passes.energy`): what an interval must hold of each
+  activity, wherever in its windows that is placed; it refutes, and moves starts and ends
+  (Baptiste, Le Pape, Nuijten, "Constraint-based scheduling", 2001, chapter 3).
+
+Where that refutes nothing, a search over cases does so: one order of two activities or the
+other, the early or the late half of a start window. An assumption is refuted when every case
+contradicts itself; when a case stands, or the budget is spent, nothing has been shown. So each
+refutation is a proof by itself, and the bound does not depend on refutation being monotone in D.
+
+The budget counts elementary steps (a constraint looked at, an activity entered in an interval),
+never time: the same problem gives the same bound on any machine. A step takes some 0.15 µs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from irc.network import earliest
+from irc.passes.energy import Load, loads
+from irc.problem import Bound, Problem
+from irc.times import format_number
+from irc.timing import PointMap, TimingNetwork, timing_network
+
+BASE_STEPS = 60_000
+STEPS_PER_ACTIVITY = 1_000
+MOST_STEPS = 1_000_000
+"""The budget is `BASE_STEPS + STEPS_PER_ACTIVITY * n`, at most `MOST_STEPS`."""
+
+SIZE_LIMIT = 50_000
+"""Problems with more activities and arcs than this are left as they are."""
+
+PAIRS_LIMIT = 50_000
+"""Loads with more pairs that cannot overlap than are left of this get no pairwise orders."""
+
+BEGINNINGS_LIMIT = 64
+"""An energetic sweep over a load looks at intervals with so many beginnings at most."""
+
+DEPTH_LIMIT = 300
+"""So many choices are made one inside the other at most."""
+
+REACH_LIMIT = 4_000
+"""Up to this many activities it is worked out which pairs are ordered by precedence already."""
+
+
+def destructive_bound(problem: Problem) -> Problem:
+    """Raises the bound to one more than the greatest makespan that could be refuted.
+
+    Needs `heads` and `tails`; deadlines and fixed starts count too. Where even the task's
+    deadline is refuted the bound becomes deadline + 1: there is no schedule. Where a task without
+    a deadline has none (its actions' deadlines or maximum lags cannot be kept), every makespan
+    is refuted and the problem is returned as it is.
+    """
+    if not problem.has_contention or len(problem.activities) + len(problem.arcs) > SIZE_LIMIT:
+        return problem
+    model = _model(problem)
+    if problem.bound.value > model.limit:
+        return problem
+    steps = min(MOST_STEPS, BASE_STEPS + STEPS_PER_ACTIVITY * len(problem.activities))
+    refuter = _Refuter(model, steps)
+    value, reason = problem.bound.value, ""
+    for depth in (0, DEPTH_LIMIT):
+        value, reason = _climb(value, reason, refuter, depth)
+        if value > model.limit:
+            break
+    if value == problem.bound.value or (value > model.limit and problem.deadline is None):
+        return problem
+    last = format_number(problem.to_units(value - 1))
+    return replace(problem, bound=Bound(value, f"a makespan of {last} {reason}"))
+
+
+def _climb(value: int, reason: str, refuter: _Refuter, depth: int) -> tuple[int, str]:
+    """One more than the greatest D refuted from `value` on, and why that D is.
+
+    `value` first, then steps that double, then bisection: few trials where times are long.
+    """
+    refuted, step, stands = value - 1, 1, None
+    while stands is None and refuted < refuter.model.limit:
+        tried = min(refuted + step, refuter.model.limit)
+        why = refuter.refute(tried, depth)
+        if why is None:
+            stands = tried
+        else:
+            step = max(1, value >> 8) if tried == value else 2 * step
+            refuted, reason = tried, why
+    while stands is not None and stands - refuted > 1:
+        tried = (refuted + stands) // 2
+        why = refuter.refute(tried, depth)
+        if why is None:
+            stands = tried
+        else:
+            refuted, reason = tried, why
+    return refuted + 1, reason
+
+
+# --- what does not depend on D ------------------------------------------------------------------
+
+_Edges = list[list[tuple[int, int]]]
+"""For each point the (other point, weight) pairs of its constraints."""
+
+
+class _Row(NamedTuple):
+    """An activity on a load: its points, the offset of its end, its least duration, its amount."""
+
+    start: int
+    end: int
+    offset: int
+    duration: int
+    amount: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Demand:
+    """A load as the sweeps read it."""
+
+    of: str
+    capacity: int
+    rows: list[_Row]
+
+
+@dataclass(frozen=True, slots=True)
+class _Model:
+    """The problem as points, constraints between them, and loads.
+
+    `earliest[p]` and `latest[p]` are the window of point p in schedules that end by `limit`;
+    `tail[p]` is the least time from p to the end of the schedule. `partners[i]` are the
+    activities that cannot overlap activity i and are not ordered with it by precedence.
+    """
+
+    problem: Problem
+    points: PointMap
+    owner: list[int]
+    leaving: _Edges
+    entering: _Edges
+    earliest: list[int]
+    latest: list[int]
+    tail: list[int]
+    limit: int
+    demands: list[_Demand]
+    demands_of: list[list[int]]
+    partners: list[list[int]]
+
+
+def _model(problem: Problem) -> _Model:
+    timing = timing_network(problem)
+    points, network = timing.points, timing.network
+    leaving: _Edges = [[] for _ in range(points.size)]
+    entering: _Edges = [[] for _ in range(points.size)]
+    for u, v, weight in zip(network.src, network.dst, network.weight, strict=True):
+        leaving[u].append((v, weight))
+        entering[v].append((u, weight))
+    limit = problem.deadline
+    if limit is None:
+        limit = max(_enough_time(problem, timing), problem.bound.value)
+    backward = network.reversed()
+    contended = list(loads(problem))
+    demands = [_demand(problem, points, load) for load in contended]
+    demands_of: list[list[int]] = [[] for _ in range(points.size)]
+    for k, demand in enumerate(demands):
+        for row in demand.rows:
+            for point in {row.start, row.end}:
+                demands_of[point].append(k)
+    return _Model(
+        problem=problem,
+        points=points,
+        owner=timing.owner,
+        leaving=leaving,
+        entering=entering,
+        earliest=earliest(network, timing.floors).t,
+        latest=[-t for t in earliest(backward, _negated_ceilings(problem, points, limit)).t],
+        tail=earliest(backward, _end_offsets(points)).t,
+        limit=limit,
+        demands=demands,
+        demands_of=demands_of,
+        partners=_partners(problem, contended),
+    )
+
+
+def _enough_time(problem: Problem, timing: TimingNetwork) -> int:
+    """A makespan that some best schedule keeps, if there is a schedule at all.
+
+    In an earliest schedule each time is the length of a simple path of floors, of constraints,
+    and of orders chosen on resources, which add one activity's duration each.
+    """
+    lags = sum(weight for weight in timing.network.weight if weight > 0)
+    durations = sum(activity.duration_min for activity in problem.activities)
+    return max(timing.floors) + lags + 2 * durations
+
+
+def _end_offsets(points: PointMap) -> list[int]:
+    offsets = [0] * points.size
+    for end, offset in zip(points.end, points.end_offset, strict=True):
+        offsets[end] = offset
+    return offsets
+
+
+def _negated_ceilings(problem: Problem, points: PointMap, limit: int) -> list[int]:
+    """For each point minus the latest time that deadlines, fixed starts and `limit` allow."""
+    negated = [-limit] * points.size
+    for i, activity in enumerate(problem.activities):
+        deadline = problem.effective_deadline(i)
+        end = limit if deadline is None else min(deadline, limit)
+        negated[points.end[i]] = points.end_offset[i] - end
+        if activity.start is not None:
+            start = points.start[i]
+            negated[start] = max(negated[start], -activity.start)
+    return negated
+
+
+def _demand(problem: Problem, points: PointMap, load: Load) -> _Demand:
+    rows = [
+        _Row(
+            points.start[i],
+            points.end[i],
+            points.end_offset[i],
+            problem.activities[i].duration_min,
+            amount,
+        )
+        for i, amount in zip(load.activities, load.amounts, strict=True)
+    ]
+    return _Demand(load.of, load.capacity, rows)
+
+
+def _partners(problem: Problem, contended: list[Load]) -> list[list[int]]:
+    """For each activity those that cannot overlap it and that no precedence orders with it."""
+    ordered = _ordered_after(problem)
+    found: list[set[int]] = [set() for _ in problem.activities]
+    room = PAIRS_LIMIT
+    for load in contended:
+        pairs = _exclusive_pairs(load, room)
+        room -= len(pairs)
+        for i, j in pairs:
+            if not (ordered[i] >> j & 1 or ordered[j] >> i & 1):
+                found[i].add(j)
+                found[j].add(i)
+    return [sorted(partners) for partners in found]
+
+
+def _exclusive_pairs(load: Load, room: int) -> list[tuple[int, int]]:
+    """The pairs whose amounts do not fit together; none if there are more than `room`."""
+    jobs = sorted(zip(load.amounts, load.activities, strict=True), reverse=True)
+    pairs: list[tuple[int, int]] = []
+    for k, (amount, i) in enumerate(jobs):
+        for other, j in jobs[k + 1 :]:
+            if amount + other <= load.capacity:
+                break
+            pairs.append((i, j))
+        if len(pairs) > room:
+            return []
+    return pairs
+
+
+def _ordered_after(problem: Problem) -> list[int]:
+    """For each activity a bit set of those that start at its end or later, by arcs alone."""
+    activities = problem.activities
+    after = [0] * len(activities)
+    if len(activities) > REACH_LIMIT:
+        return after
+    next_ones: list[list[int]] = [[] for _ in activities]
+    waiting = [0] * len(activities)
+    for arc in problem.arcs:
+        from_end = arc.min_lag - (0 if arc.from_end else activities[arc.before].duration_max)
+        if from_end >= (activities[arc.after].duration_max if arc.to_end else 0):
+            next_ones[arc.before].append(arc.after)
+            waiting[arc.after] += 1
+    order = [i for i, count in enumerate(waiting) if not count]
+    for i in order:
+        for j in next_ones[i]:
+            waiting[j] -= 1
+            if not waiting[j]:
+                order.append(j)
+    for i in reversed(order):
+        for j in next_ones[i]:
+            after[i] |= after[j] | 1 << j
+    return after
+
+
+# --- refuting one D -----------------------------------------------------------------------------
+
+
+class _Refuted(Exception):  # noqa: N818
+    """The assumption contradicts itself; the text completes "a makespan of 27 …"."""
+
+
+class _Spent(Exception):  # noqa: N818
+    """The step budget is used up."""
+
+
+class _Order(NamedTuple):
+    """The case that one activity ends before another starts."""
+
+    first: int
+    second: int
+
+
+class _Half(NamedTuple):
+    """The case that a point lies at or before a time, or that it lies behind it."""
+
+    point: int
+    time: int
+    early: bool
+
+
+_Case = _Order | _Half
+
+_Windows = list[tuple[int, int, int, int, int, int]]
+"""For each row: earliest and latest start, earliest and latest end, least duration, amount."""
+
+
+@dataclass
+class _Refuter:
+    """Refutes assumed makespans, one after another, within one budget.
+
+    `lo` and `hi` are the windows under the assumption and the cases entered. `changed` lists the
+    points whose window shrank since their constraints were looked at, `due` the demands with such
+    a point.
+    """
+
+    model: _Model
+    steps: int
+    lo: list[int] = field(default_factory=list)
+    hi: list[int] = field(default_factory=list)
+    changed: list[int] = field(default_factory=list)
+    waiting: set[int] = field(default_factory=set)
+    due: set[int] = field(default_factory=set)
+    chosen: set[tuple[int, int]] = field(default_factory=set)
+    cases: int = 0
+
+    def refute(self, makespan: int, depth: int) -> str | None:
+        """Why no schedule ends by `makespan`; None if that could not be shown.
+
+        With a depth of 0 no cases are distinguished.
+        """
+        model = self.model
+        lo = list(model.earliest)
+        hi = [
+            min(latest, makespan - tail)
+            for latest, tail in zip(model.latest, model.tail, strict=True)
+        ]
+        if any(first > last for first, last in zip(lo, hi, strict=True)):
+            return "leaves too little time for the lags, releases and deadlines"
+        self.cases = 0
+        try:
+            self._restart(lo, hi, range(len(lo)))
+            self._explore(depth)
+        except _Refuted as refuted:
+            return str(refuted)
+        except _Spent:
+            return None
+        return None
+
+    def _restart(self, lo: list[int], hi: list[int], changed: Iterable[int]) -> None:
+        self.lo, self.hi = list(lo), list(hi)
+        self.changed, self.due = list(changed), set()
+        self.waiting = set(self.changed)
+
+    # --- cases ---
+
+    def _explore(self, depth: int) -> None:
+        """Returns where a case stands; raises `_Refuted` where all contradict themselves."""
+        self.cases += 1
+        self._propagate()
+        cases = self._open_cases() if depth else ()
+        lo, hi = self.lo, self.hi
+        for case in cases:
+            self._restart(lo, hi, ())
+            try:
+                self._enter(case)
+                self._explore(depth - 1)
+                return
+            except _Refuted:
+                continue
+            finally:
+                self._leave(case)
+        if cases:
+            raise _Refuted(f"fails in each of {self.cases} cases")
+
+    def _enter(self, case: _Case) -> None:
+        if isinstance(case, _Order):
+            model, points = self.model, self.model.points
+            end, start = points.end[case.first], points.start[case.second]
+            offset = points.end_offset[case.first]
+            model.leaving[end].append((start, offset))
+            model.entering[start].append((end, offset))
+            self.chosen.add((min(case), max(case)))
+            self._order(case.first, case.second)
+        elif case.early:
+            self._lower(case.point, case.time)
+        else:
+            self._raise(case.point, case.time + 1)
+
+    def _leave(self, case: _Case) -> None:
+        if isinstance(case, _Order):
+            model, points = self.model, self.model.points
+            model.leaving[points.end[case.first]].pop()
+            model.entering[points.start[case.second]].pop()
+            self.chosen.discard((min(case), max(case)))
+
+    def _open_cases(self) -> tuple[_Case, ...]:
+        """Two cases of which one must hold; none where nothing is open (or worth a look)."""
+        pair = self._tightest_pair()
+        if pair is not None:
+            first, second = pair
+            return _Order(first, second), _Order(second, first)
+        point = self._first_open_start()
+        if point is None:
+            return ()
+        middle = (self.lo[point] + self.hi[point]) // 2
+        return _Half(point, middle, True), _Half(point, middle, False)
+
+    def _tightest_pair(self) -> tuple[int, int] | None:
+        """The activities that cannot overlap, may come in both orders, and have least room."""
+        points, lo, hi = self.model.points, self.lo, self.hi
+        best, least = None, None
+        for i, partners in enumerate(self.model.partners):
+            self._spend(len(partners))
+            if not partners:
+                continue
+            first_end = lo[points.end[i]] + points.end_offset[i]
+            last_start = hi[points.start[i]]
+            for j in partners:
+                after = hi[points.start[j]] - first_end
+                before = last_start - lo[points.end[j]] - points.end_offset[j]
+                if j < i or after < 0 or before < 0 or (i, j) in self.chosen:
+                    continue
+                if least is None or after + before < least:
+                    best, least = (i, j), after + before
+        return best
+
+    def _first_open_start(self) -> int | None:
+        """The start, on a load where more than one fits, that is open and can be earliest."""
+        lo, hi = self.lo, self.hi
+        best: tuple[int, int, int] | None = None
+        for demand in self.model.demands:
+            if demand.capacity == 1:
+                continue
+            self._spend(len(demand.rows))
+            for row in demand.rows:
+                point = row.start
+                key = lo[point], hi[point], point
+                if key[0] < key[1] and (best is None or key < best):
+                    best = key
+        return None if best is None else best[2]
+
+    # --- propagation ---
+
+    def _spend(self, steps: int) -> None:
+        self.steps -= steps
+        if self.steps < 0:
+            raise _Spent
+
+    def _raise(self, point: int, time: int) -> None:
+        """The point is at `time` or later."""
+        self.lo[point] = time
+        self._note(point)
+
+    def _lower(self, point: int, time: int) -> None:
+        """The point is at `time` or earlier."""
+        self.hi[point] = time
+        self._note(point)
+
+    def _note(self, point: int) -> None:
+        if self.lo[point] > self.hi[point]:
+            name = self.model.problem.activities[self.model.owner[point]].id
+            raise _Refuted(f"leaves no time for {name!r}")
+        if point not in self.waiting:
+            self.waiting.add(point)
+            self.changed.append(point)
+
+    def _propagate(self) -> None:
+        """Shrinks the windows until nothing more follows."""
+        self._settle()
+        while self.due:
+            k = min(self.due)
+            self.due.discard(k)
+            self._sweep(self.model.demands[k])
+            self._settle()
+
+    def _settle(self) -> None:
+        """Lags and pairwise orders, for each point that changed."""
+        model, lo, hi = self.model, self.lo, self.hi
+        for point in self.changed:
+            self.waiting.discard(point)
+            self.due.update(model.demands_of[point])
+            leaving, entering = model.leaving[point], model.entering[point]
+            self._spend(1 + len(leaving) + len(entering))
+            time = lo[point]
+            for other, weight in leaving:
+                if lo[other] < time + weight:
+                    self._raise(other, time + weight)
+            time = hi[point]
+            for other, weight in entering:
+                if hi[other] > time - weight:
+                    self._lower(other, time - weight)
+            if model.partners[model.owner[point]]:
+                self._order_with_partners(model.owner[point])
+        self.changed.clear()
+
+    def _order_with_partners(self, i: int) -> None:
+        """What fits before (or after) activity i in no way comes after (or before) it."""
+        points, lo, hi = self.model.points, self.lo, self.hi
+        starts, ends, offsets = points.start, points.end, points.end_offset
+        partners = self.model.partners[i]
+        self._spend(2 * len(partners))
+        first_end, last_start = lo[ends[i]] + offsets[i], hi[starts[i]]
+        for j in partners:
+            if first_end > hi[starts[j]]:
+                self._order(j, i)
+            elif lo[ends[j]] + offsets[j] > last_start:
+                self._order(i, j)
+
+    def _order(self, first: int, second: int) -> None:
+        """One activity ends before another starts."""
+        points = self.model.points
+        end, offset, start = points.end[first], points.end_offset[first], points.start[second]
+        if self.lo[start] < self.lo[end] + offset:
+            self._raise(start, self.lo[end] + offset)
+        if self.hi[end] > self.hi[start] - offset:
+            self._lower(end, self.hi[start] - offset)
+
+    def _sweep(self, demand: _Demand) -> None:
+        """Energetic reasoning on a load, over intervals that begin where something may start."""
+        lo, hi = self.lo, self.hi
+        windows = [
+            (lo[start], hi[start], lo[end] + offset, hi[end] + offset, duration, amount)
+            for start, end, offset, duration, amount in demand.rows
+        ]
+        for begin in _beginnings(windows):
+            self._spend(4 * len(windows))
+            for end, slack in self._tight_ends(demand, windows, begin):
+                self._move(demand, windows, (begin, end), slack)
+
+    def _tight_ends(self, demand: _Demand, windows: _Windows, begin: int) -> list[tuple[int, int]]:
+        """Ends of intervals from `begin` whose slack some activity could exceed, with the slack.
+
+        From `begin` on, what an interval must hold of an activity grows from its latest start
+        (or `begin`) by its amount per tick, until all that must lie behind `begin` is held.
+        """
+        events: list[tuple[int, int]] = []
+        widest = 0
+        for _, last_start, first_end, _, duration, amount in windows:
+            if first_end > begin:
+                held = min(duration, first_end - begin)
+                grows = max(last_start, begin)
+                events.append((grows, amount))
+                events.append((grows + held, -amount))
+            widest = max(widest, duration * amount)
+        events.sort()
+        tight: list[tuple[int, int]] = []
+        slack, rate, at = 0, demand.capacity, begin
+        for time, change in events:
+            slack += rate * (time - at)
+            at = time
+            rate -= change
+            if slack < 0:
+                raise _Refuted(self._overload(demand, begin, time))
+            if change < 0 and slack < widest:
+                tight.append((time, slack))
+        return tight
+
+    def _overload(self, demand: _Demand, begin: int, end: int) -> str:
+        to_units = self.model.problem.to_units
+        first, last = format_number(to_units(begin)), format_number(to_units(end))
+        return f"asks too much of {demand.of} between {first} and {last}"
+
+    def _move(
+        self, demand: _Demand, windows: _Windows, interval: tuple[int, int], slack: int
+    ) -> None:
+        """Moves starts and ends so that no activity alone takes more than the slack it has.
+
+        With a start s it holds at least min(duration, length, first end - begin, end - s) of the
+        interval, and correspondingly with an end.
+        """
+        begin, end = interval
+        self._spend(len(windows))
+        for row, window in zip(demand.rows, windows, strict=True):
+            first_start, last_start, first_end, last_end, duration, amount = window
+            if amount * duration <= slack or first_start >= end or last_end <= begin:
+                continue
+            self._spend(4)
+            most = min(duration, end - begin)
+            early, late = min(most, first_end - begin), min(most, end - last_start)
+            free = slack + amount * max(0, min(early, late))
+            if amount * early > free and (time := end - free // amount) > self.lo[row.start]:
+                self._raise(row.start, time)
+            if amount * late > free:
+                time = begin + free // amount - row.offset
+                if time < self.hi[row.end]:
+                    self._lower(row.end, time)
+
+
+def _beginnings(windows: _Windows) -> list[int]:
+    times = sorted({time for window in windows for time in window[:2]})
+    if len(times) <= BEGINNINGS_LIMIT:
+        return times
+    return [times[k * len(times) // BEGINNINGS_LIMIT] for k in range(BEGINNINGS_LIMIT)]

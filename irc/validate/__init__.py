@@ -1,0 +1,75 @@
+"""The independent validator: is a schedule valid for a task (design: "What a valid schedule is")?
+
+It knows the task and the schedule and nothing else: no solver, no compiled form, no re-timing. All
+arithmetic is exact. Cost is near linear in the size of both, but for two questions that are NP-hard
+and therefore bounded: ranks where none are given (`irc.validate.ranks`), and choices among
+different amounts (`irc.validate.choices`). Where a bound is reached the verdict says "undecided".
+"""
+
+from __future__ import annotations
+
+from irc.model import Task
+from irc.schedule import Schedule
+from irc.times import TimeError
+from irc.validate.choices import check_choices
+from irc.validate.objectives import check_stated, objective_values
+from irc.validate.presence import check_presence
+from irc.validate.resources import check_capacity, check_reservoirs
+from irc.validate.state import check_goals, check_state
+from irc.validate.subject import InexactTimeError, UncheckedTaskError, resolve
+from irc.validate.timing import check_precedence, check_windows
+from irc.validate.verdict import RULES, SHOWN_PER_RULE, Verdict, Violation, Violations
+
+__all__ = [
+    "RULES",
+    "SHOWN_PER_RULE",
+    "InexactTimeError",
+    "UncheckedTaskError",
+    "Verdict",
+    "Violation",
+    "validate",
+]
+
+_CHECKS = (
+    check_presence,
+    check_windows,
+    check_precedence,
+    check_choices,
+    check_capacity,
+    check_reservoirs,
+    check_state,
+    check_goals,
+)
+"""In the order of the rules."""
+
+
+def validate(task: Task, schedule: Schedule) -> Verdict:
+    """Judges `schedule` as an answer to `task`, as of t = 0: the task's events are not applied.
+
+    All violations are found, not only the first. The task must have been checked: one that refers
+    to what it does not have raises `UncheckedTaskError`. A time in the schedule that is not an
+    `int` or a `Fraction` raises `InexactTimeError`.
+
+    >>> from irc.schedule import Entry
+    >>> task = Task(actions=[{"id": "cut", "duration": 3}, {"id": "stack", "duration": 1}],
+    ...             precedence=[("cut", "stack")])
+    >>> print(validate(task, Schedule((Entry("cut", 0, 3), Entry("stack", 3, 4)))))
+    valid: makespan 4 s
+    >>> print(validate(task, Schedule((Entry("cut", 0, 3), Entry("stack", 2, 3)))))
+    not valid, 1 violation:
+      rule 3, precedence: 'stack' starts at 2 s, before the end of 'cut' (3 s) allows it
+    """
+    try:
+        return _validate(task, schedule)
+    except TimeError as error:
+        raise UncheckedTaskError(f"the task has a time that cannot be used: {error}") from error
+
+
+def _validate(task: Task, schedule: Schedule) -> Verdict:
+    subject = resolve(task, schedule)
+    violations = Violations(task.time_unit)
+    for check in _CHECKS:
+        check(subject, violations)
+    values = objective_values(subject)
+    check_stated(subject, values, violations)
+    return Verdict(violations.found, values, violations.omitted, task.time_unit)

@@ -1,0 +1,454 @@
+"""The search for ranks where a schedule gives none.
+
+Every demand on ranks is an edge: rank(b) ≥ rank(a) + 0 or 1. Ranks exist iff the edges of some
+order of each knot (see `irc.validate.knots`) close no cycle with a 1 in it.
+
+1. Durations, tight precedences and the knots with one answer give edges at once; a cycle among
+   these is final. This is linear, and all that most schedules need.
+2. A cycle stays inside a strongly connected component of the graph of all *possible* edges. So
+   knots that share neither a component nor a value are independent puzzles, solved smallest first.
+3. A puzzle is searched depth first with exact backtracking: the next writer, then a slot for each
+   item, the narrowest first. Ranks are kept up to date as longest paths, so an impossible edge is
+   seen when it is added.
+
+The question is NP-hard (orders of simultaneous changes), so step 3 is bounded: at most
+`SEARCH_STEPS` edge relaxations over all puzzles. Beyond, the puzzle is reported as undecided.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from irc.validate.happenings import Edge, Story, Value, timing_edges
+from irc.validate.knots import OPEN, Edges, Knot, Writer, slots, untangle
+from irc.validate.subject import Subject
+from irc.validate.verdict import Violations, listed
+
+SEARCH_STEPS = 2_000_000
+"""About two seconds of search."""
+
+
+class _OutOfSteps(Exception):
+    """The search has used up its steps."""
+
+
+class Budget:
+    """The steps that are left to the search for ranks."""
+
+    def __init__(self, steps: int) -> None:
+        self.left = steps
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether no step is left."""
+        return self.left <= 0
+
+    def charge(self, steps: int) -> None:
+        """Takes steps for work that is already done."""
+        self.left -= steps
+
+    def spend(self) -> None:
+        """Takes one step; raises when none is left."""
+        if self.left <= 0:
+            raise _OutOfSteps
+        self.left -= 1
+
+
+def find_ranks(
+    subject: Subject, story: Story, budget: Budget, violations: Violations
+) -> list[int] | None:
+    """Ranks under which state and precedences hold, or None and the reasons why there are none."""
+    tangle = untangle(subject, story, violations)
+    edges = [*timing_edges(subject, story), *tangle.edges]
+    components = strong_components(story.node_count, edges)
+    cycles = _strict_cycles(components, edges)
+    if cycles:
+        _add_cycles(subject, story, _inside(components, edges), cycles, violations)
+        return None
+    ranks = longest_paths(components, edges)
+    if not tangle.knots:
+        return None if violations else ranks
+    search = _Search(ranks, edges, tangle.knots, budget)
+    for puzzle in search.puzzles:
+        outcome = search.solve(puzzle)
+        if outcome is not True:
+            _add_unsolved(subject, [tangle.knots[i] for i in puzzle], outcome is None, violations)
+    if violations:
+        return None
+    edges += search.graph.added
+    return longest_paths(strong_components(story.node_count, edges), edges)
+
+
+def strong_components(count: int, edges: Sequence[Edge]) -> list[int]:
+    """The strongly connected component of each node, numbered so that edges never lead upward.
+
+    Tarjan (1972), without recursion: O(nodes + edges).
+    """
+    following: list[list[int]] = [[] for _ in range(count)]
+    for a, b, _ in edges:
+        following[a].append(b)
+    index = [-1] * count
+    low = [0] * count
+    component = [-1] * count
+    stack: list[int] = []
+    seen, found = 0, 0
+    for root in range(count):
+        if index[root] >= 0:
+            continue
+        path = [(root, iter(following[root]))]
+        index[root] = low[root] = seen
+        seen += 1
+        stack.append(root)
+        while path:
+            node, targets = path[-1]
+            for target in targets:
+                if index[target] < 0:
+                    index[target] = low[target] = seen
+                    seen += 1
+                    stack.append(target)
+                    path.append((target, iter(following[target])))
+                    break
+                if component[target] < 0:
+                    low[node] = min(low[node], index[target])
+            else:
+                path.pop()
+                if path:
+                    parent = path[-1][0]
+                    low[parent] = min(low[parent], low[node])
+                if low[node] == index[node]:
+                    while True:
+                        member = stack.pop()
+                        component[member] = found
+                        if member == node:
+                            break
+                    found += 1
+    return component
+
+
+def longest_paths(component: Sequence[int], edges: Sequence[Edge]) -> list[int]:
+    """The least ranks ≥ 0 that satisfy edges without a strict cycle: O(nodes + edges)."""
+    by_source: dict[int, list[Edge]] = {}
+    for edge in edges:
+        if component[edge[0]] != component[edge[1]]:
+            by_source.setdefault(component[edge[0]], []).append(edge)
+    # Sources have the highest numbers; within a component all ranks are equal.
+    rank = [0] * (max(component, default=-1) + 1)
+    for source in sorted(by_source, reverse=True):
+        for _, target, least in by_source[source]:
+            rank[component[target]] = max(rank[component[target]], rank[source] + least)
+    return [rank[c] for c in component]
+
+
+def _inside(component: Sequence[int], edges: Sequence[Edge]) -> list[Edge]:
+    """The edges within components; no other one lies on a cycle."""
+    return [edge for edge in edges if component[edge[0]] == component[edge[1]]]
+
+
+def _strict_cycles(component: Sequence[int], edges: Sequence[Edge]) -> list[Edge]:
+    """One strict edge of each component that has one: it lies on a cycle that nothing satisfies."""
+    cycles = {
+        component[a]: (a, b, least)
+        for a, b, least in edges
+        if least and component[a] == component[b]
+    }
+    return list(cycles.values())
+
+
+class _Graph:
+    """Ranks that satisfy a growing, shrinking set of edges."""
+
+    def __init__(self, ranks: list[int], edges: Iterable[Edge], budget: Budget) -> None:
+        self.ranks = ranks
+        self.added: list[Edge] = []
+        self.budget = budget
+        self._out: list[list[tuple[int, int]]] = [[] for _ in ranks]
+        self._in: list[list[int]] = [[] for _ in ranks]
+        self._raised: list[tuple[int, int]] = []
+        for a, b, least in edges:
+            self._out[a].append((b, least))
+            self._in[b].append(a)
+
+    def mark(self) -> tuple[int, int]:
+        """Where to come back to."""
+        return len(self.added), len(self._raised)
+
+    def undo(self, mark: tuple[int, int]) -> None:
+        """Takes back all that was added since `mark`."""
+        edges, raised = mark
+        while len(self.added) > edges:
+            a, b, _ = self.added.pop()
+            self._out[a].pop()
+            self._in[b].pop()
+        while len(self._raised) > raised:
+            node, rank = self._raised.pop()
+            self.ranks[node] = rank
+
+    def add(self, edges: Edges) -> bool:
+        """Adds edges and raises ranks to satisfy them; False, part done, on a strict cycle."""
+        return all(self._add(edge) for edge in edges)
+
+    def _add(self, edge: Edge) -> bool:
+        a, b, least = edge
+        self.budget.spend()
+        if a == b:
+            return least == 0
+        self.added.append(edge)
+        self._out[a].append((b, least))
+        self._in[b].append(a)
+        if self.ranks[b] >= self.ranks[a] + least:
+            return True
+        self._raise(b, self.ranks[a] + least)
+        queue = deque([b])
+        while queue:
+            node = queue.popleft()
+            rank = self.ranks[node]
+            for target, more in self._out[node]:
+                self.budget.spend()
+                if self.ranks[target] >= rank + more:
+                    continue
+                if target == a:
+                    return False
+                self._raise(target, rank + more)
+                queue.append(target)
+        return True
+
+    def _raise(self, node: int, rank: int) -> None:
+        self._raised.append((node, self.ranks[node]))
+        self.ranks[node] = rank
+
+    def unmet(self, edges: Edges) -> int:
+        """How many of `edges` the present ranks do not satisfy."""
+        return sum(self.ranks[b] < self.ranks[a] + least for a, b, least in edges)
+
+    def follows_any(self, node: int, others: set[int]) -> bool:
+        """Whether `node` comes after, or together with, another one of `others`."""
+        seen = {node}
+        queue = deque([node])
+        while queue:
+            for source in self._in[queue.popleft()]:
+                self.budget.spend()
+                if source in others and source != node:
+                    return True
+                if source not in seen:
+                    seen.add(source)
+                    queue.append(source)
+        return False
+
+
+class _State(NamedTuple):
+    """How far a puzzle is solved: its `at`-th knot, the order of writers so far, and, once that is
+    complete, the options of each item, of which the first `placed` are chosen."""
+
+    at: int = 0
+    order: tuple[Writer, ...] = ()
+    plans: tuple[list[Edges], ...] | None = None
+    placed: int = 0
+
+
+_Choices = Iterator[tuple[Edges, _State]]
+
+
+class _Search:
+    """Solves the knots that are left over, one independent puzzle at a time."""
+
+    def __init__(
+        self, ranks: list[int], edges: Sequence[Edge], knots: Sequence[Knot], budget: Budget
+    ) -> None:
+        self.knots = knots
+        self.last: dict[int, Value] = {}
+        component = strong_components(*_with_possible_edges(len(ranks), edges, knots))
+        self.puzzles = _puzzles(knots, component)
+        self.graph = _Graph(ranks, _inside(component, edges), budget)
+
+    def solve(self, puzzle: Sequence[int]) -> bool | None:
+        """Whether the puzzle has a solution, which then stays in `graph`; None if undecided."""
+        start = self.graph.mark()
+        try:
+            if self._solve(puzzle):
+                return True
+        except _OutOfSteps:
+            self.graph.undo(start)
+            return None
+        self.graph.undo(start)
+        return False
+
+    def _solve(self, puzzle: Sequence[int]) -> bool:
+        state = self._advance(puzzle, _State())
+        if state is None:
+            return True
+        frames = [(self._choices(puzzle, state), self.graph.mark())]
+        while frames:
+            choices, mark = frames[-1]
+            self.graph.undo(mark)
+            choice = next(choices, None)
+            if choice is None:
+                frames.pop()
+                continue
+            edges, chosen = choice
+            if not self.graph.add(edges):
+                continue
+            state = self._advance(puzzle, chosen)
+            if state is None:
+                return True
+            frames.append((self._choices(puzzle, state), self.graph.mark()))
+        return False
+
+    def _incoming(self, knot: Knot) -> Value:
+        if knot.incoming is not OPEN:
+            return knot.incoming
+        return self.last[knot.previous] if knot.previous is not None else None
+
+    def _advance(self, puzzle: Sequence[int], state: _State) -> _State | None:
+        """The next state in which something is to be chosen; None when all is."""
+        while state.at < len(puzzle):
+            knot = self.knots[puzzle[state.at]]
+            if len(state.order) < len(knot.writers):
+                return state
+            incoming = self._incoming(knot)
+            last = state.order[-1].value if state.order else incoming
+            if state.plans is None:
+                plans = [slots(item, state.order, incoming) for item in knot.items]
+                if any(goal != last for goal in knot.goals):
+                    plans.append([])
+                state = state._replace(plans=tuple(sorted(plans, key=len)))
+            if state.plans is not None and state.placed < len(state.plans):
+                return state
+            self.last[puzzle[state.at]] = last
+            state = _State(state.at + 1)
+        return None
+
+    def _choices(self, puzzle: Sequence[int], state: _State) -> _Choices:
+        if state.plans is None:
+            return self._writers(self.knots[puzzle[state.at]], state)
+        return self._slots(state.plans[state.placed], state)
+
+    def _slots(self, options: list[Edges], state: _State) -> _Choices:
+        following = state._replace(placed=state.placed + 1)
+        for edges in sorted(options, key=self.graph.unmet):
+            yield edges, following
+
+    def _writers(self, knot: Knot, state: _State) -> _Choices:
+        ranks, order = self.graph.ranks, state.order
+        if not order and _is_hopeless(knot, self._incoming(knot)):
+            return
+        value = order[-1].value if order else self._incoming(knot)
+        placed = {writer.happening.node for writer in order}
+        left = [writer for writer in knot.writers if writer.happening.node not in placed]
+        waiting = {writer.happening.node for writer in left}
+        self.graph.budget.charge(len(left))
+        for writer in sorted(left, key=lambda w: ranks[w.happening.node]):
+            node = writer.happening.node
+            if any(need != value for need in writer.needs):
+                continue
+            if self.graph.follows_any(node, waiting):
+                continue
+            edges: Edges = ((order[-1].happening.node, node, 1),) if order else ()
+            yield edges, state._replace(order=(*order, writer))
+
+
+def _is_hopeless(knot: Knot, incoming: Value) -> bool:
+    """Whether a value is needed that never occurs, so that no order need be tried."""
+    given: set[Value] = {writer.value for writer in knot.writers}
+    ever = given | {incoming}
+    needed = [need for writer in knot.writers for need in writer.needs]
+    needed += [item.value for item in knot.items if item.kind != "close"]
+    return not ever.issuperset(needed) or not given.issuperset(knot.goals)
+
+
+def _with_possible_edges(
+    count: int, edges: Sequence[Edge], knots: Sequence[Knot]
+) -> tuple[int, list[Edge]]:
+    """The graph with a hub per knot, through which all its happenings reach each other."""
+    possible = list(edges)
+    for knot in knots:
+        if not knot.writers:
+            continue
+        for happening in knot.happenings():
+            possible += [(happening.node, count, 0), (count, happening.node, 0)]
+        count += 1
+    return count, possible
+
+
+def _puzzles(knots: Sequence[Knot], component: Sequence[int]) -> list[list[int]]:
+    """The knots by what they have to do with each other, in the order of time; smallest first."""
+    parent = list(range(len(knots)))
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = parent[i]
+        return i
+
+    in_component: dict[int, int] = {}
+    for i, knot in enumerate(knots):
+        if knot.previous is not None:
+            parent[root(i)] = root(knot.previous)
+        if knot.writers:
+            # All happenings of a knot with writers are in one component.
+            home = component[knot.writers[0].happening.node]
+            parent[root(i)] = root(in_component.setdefault(home, i))
+    puzzles: dict[int, list[int]] = {}
+    for i in range(len(knots)):
+        puzzles.setdefault(root(i), []).append(i)
+    ordered = [sorted(puzzle, key=lambda i: (knots[i].time, i)) for puzzle in puzzles.values()]
+    return sorted(ordered, key=len)
+
+
+def _add_cycles(
+    subject: Subject,
+    story: Story,
+    edges: Sequence[Edge],
+    cycles: Sequence[Edge],
+    violations: Violations,
+) -> None:
+    owner: dict[int, int] = {}
+    for number, nodes in enumerate(story.nodes):
+        owner.update(dict.fromkeys(nodes, number))
+    following: dict[int, list[int]] = {}
+    for a, b, _ in edges:
+        following.setdefault(a, []).append(b)
+    for first, second, _ in cycles:
+        circle = _path(second, first, following)
+        members = [subject.occurrences[owner[node]] for node in circle]
+        names = list(dict.fromkeys(member.entry.id for member in members))
+        violations.add(
+            "rank",
+            f"no ranks exist: {listed(names, len(names))} would have to come "
+            "one after the other in a circle",
+            names,
+            sorted({member.start for member in members}),
+        )
+
+
+def _path(source: int, target: int, following: Mapping[int, Sequence[int]]) -> list[int]:
+    came_from = {source: source}
+    queue = deque([source])
+    while target not in came_from:
+        node = queue.popleft()
+        for other in following.get(node, ()):
+            if other not in came_from:
+                came_from[other] = node
+                queue.append(other)
+    path = [target]
+    while path[-1] != source:
+        path.append(came_from[path[-1]])
+    return path[::-1]
+
+
+def _add_unsolved(
+    subject: Subject, knots: Sequence[Knot], undecided: bool, violations: Violations
+) -> None:
+    names = list(dict.fromkeys(h.occurrence.entry.id for knot in knots for h in knot.happenings()))
+    variables = list(dict.fromkeys(knot.variable for knot in knots))
+    times = list(dict.fromkeys(knot.time for knot in knots))
+    where = f"{listed(names, len(names))} at {violations.time(times[0])}"
+    if len(times) > 1:
+        where += f" and {len(times) - 1} later instants"
+    about = listed(variables, len(variables))
+    if undecided:
+        message = f"whether some order of {where} suits {about} is too hard to decide; give ranks"
+    else:
+        message = f"no order of {where} suits {about}"
+    violations.add("undecided" if undecided else "rank", message, names, times)

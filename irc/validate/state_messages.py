@@ -1,0 +1,72 @@
+"""How violations of rules 6 and 7 are put into words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from irc.model.base import StateValue
+from irc.validate.happenings import Access, Hold, Value, moment_text, value_text
+from irc.validate.verdict import Violations, listed
+
+
+def add_unmet(variable: str, access: Access, found: str, violations: Violations) -> None:
+    """A condition that does not hold just before its happening."""
+    happening = access.happening
+    violations.add(
+        "state",
+        f"{happening.occurrence.name} needs {variable!r} = {value_text(access.value)} just before "
+        f"{moment_text(happening, violations.time(happening.time))}, but it is {found}",
+        [happening.occurrence.entry.id],
+        (happening.time,),
+    )
+
+
+def add_unheld(variable: str, hold: Hold, found: str, violations: Violations) -> None:
+    """A condition on the whole duration that does not hold when it begins."""
+    occurrence = hold.opening.occurrence
+    violations.add(
+        "state",
+        f"{occurrence.name} needs {variable!r} = {value_text(hold.value)} while it lasts "
+        f"({violations.time(hold.opening.time)} to {violations.time(hold.closing.time)}), "
+        f"but just after its start it is {found}",
+        [occurrence.entry.id],
+        (hold.opening.time, hold.closing.time),
+    )
+
+
+def add_broken(
+    variable: str, access: Access, broken: Sequence[Hold], violations: Violations
+) -> None:
+    """A change of what others need unchanged while they last."""
+    happening = access.happening
+    names = [hold.opening.occurrence.entry.id for hold in broken]
+    violations.add(
+        "state",
+        f"{happening.occurrence.name} makes {variable!r} {value_text(access.value)} at "
+        f"{violations.time(happening.time)}, while {listed(names, len(names))} "
+        f"{'needs' if len(names) == 1 else 'need'} it to stay "
+        f"{value_text(broken[0].value)}",
+        [happening.occurrence.entry.id, *names],
+        (happening.time,),
+    )
+
+
+def add_contradiction(variable: str, access: Access, violations: Violations) -> None:
+    """One happening that gives a variable two values."""
+    happening = access.happening
+    violations.add(
+        "state",
+        f"{happening.occurrence.name} gives {variable!r} two values at once, at "
+        f"{moment_text(happening, violations.time(happening.time))}",
+        [happening.occurrence.entry.id],
+        (happening.time,),
+    )
+
+
+def add_unmet_goal(variable: str, wanted: StateValue, found: Value, violations: Violations) -> None:
+    """A goal that does not hold when everything has ended."""
+    violations.add(
+        "goal",
+        f"the goal {variable!r} = {value_text(wanted)} does not hold at the end: "
+        f"it is {value_text(found)}",
+    )
