@@ -118,7 +118,9 @@ def _relax(
     """Label correction inside one component; a positive cycle if there is one."""
     dst, weight = network.dst, network.weight
     queue, queued = deque(component), set(component)
-    raised: dict[int, int] = {}
+    # Taken first in, first out, a point without a positive cycle behind it enters the queue at
+    # most once for each point of the component (Bellman and Ford).
+    entered = dict.fromkeys(component, 1)
     while queue:
         u = queue.popleft()
         queued.discard(u)
@@ -128,18 +130,25 @@ def _relax(
                 continue
             t[v] = t[u] + weight[edge]
             cause[v] = edge
-            raised[v] = raised.get(v, 0) + 1
-            if raised[v] > len(component):
-                return _cycle_behind(network, cause, v)
-            if v not in queued:
-                queue.append(v)
-                queued.add(v)
+            if v in queued:
+                continue
+            entered[v] += 1
+            if entered[v] > len(component) + 1:
+                cycle = _cycle_behind(network, cause, v)
+                if cycle is not None:
+                    return cycle
+                entered[v] = 1
+            queue.append(v)
+            queued.add(v)
     return None
 
 
-def _cycle_behind(network: Network, cause: list[int], point: int) -> list[int]:
+def _cycle_behind(network: Network, cause: list[int], point: int) -> list[int] | None:
+    """A cycle of causes behind a point (such a cycle is always positive), if it has closed yet."""
     seen: set[int] = set()
     while point not in seen:
+        if cause[point] < 0:
+            return None
         seen.add(point)
         point = network.src[cause[point]]
     first, edges = point, []

@@ -175,8 +175,10 @@ def run(
 ) -> ProcessResult:
     """Run a command to its end, within limits, and leave nothing of it behind.
 
-    It returns at most about half a second after the time limit (plus what `on_line` takes), and
-    loses up to twice `GRACE_SECONDS` on those that do not end when asked to.
+    It returns at most about half a second after the time limit (plus what `on_line` takes). After
+    an exit it loses up to `GRACE_SECONDS` on each of two things: a descendant that holds stdout
+    open, and one that does not end when asked to (or is not buried by process 1, as in some
+    containers).
 
     Args:
         command: the program (a name on PATH, or a path; a relative one starts at `cwd`) and its

@@ -57,7 +57,7 @@ def retime(
     chosen = assign(problem, decisions)
     timing = timing_network(problem)
     points, network = timing.points, timing.network
-    for before, after in _orders(problem, decisions, chosen, tolerance):
+    for before, after in resource_orders(problem, decisions, chosen, tolerance):
         network.add(points.end[before], points.start[after], points.end_offset[before])
     for i, decision in enumerate(decisions):
         if points.start[i] != points.end[i] and decision.end - decision.start <= tolerance:
@@ -95,7 +95,7 @@ def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
     )
 
 
-def _orders(
+def resource_orders(
     problem: Problem,
     decisions: Sequence[Decision],
     chosen: Sequence[tuple[int, ...]],

@@ -415,7 +415,8 @@ def _sort_constraints(
 def _coinciding(problem: Problem, facts: list[AtLeast], waits: list[AtLeast]) -> dict[Point, int]:
     """Which points lie on a common cycle of constraints that need facts, by component."""
     count = len(problem.activities)
-    if is_acyclic(count, problem.arcs):
+    plain = all(a.from_end and not a.to_end and a.max_lag is None for a in problem.arcs)
+    if plain and is_acyclic(count, problem.arcs):
         return {}
     network = Network(2 * count)
     leaving: list[list[int]] = [[] for _ in range(2 * count)]

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
 from irc.network import earliest
@@ -145,6 +146,7 @@ class _Model:
     limit: int
     demands: list[_Demand]
     demands_of: list[list[int]]
+    claims_of: list[list[tuple[int, int, int]]]
     partners: list[list[int]]
 
 
@@ -163,8 +165,10 @@ def _model(problem: Problem) -> _Model:
     contended = list(loads(problem))
     demands = [_demand(problem, points, load) for load in contended]
     demands_of: list[list[int]] = [[] for _ in range(points.size)]
+    claims_of: list[list[tuple[int, int, int]]] = [[] for _ in range(points.size)]
     for k, demand in enumerate(demands):
         for row in demand.rows:
+            claims_of[row.start].append((k, row.duration, row.amount))
             for point in {row.start, row.end}:
                 demands_of[point].append(k)
     return _Model(
@@ -179,6 +183,7 @@ def _model(problem: Problem) -> _Model:
         limit=limit,
         demands=demands,
         demands_of=demands_of,
+        claims_of=claims_of,
         partners=_partners(problem, contended),
     )
 
@@ -285,11 +290,11 @@ def _ordered_after(problem: Problem) -> list[int]:
 # --- refuting one D -----------------------------------------------------------------------------
 
 
-class _Refuted(Exception):  # noqa: N818
+class _Refuted(Exception):
     """The assumption contradicts itself; the text completes "a makespan of 27 …"."""
 
 
-class _Spent(Exception):  # noqa: N818
+class _Spent(Exception):
     """The step budget is used up."""
 
 
@@ -349,7 +354,9 @@ class _Refuter:
         self.cases = 0
         try:
             self._restart(lo, hi, range(len(lo)))
-            self._explore(depth)
+            self._propagate()
+            if depth and not self._list_schedule_fits():
+                self._explore(depth)
         except _Refuted as refuted:
             return str(refuted)
         except _Spent:
@@ -448,6 +455,51 @@ class _Refuter:
                 if key[0] < key[1] and (best is None or key < best):
                     best = key
         return None if best is None else best[2]
+
+    def _list_schedule_fits(self) -> bool:
+        """Whether one plain schedule keeps the windows, so that a search would be in vain.
+
+        Activities are placed as early as they fit, those with the earliest latest start first.
+        It knows fixed durations and acyclic lags; otherwise it says no.
+        """
+        model, lo, hi = self.model, self.lo, self.hi
+        size = len(lo)
+        if size > len(model.problem.activities):
+            return False
+        times, missing = list(lo), [len(edges) for edges in model.entering]
+        taken: list[list[tuple[int, int, int]]] = [[] for _ in model.demands]
+        ready = [(hi[p], p) for p in range(size) if not missing[p]]
+        heapify(ready)
+        placed = 0
+        while ready:
+            _, point = heappop(ready)
+            time = self._place(point, times[point], taken)
+            if time > hi[point]:
+                return False
+            placed += 1
+            for other, weight in model.leaving[point]:
+                times[other] = max(times[other], time + weight)
+                missing[other] -= 1
+                if not missing[other]:
+                    heappush(ready, (hi[other], other))
+        return placed == size
+
+    def _place(self, point: int, time: int, taken: list[list[tuple[int, int, int]]]) -> int:
+        """The first time, not before `time`, at which an activity fits; enters it there."""
+        claims = self.model.claims_of[point]
+        settled = 0
+        while settled < len(claims):
+            for k, duration, amount in claims:
+                self._spend(1 + len(taken[k]))
+                room = self.model.demands[k].capacity - amount
+                until = _blocked_until(taken[k], room, time, time + duration)
+                if until > time:
+                    time, settled = until, 0
+                    break
+                settled += 1
+        for k, duration, amount in claims:
+            taken[k].append((time, time + duration, amount))
+        return time
 
     # --- propagation ---
 
@@ -594,6 +646,18 @@ class _Refuter:
                 time = begin + free // amount - row.offset
                 if time < self.hi[row.end]:
                     self._lower(row.end, time)
+
+
+def _blocked_until(taken: list[tuple[int, int, int]], room: int, begin: int, end: int) -> int:
+    """`begin` if at most `room` is taken throughout the interval; else when some of it is free."""
+    inside = [entry for entry in taken if entry[0] < end and entry[1] > begin]
+    if sum(amount for _, _, amount in inside) <= room:
+        return begin
+    for start, _, _ in inside:
+        at = max(start, begin)
+        if sum(amount for first, last, amount in inside if first <= at < last) > room:
+            return min(last for first, last, _ in inside if first <= at < last)
+    return begin
 
 
 def _beginnings(windows: _Windows) -> list[int]:

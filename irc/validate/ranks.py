@@ -26,8 +26,8 @@ from irc.validate.knots import OPEN, Edges, Knot, Writer, slots, untangle
 from irc.validate.subject import Subject
 from irc.validate.verdict import Violations, listed
 
-SEARCH_STEPS = 2_000_000
-"""About two seconds of search."""
+SEARCH_STEPS = 1_000_000
+"""A second or two of search."""
 
 
 class _OutOfSteps(Exception):

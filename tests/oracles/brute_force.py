@@ -131,34 +131,27 @@ def optimal_schedule(task: Task, horizon: int | None = None) -> Optimum | None:
     bounds = _closure(2 * facts.point.size + 2, edges)
     if bounds is None:
         return None
-    held: Held = {r: {} for r in facts.capacities}
-    found = _Search(facts).visit(bounds, held, facts.choices)
-    if found is None: return None
-    p = facts.point
-    for makespan in range(int(bounds[p.origin][p.makespan]), found.makespan):
-        within = _with_edge(bounds, p.makespan, p.origin, -makespan)
-        better = _Search(facts, makespan).visit(within, held, facts.choices)
-        if better: return better
-    return found
+    search = _Search(facts)
+    search.visit(bounds, {r: {} for r in facts.capacities}, facts.choices)
+    return search.best
 
 
 @dataclass
 class _Search:
     facts: _Facts
-    limit: float = math.inf
+    best: Optimum | None = field(default=None, init=False)
 
     def visit(self, bounds: Bounds, held: Held, open_choices: tuple[_Choice, ...]) -> None:
-        if self._lower_bound(bounds, held) > self.limit:
+        if self.best is not None and self._lower_bound(bounds, held) >= self.best.makespan:
             return
         too_many = self._overload(bounds, held)
         if too_many is not None:
             for branch in self._resolutions(bounds, too_many):
-                r=self.visit(branch, held, open_choices)
-                if r: return r
+                self.visit(branch, held, open_choices)
         elif open_choices:
-            return self._choose(bounds, held, open_choices)
+            self._choose(bounds, held, open_choices)
         else:
-            return self._optimum(bounds, held)
+            self.best = self._optimum(bounds, held)
 
     def _choose(self, bounds: Bounds, held: Held, open_choices: tuple[_Choice, ...]) -> None:
         choice, *others = sorted(
@@ -173,8 +166,7 @@ class _Search:
             tried.add(twin)
             amounts = held[resource]
             more = {**amounts, choice.action: amounts.get(choice.action, 0) + choice.amount}
-            r= self.visit(bounds, {**held, resource: more}, tuple(others))
-            if r: return r
+            self.visit(bounds, {**held, resource: more}, tuple(others))
 
     def _twin_key(self, resource: str, held: Held) -> object:
         """Equal for two resources that nothing told apart yet: one of them need be tried."""

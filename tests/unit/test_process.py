@@ -89,8 +89,8 @@ def _either_pipes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
 @pytest.fixture
 def patience(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A grace that suffices on a busy machine; it is over as soon as all have ended."""
-    monkeypatch.setattr(process, "GRACE_SECONDS", 5)
+    """A grace that suffices on a busy machine; it is over as soon as all have been buried."""
+    monkeypatch.setattr(process, "GRACE_SECONDS", 1.5)
 
 
 either_pipes = pytest.mark.usefixtures("_either_pipes")
@@ -503,4 +503,4 @@ def test_a_run_adds_little_to_the_time_of_its_command() -> None:
         run(["true"], UNLIMITED)
         return time.perf_counter() - begun
 
-    assert min(seconds() for _ in range(30)) < 0.015  # measured: 0.002
+    assert min(seconds() for _ in range(30)) < 0.05  # measured: 0.002 (of 100 processes)

@@ -376,13 +376,11 @@ def test_a_search_that_gives_up_says_undecided_not_valid(monkeypatch: pytest.Mon
     assert str(verdict).startswith("undecided, 1 violation:")
 
 
-def test_an_open_end_of_the_search_is_bounded() -> None:
-    # 16 moves that form no walk, each an order of its own: no luck, but an answer in seconds.
-    pairs = [a + b for a in "abcd" for b in "abcd" if a != b] + ["ae", "be", "ce", "de"]
+def test_a_hard_instant_is_answered_in_bounded_time() -> None:
+    # Every order ends in g too early, but there are millions to try.
+    pairs = [a + b for a in "abcdef" for b in "abcdef" if a != b] + ["ag", "bg"]
     task, entries = walk_task(*pairs)
-    found = rules(task, *entries)
-    print(found)
-    assert found in (["rank"], ["undecided"])
+    assert rules(task, *entries) == ["undecided"]
 
 
 def test_independent_instants_do_not_make_each_other_hard() -> None:
