@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from fractions import Fraction
 
-import unified_planning as up
+from unified_planning.environment import get_environment
 from unified_planning.io import PDDLReader
 from unified_planning.plans import TimeTriggeredPlan
 from unified_planning.shortcuts import AnytimePlanner
@@ -17,7 +17,7 @@ from unified_planning.shortcuts import AnytimePlanner
 def main(arguments: list[str]) -> int:
     """Prints plans in IPC form, each followed by an empty line."""
     domain_file, problem_file, seconds = arguments
-    up.shortcuts.get_environment().credits_stream = None
+    get_environment().credits_stream = None
     problem = PDDLReader().parse_problem(domain_file, problem_file)
     with AnytimePlanner(name="aries") as planner:
         for result in planner.get_solutions(problem, timeout=float(seconds)):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
+from types import FrameType
 
 EXIT_DONE = 0
 EXIT_INPUT = 1
@@ -19,9 +21,15 @@ def main() -> None:
 
     # A compiler builds large acyclic structures and ends: searching them for cycles is in vain.
     gc.set_threshold(200_000, 50, 100)
+    # Ended from outside we still end the planners we started.
+    signal.signal(signal.SIGTERM, _terminated)
     try:
         build_app()()
     except BrokenPipeError:
         # The reader of our output went away (`irc … | head`): nothing is left to say.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(EXIT_INPUT)
+
+
+def _terminated(number: int, _frame: FrameType | None) -> None:
+    sys.exit(128 + number)

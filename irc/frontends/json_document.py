@@ -108,14 +108,32 @@ def read_document(text: str, name: str) -> RawDocument:
         found = [(start, end, content)] + _objects(text, end)[0]
     else:
         found, failed = _objects(text, start)
+        if found and not any("actions" in f[2] for f in found):
+            _require_whole_task(text, failed, name, findings)
         if not found:
-            raise _faults(text, failed if failed is not None else start, name, findings)
+            raise _faults(text, failed[-1] if failed else start, name, findings)
     start, end, content = _only(found, text, name, findings)
     _note_surroundings(text, start, end, findings)
     source = Source(name, text, _locator(start))
     if _depth(content) > MAX_DEPTH:
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
+
+
+def _require_whole_task(text: str, failed: list[int], name: str, findings: Findings) -> None:
+    """Raises where the task itself is broken, so that only its parts could be read."""
+    key = text.find('"actions"')
+    broken = [start for start in failed if start < key]
+    if broken:
+        raise _faults(text, broken[-1], name, findings)
+    if key >= 0:
+        findings.add(
+            Code.SYNTAX,
+            "this key stands outside of any object",
+            hint="put '{' before it",
+            offset=key,
+        )
+        raise InputError(Report(tuple(findings.items), Source(name, text)))
 
 
 def _skip_blank(text: str, at: int) -> int:
@@ -133,13 +151,14 @@ def _locator(start: int) -> Any:
 _Found = tuple[int, int, dict[str, Any]]
 
 
-def _objects(text: str, at: int) -> tuple[list[_Found], int | None]:
-    """All JSON objects from `at` on, and where the most promising broken one starts.
+def _objects(text: str, at: int) -> tuple[list[_Found], list[int]]:
+    """All JSON objects from `at` on, and where broken ones start, each reaching further.
 
     Linear: an attempt that failed at some place is not repeated from before that place.
     """
     found: list[_Found] = []
-    failed, longest = None, 0
+    failed: list[int] = []
+    longest = 0
     for _ in range(_MAX_ATTEMPTS):
         at = text.find("{", at)
         if at < 0:
@@ -149,14 +168,15 @@ def _objects(text: str, at: int) -> tuple[list[_Found], int | None]:
         except json.JSONDecodeError as error:
             reached = max(error.pos, at + 1)
         except (ValueError, RecursionError):
-            reached = scan(text, at).end
+            reached = max(scan(text, at).end, at + 1)
         else:
             if content:
                 found.append((at, end, content))
             at = end
             continue
-        if failed is None or reached - at > longest:
-            failed, longest = at, reached - at
+        if not failed or reached - at > longest:
+            failed.append(at)
+            longest = reached - at
         at = reached
     return found, failed
 

@@ -7,6 +7,7 @@ the makespan, where an activity's work is its amount times its least duration. O
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -20,6 +21,14 @@ POOLS_LIMIT = 32
 
 FILL_LIMIT = 4_096
 """Up to this capacity it is worked out how much of it the amounts can fill at most."""
+
+TAILS_LIMIT = 1_024
+"""So many tails q are tried; where a resource has more distinct ones, evenly chosen ones."""
+
+_NAMES_SHOWN = 4
+
+_NOTHING = -(1 << 200)
+"""Below every sum of times and work."""
 
 CROWDS_LIMIT = 4
 """Views of a resource on which at most 1, 2, … activities fit at once, up to this number."""
@@ -80,31 +89,32 @@ def _reason(problem: Problem, window: _Window, load: Load) -> str:
 
 
 def _best_window(problem: Problem, load: Load) -> _Window:
-    """The set with the greatest bound, by a sweep over heads with a Θ-tree over tails.
+    """The set with the greatest bound, by a sweep over heads with a tree over tails.
 
-    Leaves are the distinct tails in rising order. A node knows the work of its leaves, and the
-    greatest `capacity * q + work of the leaves from q on` over its leaves q. (The tree is
-    Vilím's: "Global constraints in scheduling", 2007, turned round in time.)
+    Leaves are tails q in rising order. A node knows the work of its leaves and the greatest
+    `capacity * q + work of the leaves from q on` over its leaves q. (Vilím's Θ-tree, "Global
+    constraints in scheduling", 2007, turned round in time.)
     """
     heads, tails, capacity = problem.heads, problem.tails, load.capacity
-    distinct = sorted({tails[i] for i in load.activities})
-    leaves = 1 << (len(distinct) - 1).bit_length()
-    leaf = {tail: leaves + k for k, tail in enumerate(distinct)}
+    thresholds = thinned({tails[i] for i in load.activities}, TAILS_LIMIT)
+    leaves = 1 << (len(thresholds) - 1).bit_length()
     work = [0] * (2 * leaves)
-    envelope = [-1] * (2 * leaves)
+    envelope = [_NOTHING] * (2 * leaves)
     works = dict(zip(load.activities, _works(problem, load), strict=True))
-    best, best_head = -1, 0
+    best, best_head = 0, 0
     for i in sorted(load.activities, key=heads.__getitem__, reverse=True):
-        node = leaf[tails[i]]
+        k = bisect_right(thresholds, tails[i]) - 1
+        node = leaves + k
         work[node] += works[i]
-        envelope[node] = capacity * tails[i] + work[node]
+        envelope[node] = capacity * thresholds[k] + work[node]
         while node > 1:
+            right = node | 1
             node >>= 1
-            left, right = 2 * node, 2 * node + 1
-            work[node] = work[left] + work[right]
-            from_left = envelope[left] + work[right] if envelope[left] >= 0 else -1
-            envelope[node] = max(from_left, envelope[right])
-        reached = heads[i] + -(-envelope[1] // capacity)
+            work[node] = work[right - 1] + work[right]
+            from_left = envelope[right - 1] + work[right]
+            from_right = envelope[right]
+            envelope[node] = from_left if from_left > from_right else from_right
+        reached = heads[i] - (-envelope[1] // capacity)
         if reached > best:
             best, best_head = reached, heads[i]
     return _window_from(problem, load, works, best_head)
@@ -121,6 +131,14 @@ def _window_from(problem: Problem, load: Load, works: dict[int, int], head: int)
         if value > best.value:
             best = _Window(head, work, problem.tails[i], value)
     return best
+
+
+def thinned(times: Iterable[int], limit: int) -> list[int]:
+    """The times in rising order, at most `limit` of them, the first among them."""
+    ordered = sorted(times)
+    if len(ordered) <= limit:
+        return ordered
+    return [ordered[k * len(ordered) // limit] for k in range(limit)]
 
 
 def _works(problem: Problem, load: Load) -> Iterator[int]:
@@ -238,6 +256,3 @@ def _named(problem: Problem, members: list[int]) -> str:
     if len(names) > _NAMES_SHOWN:
         names = [*names[:_NAMES_SHOWN], f"{len(names) - _NAMES_SHOWN} more"]
     return " or ".join(names)
-
-
-_NAMES_SHOWN = 4

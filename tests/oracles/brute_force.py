@@ -132,7 +132,8 @@ def optimal_schedule(task: Task, horizon: int | None = None) -> Optimum | None:
     if bounds is None:
         return None
     search = _Search(facts)
-    search.visit(bounds, {r: {} for r in facts.capacities}, facts.choices)
+    choices = sorted(facts.choices, key=lambda c: (len(c.alternatives) > 1, -_work(facts, c)))
+    search.visit(bounds, {r: {} for r in facts.capacities}, tuple(choices))
     return search.best
 
 
@@ -142,34 +143,30 @@ class _Search:
     best: Optimum | None = field(default=None, init=False)
 
     def visit(self, bounds: Bounds, held: Held, open_choices: tuple[_Choice, ...]) -> None:
+        """Sets `best` to the optimum under `bounds`, where that is better."""
         if self.best is not None and self._lower_bound(bounds, held) >= self.best.makespan:
             return
-        too_many = self._overload(bounds, held)
-        if too_many is not None:
-            for branch in self._resolutions(bounds, too_many):
-                self.visit(branch, held, open_choices)
-        elif open_choices:
-            self._choose(bounds, held, open_choices)
-        else:
+        if open_choices:
+            for more in self._chosen(open_choices[0], held):
+                self.visit(bounds, more, open_choices[1:])
+            return
+        overloads = self._overloads(bounds, held)
+        if not overloads:
             self.best = self._optimum(bounds, held)
+            return
+        for branch in min((self._resolutions(bounds, each) for each in overloads), key=len):
+            self.visit(branch, held, ())
 
-    def _choose(self, bounds: Bounds, held: Held, open_choices: tuple[_Choice, ...]) -> None:
-        choice, *others = sorted(
-            open_choices,
-            key=lambda c: (len(c.alternatives) > 1, self._earliest(bounds, c.action)),
-        )
-        tried = set()
-        for resource in dict.fromkeys(choice.alternatives):
-            twin = self._twin_key(resource, held)
-            if twin in tried:
-                continue
-            tried.add(twin)
-            amounts = held[resource]
-            more = {**amounts, choice.action: amounts.get(choice.action, 0) + choice.amount}
-            self.visit(bounds, {**held, resource: more}, tuple(others))
+    def _chosen(self, choice: _Choice, held: Held) -> list[Held]:
+        """One for each resource that `choice` may hold, but one only for resources alike."""
+        alternatives = {self._twin_key(resource, held): resource for resource in choice.alternatives}
+        return [
+            {**held, resource: _held_more(held[resource], choice)}
+            for resource in alternatives.values()
+        ]
 
     def _twin_key(self, resource: str, held: Held) -> object:
-        """Equal for two resources that nothing told apart yet: one of them need be tried."""
+        """Equal for two resources that nothing told apart yet."""
         if held[resource]:
             return resource
         named = tuple(resource in choice.alternatives for choice in self.facts.choices)
@@ -179,20 +176,23 @@ class _Search:
         first, point = bounds[self.facts.point.origin], self.facts.point
         return first[point.start(action)], first[point.end(action)]
 
-    def _overload(self, bounds: Bounds, held: Held) -> list[int] | None:
-        """A smallest found set of actions that the earliest schedule lets hold too much."""
-        found: list[list[int]] = []
+    def _overloads(self, bounds: Bounds, held: Held) -> list[tuple[int, ...]]:
+        """Sets of actions that the earliest schedule lets hold too much at some instant."""
+        found = set()
         for resource, amounts in held.items():
             capacity = self.facts.capacities[resource]
             spans = {i: self._earliest(bounds, i) for i in amounts}
             for instant in {start for start, end in spans.values() if start < end}:
                 running = [i for i, (start, end) in spans.items() if start <= instant < end]
                 if sum(amounts[i] for i in running) > capacity:
-                    found.append(_minimal(running, amounts, capacity))
-        return min(found, key=lambda actions: (len(actions), actions), default=None)
+                    found.add(_minimal(running, amounts, capacity))
+        return sorted(found)
 
-    def _resolutions(self, bounds: Bounds, too_many: list[int]) -> list[Bounds]:
-        """One of `too_many` ends before another starts (before itself: it has length 0)."""
+    def _resolutions(self, bounds: Bounds, too_many: tuple[int, ...]) -> list[Bounds]:
+        """One of `too_many` ends before another starts (before itself: it has length 0).
+
+        Each branch also says that what the branches before it say does not hold.
+        """
         point = self.facts.point
         branches: list[Bounds] = []
         rest: Bounds | None = bounds
@@ -237,7 +237,15 @@ class _Search:
         )
 
 
-def _minimal(running: list[int], amounts: dict[int, int], capacity: int) -> list[int]:
+def _work(facts: _Facts, choice: _Choice) -> int:
+    return choice.amount * facts.durations[choice.action][0]
+
+
+def _held_more(amounts: dict[int, int], choice: _Choice) -> dict[int, int]:
+    return {**amounts, choice.action: amounts.get(choice.action, 0) + choice.amount}
+
+
+def _minimal(running: list[int], amounts: dict[int, int], capacity: int) -> tuple[int, ...]:
     """`running` without those who are not needed to exceed `capacity`, small amounts first."""
     excess = sum(amounts[i] for i in running) - capacity
     kept = []
@@ -246,7 +254,7 @@ def _minimal(running: list[int], amounts: dict[int, int], capacity: int) -> list
             excess -= amounts[i]
         else:
             kept.append(i)
-    return kept
+    return tuple(kept)
 
 
 def _closure(size: int, edges: Iterable[tuple[int, int, int]]) -> Bounds | None:

@@ -172,9 +172,7 @@ def test_a_chosen_duration_keeps_its_bounds_in_ranks_too(
 def test_two_interfering_happenings_of_equal_time_and_rank_are_refused() -> None:
     task = light_task(MATCH, action("see", 1, (needs("start"),)), initial=True)
     # The value is the same before and after; still one reads what the other writes.
-    (violation,) = violations(
-        task, Entry("match", 5, 13, rank=1), Entry("see", 5, 6, rank=1)
-    )
+    (violation,) = violations(task, Entry("match", 5, 13, rank=1), Entry("see", 5, 6, rank=1))
     assert violation.rule == "interference"
     assert "'match' changes 'light' at 5 s with rank 1" in violation.message
     assert set(violation.actions) == {"match", "see"}
@@ -348,9 +346,7 @@ def test_an_order_chosen_at_one_instant_fits_the_next() -> None:
 def test_both_readings_of_what_takes_no_time_are_tried() -> None:
     flash = action("flash", {"min": 0, "max": 3}, (needs("end"),), (makes("start"),))
     assert rules(light_task(flash), Entry("flash", 2, 2)) == []
-    blink = action(
-        "blink", {"min": 0, "max": 3}, (needs("end", False),), (makes("start"),)
-    )
+    blink = action("blink", {"min": 0, "max": 3}, (needs("end", False),), (makes("start"),))
     assert rules(light_task(blink), Entry("blink", 2, 2)) == []
     fixed = action("flash", 0, (needs("end"),), (makes("start"),))
     assert rules(light_task(fixed), Entry("flash", 2, 2)) == ["state"]
@@ -413,9 +409,7 @@ def test_many_equal_changes_of_one_instant_are_no_trouble() -> None:
 def test_a_goal_holds_after_the_last_end() -> None:
     task = light_task(MATCH, goals=[{"var": "light", "value": False}])
     assert rules(task, Entry("match", 0, 8)) == []
-    (violation,) = violations(
-        light_task(MATCH, goals=[{"var": "light"}]), Entry("match", 0, 8)
-    )
+    (violation,) = violations(light_task(MATCH, goals=[{"var": "light"}]), Entry("match", 0, 8))
     assert (violation.rule, violation.number) == ("goal", 7)
     assert violation.message == "the goal 'light' = true does not hold at the end: it is false"
 

@@ -159,7 +159,9 @@ def test_a_fixed_duration_is_kept() -> None:
     assert violation.times == (5, 9)
 
 
-@pytest.mark.parametrize(("end", "valid"), [(1, False), (2, True), (3, True), (4, True), (5, False)])
+@pytest.mark.parametrize(
+    ("end", "valid"), [(1, False), (2, True), (3, True), (4, True), (5, False)]
+)
 def test_a_chosen_duration_lies_in_its_range_ends_included(end: int, valid: bool) -> None:
     task = one_action(duration={"min": 2, "max": 4})
     assert (rules(task, Entry("cut", 0, end)) == []) is valid
@@ -289,7 +291,10 @@ def test_a_maximal_lag_bounds_the_wait() -> None:
 
 def test_precedence_binds_only_where_both_are_there() -> None:
     task = Task(
-        actions=[{"id": "cut", "duration": 3, "occurs": "optional"}, {"id": "stack", "duration": 1}],
+        actions=[
+            {"id": "cut", "duration": 3, "occurs": "optional"},
+            {"id": "stack", "duration": 1},
+        ],
         precedence=[("cut", "stack")],
     )
     assert rules(task, Entry("stack", 0, 1)) == []

@@ -1,0 +1,79 @@
+"""AsyncPlan-XXL through both targets, engines forced to run, every answer validated.
+
+    python benchmarks/asyncplan.py [--target cpsat|pddl21] [--engine E] [--data DIR]
+
+For `pddl21` the planner's raw plan is judged too: each action once, each precedence kept, and
+unified-planning's own validator on the emitted text.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections import Counter
+from pathlib import Path
+
+from irc.backend import Limits
+from irc.compiler import solve_task
+from irc.diagnostics import InputError
+from irc.frontends.asyncplan import import_asyncplan
+from irc.model import Task
+from irc.schedule import Status
+from raw_plans import raw_plan_faults
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "asyncplan_xxl"
+
+
+def instances(data: Path) -> list[tuple[str, Task]]:
+    """All tasks of the benchmark, smallest graphs first."""
+    files = sorted(data.glob("nodes*.json"), key=lambda f: int(f.stem.removeprefix("nodes")))
+    return [pair for f in files for pair in import_asyncplan(f.read_text("utf-8"), f.name)]
+
+
+def main() -> None:
+    """Prints one line per size and the totals."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--target", default="cpsat")
+    parser.add_argument("--engine", default="auto")
+    parser.add_argument("--data", type=Path, default=DATA)
+    parser.add_argument("--seconds", type=float, default=30.0)
+    options = parser.parse_args()
+    counts: Counter[str] = Counter()
+    seconds = []
+    for name, task in instances(options.data):
+        began = time.perf_counter()
+        counts["tasks"] += 1
+        try:
+            answer = solve_task(
+                task,
+                options.target,
+                options.engine,
+                Limits(options.seconds, workers=1),
+                shortcut=False,
+            )
+        except InputError as error:
+            counts["refused"] += 1
+            print(f"{name}: {error.report.errors[0].message}")
+            continue
+        seconds.append(time.perf_counter() - began)
+        right = answer.schedule.makespan == task.metadata["answer"]
+        counts["valid"] += bool(answer.schedule.entries)
+        counts["= answer"] += right
+        counts["optimal"] += answer.schedule.status is Status.OPTIMAL
+        if not right or answer.schedule.status is not Status.OPTIMAL:
+            print(f"{name}: {answer.schedule.status} {answer.schedule.makespan}")
+        if options.target == "pddl21":
+            faults = raw_plan_faults(task, options.engine)
+            counts["raw plan accepted"] += not faults
+            if faults:
+                print(f"{name}: {faults[:3]}")
+    print(dict(counts))
+    print(
+        f"solving: median {statistics.median(seconds):.3f} s, "
+        f"max {max(seconds):.3f} s, total {sum(seconds):.1f} s"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,784 @@
+"""What `irc solve` shows a person: a headline, a table of the actions, and a Gantt chart in text.
+
+Everything is laid out here in terminal cells, so that no line is wider than the console and the
+same text is good in a pipe. Names are shown as data: never read as markup, control characters
+made visible, and what the console's encoding lacks written as escapes.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import astuple, dataclass
+from fractions import Fraction
+from heapq import heappop, heappush
+from itertools import pairwise
+from os import environ
+from typing import TYPE_CHECKING, NamedTuple
+
+from rich.cells import cell_len, set_cell_size
+from rich.console import Console
+from rich.text import Text
+
+from irc.problem import Problem
+from irc.retime import AnswerError
+from irc.schedule import Entry, ObjectiveValue, Schedule, Status
+from irc.slack import slacks
+from irc.times import Number, TimeError, exact, format_number, unit_seconds
+
+if TYPE_CHECKING:
+    from irc.compiler import Answer
+
+PIPED_WIDTH = 100
+"""Columns where standard output is no terminal and nothing else says how many."""
+
+TABLE_ROWS = 60
+"""A longer table is cut in the middle."""
+
+CHART_ROWS = 40
+"""A chart with more rows is cut; every resource keeps its fair share."""
+
+_WIDEST_NAME = 28
+"""Cells for a name beside the chart or beside a bar."""
+
+HUMAN_SPAN = 10_000
+"""From this many time units on, an axis counts in minutes, hours or days, if the unit allows."""
+
+
+def answer_console() -> Console:
+    """The console for standard output: a terminal's own width, else `COLUMNS`, else 100."""
+    if sys.stdout.isatty() or "COLUMNS" in environ:
+        return Console()
+    return Console(width=PIPED_WIDTH)
+
+
+def print_answer(answer: Answer, console: Console) -> None:
+    """Prints an answer for people: what was found and proved, every action, and the chart.
+
+    Lines are at most as wide as the console. Colours appear on terminals only; where its encoding
+    has no box and block characters, ASCII takes their place.
+    """
+    page = _Page(console)
+    schedule, problem = answer.schedule, answer.problem
+    told = _headline(page, problem, schedule)
+    _print(page, console, (line for text in told for line in text.wrap(console, page.width)))
+    if not schedule.entries:
+        return
+    try:
+        slack: dict[str, int] | None = slacks(problem, schedule)
+    except AnswerError as error:
+        slack = None
+        console.print(Text(page.visible(f"slack is not known: {error}"), "dim"))
+    for block in (_table, _chart):
+        console.print()
+        _print(page, console, block(page, problem, schedule, slack))
+
+
+def _print(page: _Page, console: Console, lines: Iterable[Text]) -> None:
+    for line in lines:
+        line.truncate(page.width, overflow="crop")
+        line.rstrip()
+        console.print(line, soft_wrap=True)
+
+
+# --- characters ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Glyphs:
+    """The characters of a drawing. Those of bars and axis are one cell wide each."""
+
+    rule: str
+    tick: str
+    first_tick: str
+    grid: str
+    critical: str
+    critical_edge: str
+    slack: str
+    slack_edge: str
+    crowd: str
+    critical_milestone: str
+    milestone: str
+    times: str
+    more: str
+    about: str
+    good: str
+    bad: str
+
+
+_BLOCKS = _Glyphs(*"─┼├┊█▐░▕▓◆◇×…≈✔✘")
+_ASCII = _Glyphs(*"-++:#[=(%*ox", "...", "about ", "", "")
+
+
+class _Page:
+    """Where an answer is shown: how wide it is and which characters it can take."""
+
+    def __init__(self, console: Console) -> None:
+        self.width = console.width
+        self.encoding = console.encoding
+        drawing = "".join(astuple(_BLOCKS))
+        self.glyphs = _BLOCKS if self._encodable(drawing) == drawing else _ASCII
+
+    def _encodable(self, text: str) -> str:
+        return text.encode(self.encoding, "backslashreplace").decode(self.encoding)
+
+    def visible(self, name: str) -> str:
+        """A name on one line: nothing in it moves the cursor, is unseen or cannot be written."""
+        shown = self._encodable(
+            "".join(c if c.isprintable() else _escape(c) for c in name if c not in _JOINERS)
+        )
+        return shown if shown == shown.strip() else f'"{shown}"'
+
+    def fit(self, text: str, width: int) -> str:
+        """At most `width` cells of a text: its two ends, where names differ, and a mark between."""
+        if cell_len(text) <= width:
+            return text
+        room = width - len(self.glyphs.more)
+        if room < 2:
+            return set_cell_size(text, max(width, 0))
+        last = room // 3
+        tail = ""
+        for character in reversed(text):
+            if cell_len(character + tail) > last:
+                break
+            tail = character + tail
+        return set_cell_size(text, room - cell_len(tail)).rstrip() + self.glyphs.more + tail
+
+
+_JOINERS = frozenset("\u200d\ufe0e\ufe0f")
+"""They ask for one glyph in place of two, and terminals do not agree on how wide that is."""
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
+
+
+_DIGITS = re.compile(r"(\d+)")
+
+
+def _natural(name: str) -> tuple[tuple[bool, int, str], ...]:
+    """A sort key that puts robot2 before robot10."""
+    return tuple(
+        (True, int(part), "") if part.isdecimal() else (False, 0, part)
+        for part in _DIGITS.split(name)
+    )
+
+
+# --- headline -----------------------------------------------------------------------------------
+
+_STATUS_STYLES = {
+    Status.OPTIMAL: "bold green",
+    Status.FEASIBLE: "bold yellow",
+    Status.INFEASIBLE: "bold red",
+    Status.UNKNOWN: "bold yellow",
+    Status.FAILED: "bold red",
+}
+
+
+def _headline(page: _Page, problem: Problem, schedule: Schedule) -> Iterator[Text]:
+    yield Text.assemble(
+        (page.visible(schedule.task or "unnamed task"), "bold"),
+        "  ",
+        (_status(page, schedule), _STATUS_STYLES[schedule.status]),
+    )
+    if schedule.entries:
+        makespan = ObjectiveValue("makespan", schedule.makespan)
+        for value in schedule.objective or (makespan,):
+            yield Text(_objective_line(page, problem, schedule, value))
+    else:
+        yield Text(page.visible(_why_nothing(problem, schedule.status)))
+    made = [
+        f"{what} {page.visible(name)}"
+        for what, name in (("target", schedule.target), ("engine", schedule.engine))
+        if name is not None
+    ]
+    if schedule.seconds is not None:
+        made.append(f"{schedule.seconds:.{1 if schedule.seconds >= 10 else 3}f} s")
+    if made:
+        yield Text(", ".join(made), "dim")
+
+
+def _status(page: _Page, schedule: Schedule) -> str:
+    glyphs, status = page.glyphs, schedule.status
+    mark = {Status.OPTIMAL: glyphs.good, Status.INFEASIBLE: glyphs.bad}.get(status, "")
+    gap = _gap(schedule) if status is Status.FEASIBLE else ""
+    return f"{mark} {status}{gap}".strip()
+
+
+def _gap(schedule: Schedule) -> str:
+    """How far the first objective that is not proved may be from the best there is."""
+    for value in schedule.objective:
+        if value.bound is None:
+            return " (no bound known)"
+        if value.bound != value.value:
+            distance = abs(Fraction(value.value - value.bound))
+            percent = float(100 * distance / max(abs(value.value), abs(value.bound)))
+            return f" (gap {percent:.1f} %)" if percent >= 0.05 else " (gap below 0.1 %)"
+    return ""
+
+
+def _objective_line(
+    page: _Page, problem: Problem, schedule: Schedule, value: ObjectiveValue
+) -> str:
+    if value.name != "makespan":
+        bound = "" if value.bound is None else f", bound {_grouped(value.bound)}"
+        return f"{value.name} {_grouped(value.value)}{bound}"
+    makespan = f"makespan {_in_words(page, value.value, problem.time_unit)}"
+    if value.bound is None:
+        return makespan
+    if value.bound == problem.to_units(problem.bound.value):
+        reason = page.visible(problem.bound.reason)
+    else:
+        reason = page.visible(f"proved by {schedule.engine or 'the engine'}")
+    return f"{makespan}, bound {_with_unit(value.bound, problem.time_unit)}: {reason}"
+
+
+def _why_nothing(problem: Problem, status: Status) -> str:
+    least, unit, reason = problem.bound.value, problem.time_unit, problem.bound.reason
+    needed = f"; at least {_with_unit(problem.to_units(least), unit)} are needed: {reason}"
+    if status is Status.UNKNOWN:
+        return f"no schedule was found within the limits{needed if least else ''}"
+    if status is Status.FAILED:
+        return "the engine broke down before it had an answer"
+    if not problem.activities:
+        return "there is nothing to do"
+    if status is not Status.INFEASIBLE:
+        return "the schedule is empty"
+    if problem.deadline is not None and least > problem.deadline:
+        deadline = _with_unit(problem.to_units(problem.deadline), unit)
+        return f"no schedule meets the deadline of {deadline}{needed}"
+    return "no schedule keeps all precedences, lags, windows and capacities at once"
+
+
+# --- times --------------------------------------------------------------------------------------
+
+
+def _grouped(value: Number) -> str:
+    """Exact text with thousands set apart: "58,000,000", "1,000.5", "1/3"."""
+    sign, digits, rest = re.fullmatch(r"(-?)(\d+)(.*)", format_number(value)).groups()  # type: ignore[union-attr]
+    return f"{sign}{int(digits):,}{rest}"
+
+
+def _with_unit(value: Number, unit: str) -> str:
+    return f"{_grouped(value)} {unit}"
+
+
+_UNITS = (("d", 86_400), ("h", 3600), ("min", 60), ("s", 1))
+_SECONDS = dict(_UNITS)
+
+
+def _seconds_in(unit: str) -> Fraction | None:
+    """None where it is not known for certain: a month has as many days as its task says."""
+    try:
+        fewest, most = unit_seconds(unit, 28), unit_seconds(unit, 31)
+    except TimeError:
+        return None
+    return fewest if fewest == most else None
+
+
+def _in_words(page: _Page, value: Number, unit: str) -> str:
+    """The exact value, and the same in greater units where they make it easier to grasp."""
+    shown, seconds = _with_unit(value, unit), _seconds_in(unit)
+    if seconds is None:
+        return shown
+    rest: Number = value * seconds
+    parts: list[tuple[int, str]] = []
+    for name, length in _UNITS:
+        if parts or rest >= length:
+            parts.append((int(rest // length), name))
+            rest %= length
+    if not parts or seconds >= _SECONDS[parts[0][1]]:
+        return shown
+    told = [f"{number} {name}" for number, name in parts if number]
+    if rest or len(told) > 3:
+        return f"{shown} ({page.glyphs.about}{' '.join(told[:2])})"
+    return f"{shown} ({' '.join(told)})"
+
+
+# --- table --------------------------------------------------------------------------------------
+
+
+class _Column(NamedTuple):
+    title: str
+    cells: list[str]
+    to_the_right: bool = False
+    flexible: bool = False
+
+
+_LEAST_FLEXIBLE = 8
+_FIRST_TO_GO = ("status", "resources", "mode", "duration")
+_GAP = "  "
+
+
+def _table(
+    page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
+) -> Iterator[Text]:
+    entries, hidden = schedule.entries, 0
+    if len(entries) > TABLE_ROWS:
+        half = TABLE_ROWS // 2
+        hidden = len(entries) - 2 * half
+        entries = (*entries[:half], *entries[-half:])
+    columns = _fitting(page, _columns(page, problem, entries, slack))
+    widths = _widths(page, columns)
+    yield Text(_row(page, [c.title for c in columns], columns, widths), "bold")
+    yield Text(_GAP.join(page.glyphs.rule * width for width in widths), "dim")
+    for k, entry in enumerate(entries):
+        if hidden and k == len(entries) // 2:
+            more = f"{page.glyphs.more} {hidden:,} more rows (use -o or --format json for all)"
+            yield Text(more, "dim italic")
+        critical = slack is not None and slack[entry.id] == 0
+        cells = [column.cells[k] for column in columns]
+        yield Text(_row(page, cells, columns, widths), "bold red" if critical else "")
+
+
+def _columns(
+    page: _Page, problem: Problem, entries: Sequence[Entry], slack: dict[str, int] | None
+) -> list[_Column]:
+    unit = problem.time_unit
+    columns = [
+        _Column("action", [_title(page, entry) for entry in entries], flexible=True),
+        _Column(f"start ({page.visible(unit)})", _aligned(e.start for e in entries), True),
+        _Column("end", _aligned(e.end for e in entries), True),
+        _Column("duration", _aligned(exact(Fraction(e.end - e.start)) for e in entries), True),
+    ]
+    texts: list[tuple[str, Callable[[Entry], str]]] = [
+        ("mode", lambda entry: page.visible(entry.mode or "")),
+        ("resources", lambda entry: _resources(page, entry)),
+        ("status", lambda entry: page.visible(entry.status or "")),
+    ]
+    for title, text in texts:
+        cells = [text(entry) for entry in entries]
+        if any(cells):
+            columns.append(_Column(title, cells, flexible=title != "status"))
+    if slack is not None:
+        free = _aligned(problem.to_units(slack[entry.id]) for entry in entries)
+        marked = [
+            shown if slack[entry.id] else "critical"
+            for entry, shown in zip(entries, free, strict=True)
+        ]
+        columns.append(_Column("slack", marked, True))
+    return columns
+
+
+def _title(page: _Page, entry: Entry) -> str:
+    name = page.visible(entry.id)
+    return name if entry.occurrence == 1 else f"{name} #{entry.occurrence}"
+
+
+def _resources(page: _Page, entry: Entry) -> str:
+    held = sorted(entry.resources.items(), key=lambda item: _natural(item[0]))
+    return ", ".join(_counted(page, name, amount) for name, amount in held)
+
+
+def _counted(page: _Page, name: str, amount: int) -> str:
+    shown = page.visible(name)
+    return shown if amount == 1 else f"{shown} {page.glyphs.times}{amount}"
+
+
+def _aligned(values: Iterable[Number]) -> list[str]:
+    """Numbers whose points stand under each other once they are set to the right."""
+    parts = [_grouped(value).partition(".") for value in values]
+    places = max((len(point + digits) for _, point, digits in parts), default=0)
+    return [whole + (point + digits).ljust(places) for whole, point, digits in parts]
+
+
+def _natural_width(column: _Column) -> int:
+    return max(map(cell_len, (column.title, *column.cells)))
+
+
+def _fitting(page: _Page, columns: list[_Column]) -> list[_Column]:
+    """The columns without those that a narrow console has no room for."""
+    for title in _FIRST_TO_GO:
+        least = [
+            min(_natural_width(column), _LEAST_FLEXIBLE)
+            if column.flexible
+            else _natural_width(column)
+            for column in columns
+        ]
+        if sum(least) + len(_GAP) * (len(least) - 1) <= page.width:
+            return columns
+        columns = [column for column in columns if column.title != title]
+    return columns
+
+
+def _widths(page: _Page, columns: list[_Column]) -> list[int]:
+    """As wide as the contents; where that is too wide, the widest flexible ones give way."""
+    widths = [_natural_width(column) for column in columns]
+    flexible = [k for k, column in enumerate(columns) if column.flexible]
+    spare = page.width - sum(widths) - len(_GAP) * (len(widths) - 1)
+    while spare < 0:
+        widest = max(flexible, key=widths.__getitem__)
+        if widths[widest] <= _LEAST_FLEXIBLE:
+            break
+        widths[widest] -= 1
+        spare += 1
+    return widths
+
+
+def _row(page: _Page, cells: list[str], columns: list[_Column], widths: list[int]) -> str:
+    shown = []
+    for cell, column, width in zip(cells, columns, widths, strict=True):
+        text = page.fit(cell, width)
+        padding = " " * (width - cell_len(text))
+        shown.append(padding + text if column.to_the_right else text + padding)
+    return _GAP.join(shown)
+
+
+# --- chart --------------------------------------------------------------------------------------
+
+
+class _Bar(NamedTuple):
+    """An action in the chart; `labels` are what to call it, first choice first.
+
+    `critical` is None where slack is not known.
+    """
+
+    start: Number
+    end: Number
+    labels: tuple[str, ...]
+    critical: bool | None
+
+
+_Lanes = list[list[_Bar]]
+
+
+def _chart(
+    page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
+) -> Iterator[Text]:
+    """A row for each resource, more where its users overlap, and rows for what needs none."""
+    held, free = _bars(page, schedule, slack)
+    names = sorted(held, key=_natural)
+    capacity = {resource.id: resource.capacity for resource in problem.resources}
+    widest = min(_WIDEST_NAME, page.width // 3)
+    titles = [page.fit(_counted(page, name, capacity.get(name, 1)), widest) for name in names]
+    blocks = [_lanes_by_time(held[name]) for name in names]
+    if free:
+        titles.append("no resource" if names else "")
+    gutter = max(map(cell_len, titles)) + 1 if names else 0
+    axis = _axis(page, problem, schedule.makespan, page.width - gutter)
+    if free:
+        rows_left = CHART_ROWS - sum(map(len, blocks))
+        blocks.append(_lanes_with_labels(page, free, axis, rows_left))
+    shares = _shares([len(lanes) for lanes in blocks], CHART_ROWS)
+    yield from _axis_lines(page, axis, gutter)
+    for title, lanes, rows in zip(titles, blocks, shares, strict=True):
+        for row, lane in enumerate(lanes[:rows]):
+            name = title if not row else ""
+            margin = name + " " * (gutter - cell_len(name))
+            yield Text.assemble((margin, "bold"), _lane(page, lane, axis))
+    hidden = sum(map(len, blocks)) - sum(shares)
+    if hidden:
+        yield Text(f"{page.glyphs.more} {hidden:,} more rows", "dim italic")
+    shown = [lane for lanes, rows in zip(blocks, shares, strict=True) for lane in lanes[:rows]]
+    yield _legend(page, shown, axis)
+    idle = [page.visible(name) for name in sorted(capacity, key=_natural) if name not in held]
+    if idle:
+        yield Text(page.fit(f"idle: {', '.join(idle)}", page.width), "dim")
+
+
+def _bars(
+    page: _Page, schedule: Schedule, slack: dict[str, int] | None
+) -> tuple[dict[str, list[_Bar]], list[_Bar]]:
+    """The bars of each resource, and those that hold none; both by start."""
+    held: dict[str, list[_Bar]] = {}
+    free: list[_Bar] = []
+    for entry in sorted(schedule.entries, key=lambda e: (e.start, e.end)):
+        critical = None if slack is None else slack[entry.id] == 0
+        title = _title(page, entry)
+        bar = _Bar(entry.start, entry.end, (title,), critical)
+        if not entry.resources or entry.start == entry.end:
+            free.append(bar)
+            continue
+        for name, amount in entry.resources.items():
+            counted = f"{title} {page.glyphs.times}{amount}"
+            labels = (title,) if amount == 1 else (counted, title)
+            held.setdefault(name, []).append(bar._replace(labels=labels))
+    return held, free
+
+
+def _lanes_by_time(bars: Iterable[_Bar]) -> _Lanes:
+    """As few lanes as there are bars at once (interval partitioning)."""
+    return _lanes((bar.start, bar.end, bar) for bar in bars)
+
+
+def _lanes(placed: Iterable[tuple[Number, Number, _Bar]]) -> _Lanes:
+    """Lanes on which nothing overlaps, from (first, end, bar) by first; low lanes fill first."""
+    lanes: _Lanes = []
+    busy: list[tuple[Number, int]] = []
+    free: list[int] = []
+    for first, end, bar in placed:
+        while busy and busy[0][0] <= first:
+            heappush(free, heappop(busy)[1])
+        if free:
+            lane = heappop(free)
+        else:
+            lane = len(lanes)
+            lanes.append([])
+        lanes[lane].append(bar)
+        heappush(busy, (end, lane))
+    return lanes
+
+
+class _Axis(NamedTuple):
+    """The span of time that is drawn over `width` cells, and the cells of its labelled ticks."""
+
+    span: Number
+    width: int
+    ticks: list[tuple[int, str]]
+
+    def column(self, time: Number) -> int:
+        """The cell at whose left edge a time is, rounded half up; the same for the same time."""
+        if not self.span:
+            return 0
+        return int((2 * time * self.width + self.span) // (2 * self.span))
+
+    def cells(self, bar: _Bar) -> range:
+        """The cells of a bar; at least one, inside the chart."""
+        first = min(self.column(bar.start), self.width - 1)
+        return range(first, max(self.column(bar.end), first + 1))
+
+
+def _lanes_with_labels(page: _Page, bars: list[_Bar], axis: _Axis, rows: int) -> _Lanes:
+    """Lanes with room for every label inside or beside its bar, if there are rows for that."""
+    placed: list[tuple[Number, Number, _Bar]] = []
+    for bar in bars:
+        cells = axis.cells(bar)
+        beside = cell_len(page.fit(bar.labels[0], _WIDEST_NAME)) + 2
+        if _fits_inside(bar.labels[0], cells):
+            placed.append((cells.start, cells.stop, bar))
+        elif cells.stop + beside - 1 <= axis.width:
+            placed.append((cells.start, cells.stop + beside, bar))
+        else:
+            placed.append((max(0, cells.start - beside), cells.stop, bar))
+    placed.sort(key=lambda item: item[:2])
+    lanes = _lanes(placed)
+    return lanes if len(lanes) <= rows else _lanes_by_time(bars)
+
+
+def _fits_inside(label: str, cells: range) -> bool:
+    """Behind the edge, which tells the kind of the bar."""
+    return cell_len(label) < len(cells)
+
+
+def _shares(wanted: Sequence[int], limit: int) -> list[int]:
+    """How many rows each gets: all that it wants, or a fair share of the limit."""
+    if sum(wanted) <= limit:
+        return list(wanted)
+    level = max(most for most in range(limit + 1) if sum(min(w, most) for w in wanted) <= limit)
+    shares = [min(w, level) for w in wanted]
+    left = limit - sum(shares)
+    for k, w in enumerate(wanted):
+        if left and w > shares[k]:
+            shares[k] += 1
+            left -= 1
+    return shares
+
+
+def _taken(lane: list[_Bar], axis: _Axis) -> Counter[int]:
+    """How many bars fall into each cell."""
+    return Counter(cell for bar in lane for cell in axis.cells(bar))
+
+
+def _lane(page: _Page, lane: list[_Bar], axis: _Axis) -> Text:
+    """One row of bars with their labels. A cell into which several bars fall says so."""
+    row = _Row(page, axis)
+    taken = _taken(lane, axis)
+    # Those that matter most come last, so that a cell they share shows them.
+    for bar in sorted(lane, key=lambda bar: bool(bar.critical)):
+        row.bar(bar, axis.cells(bar))
+    row.crowds(cell for cell, bars in taken.items() if bars > 1)
+    for bar in lane:
+        span = axis.cells(bar)
+        if len(span) > 1 or taken[span.start] == 1:
+            row.label(bar, span)
+    return row.text()
+
+
+class _Row:
+    """A row of the chart in the making: a text and a style for each cell."""
+
+    def __init__(self, page: _Page, axis: _Axis) -> None:
+        self.page = page
+        self.width = axis.width
+        self.shown = [" "] * axis.width
+        self.styles = ["dim"] * axis.width
+        self.used: set[int] = set()
+        for column, _ in axis.ticks:
+            if column < axis.width:
+                self.shown[column] = page.glyphs.grid
+
+    def bar(self, bar: _Bar, span: range) -> None:
+        """Draws a bar, or the mark of something that takes no time."""
+        glyphs = self.page.glyphs
+        edge, fill, point = (
+            (glyphs.critical_edge, glyphs.critical, glyphs.critical_milestone)
+            if bar.critical
+            else (glyphs.slack_edge, glyphs.slack, glyphs.milestone)
+        )
+        for cell in span:
+            self._put(cell, point if bar.start == bar.end else fill, _style(bar))
+        if len(span) > 1:
+            self.shown[span.start] = edge
+
+    def crowds(self, cells: Iterable[int]) -> None:
+        """Marks cells that stand for more than one bar."""
+        for cell in cells:
+            self.shown[cell] = self.page.glyphs.crowd
+
+    def label(self, bar: _Bar, span: range) -> None:
+        """Names a bar inside it, else right or left of it, else as far as there is room inside."""
+        for label in bar.labels:
+            if _fits_inside(label, span):
+                self._inside(bar, span, label)
+                return
+        for label in bar.labels:
+            beside = self.page.fit(label, _WIDEST_NAME)
+            length = cell_len(beside)
+            for first in (span.stop + 1, span.start - length - 1):
+                if self._is_free(first, length):
+                    self._write(first, beside, "")
+                    return
+        if len(span) >= _LEAST_FLEXIBLE - 1:
+            self._inside(bar, span, self.page.fit(bar.labels[-1], len(span) - 2))
+
+    def _inside(self, bar: _Bar, span: range, label: str) -> None:
+        room = len(span) - 1
+        padded = f" {label} " if room >= cell_len(label) + 3 else label
+        first = span.start + 1 + (room - cell_len(padded)) // 2
+        self._write(first, padded, f"{_style(bar)} bold")
+
+    def _is_free(self, first: int, length: int) -> bool:
+        """Whether a text may stand there, inside the chart, with a space on either side."""
+        end = first + length
+        return first >= 0 and end <= self.width and self.used.isdisjoint(range(first - 1, end + 1))
+
+    def _put(self, cell: int, shown: str, style: str) -> None:
+        self.shown[cell], self.styles[cell] = shown, style
+        self.used.add(cell)
+
+    def _write(self, first: int, text: str, style: str) -> None:
+        """A text as one piece: it stands in its first cell, the others stay empty."""
+        end = first + cell_len(text)
+        for cell in {first - 1, end} & set(range(self.width)) - self.used:
+            self.shown[cell] = " "
+        for cell in range(first, end):
+            self._put(cell, "", style)
+        self.shown[first] = text
+
+    def text(self) -> Text:
+        """The row, neighbours of one style together."""
+        row = Text()
+        start = 0
+        for cell in range(1, self.width + 1):
+            if cell == self.width or self.styles[cell] != self.styles[start]:
+                row.append("".join(self.shown[start:cell]), self.styles[start])
+                start = cell
+        return row
+
+
+def _style(bar: _Bar) -> str:
+    return "red" if bar.critical else "cyan"
+
+
+def _legend(page: _Page, lanes: _Lanes, axis: _Axis) -> Text:
+    """What the marks stand for, of those that were used."""
+    glyphs = page.glyphs
+    kinds = {(bar.critical, bar.start == bar.end) for lane in lanes for bar in lane}
+    crowded = any(bars > 1 for lane in lanes for bars in _taken(lane, axis).values())
+    marks = (
+        ((True, False) in kinds, glyphs.critical, "critical", "red"),
+        ((False, False) in kinds, glyphs.slack, "has slack", "cyan"),
+        ((True, True) in kinds, glyphs.critical_milestone, "critical milestone", "red"),
+        ((False, True) in kinds, glyphs.milestone, "milestone", "cyan"),
+        (crowded, glyphs.crowd, "several actions", ""),
+    )
+    legend = Text()
+    for used, glyph, meaning, style in marks:
+        if used:
+            legend.append(glyph, style).append(f" {meaning}   ", "dim")
+    return legend
+
+
+# --- time axis ----------------------------------------------------------------------------------
+
+_CLOCK_STEPS = {"min": (1, 2, 5, 10, 15, 30, 60, 120, 240), "h": (1, 2, 3, 6, 12, 24, 48, 96)}
+_LEAST_APART = 8
+
+
+def _axis(page: _Page, problem: Problem, span: Number, width: int) -> _Axis:
+    """An axis from 0 to the makespan; its labels stand at round numbers and do not touch."""
+    unit, length = _axis_unit(problem.time_unit, span)
+    bare = _Axis(span, max(width, 1), [(0, f"0 {page.visible(unit)}")])
+    for step in _steps(unit, exact(Fraction(span) / length)) if span else ():
+        ticks = _ticks(bare, length, step)
+        if _apart(ticks):
+            return _evened(bare, length, step)
+    return bare
+
+
+def _evened(axis: _Axis, length: Number, step: Number) -> _Axis:
+    """A little narrower, where that puts all ticks the same number of cells apart."""
+    share = Fraction(step * length) / axis.span
+    whole = axis.width - axis.width % share.denominator
+    if whole > axis.width * 0.85:
+        axis = axis._replace(width=whole)
+    return axis._replace(ticks=_ticks(axis, length, step))
+
+
+def _axis_unit(unit: str, span: Number) -> tuple[str, Number]:
+    """What the axis counts in, and how many of the task's units that is."""
+    seconds = _seconds_in(unit)
+    if seconds is not None and span >= HUMAN_SPAN:
+        for name, length in _UNITS:
+            if length > seconds and span * seconds >= 5 * length:
+                return name, exact(length / seconds)
+    return unit, 1
+
+
+def _steps(unit: str, span: Number) -> Iterator[Number]:
+    """Distances between ticks to try: round numbers, rising, the last one beyond the span."""
+    clock = _CLOCK_STEPS.get(unit, ())
+    scale = Fraction(1)
+    while 1000 * scale < span:
+        scale *= 10
+    while 100 * scale > span:
+        scale /= 10
+    steps = {digit * scale * 10**power for digit in (1, 2, 5) for power in range(4)}
+    if clock:
+        steps = {s for s in steps if s < clock[0] or s > clock[-1]} | set(map(Fraction, clock))
+    yield from map(exact, sorted(steps))
+
+
+def _ticks(axis: _Axis, length: Number, step: Number) -> list[tuple[int, str]]:
+    """The cell and the label of each; none at all where there would be more than cells."""
+    number = int(axis.span // (step * length)) + 1
+    if number > axis.width:
+        return []
+    labels = (_grouped(exact(Fraction(k * step))) for k in range(1, number))
+    columns = (axis.column(k * step * length) for k in range(1, number))
+    return [*axis.ticks[:1], *zip(columns, labels, strict=True)]
+
+
+def _apart(ticks: list[tuple[int, str]]) -> bool:
+    return bool(ticks) and all(
+        right - left >= max(cell_len(label) + 3, _LEAST_APART)
+        for (left, label), (right, _) in pairwise(ticks)
+    )
+
+
+def _axis_lines(page: _Page, axis: _Axis, gutter: int) -> Iterator[Text]:
+    """The labels, each beginning at its tick, and the line with the ticks.
+
+    The last label moves to the left, or goes, rather than stick out.
+    """
+    labels, line = "", [page.glyphs.rule] * axis.width
+    for column, label in axis.ticks:
+        first = min(column, axis.width - cell_len(label))
+        if not labels or first > cell_len(labels):
+            labels += " " * (first - cell_len(labels)) + label
+        if column < axis.width:
+            line[column] = page.glyphs.tick if column else page.glyphs.first_tick
+    for shown in (labels, "".join(line)):
+        yield Text(" " * gutter + shown, "dim")
