@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from importlib.metadata import entry_points
+from importlib import import_module
 from typing import Any, ClassVar
 
 from irc._version import __version__
@@ -189,21 +189,28 @@ class Refusal(Exception):
         self.diagnostic = Diagnostic(Code.OUT_OF_RANGE, message, pointer, hint)
 
 
+_OWN = {"cpsat": ("irc_cpsat", "CpSat"), "pddl21": ("irc_pddl21", "Pddl21")}
+"""Our own entry points, so that using them need not read every installed distribution."""
+
+
 @cache
 def backends() -> Mapping[str, Backend]:
     """All installed backends by name."""
+    from importlib.metadata import entry_points
+
     found = sorted(entry_points(group="irc.backends"), key=lambda point: point.name)
     return {point.name: point.load()() for point in found}
 
 
 def get_backend(name: str) -> Backend:
     """The backend called `name`. Raises `UnknownTarget` with a suggestion if there is none."""
-    known = [point.name for point in entry_points(group="irc.backends")]
-    for point in entry_points(group="irc.backends"):
-        if point.name == name:
-            backend: Backend = point.load()()
-            return backend
-    raise UnknownTarget("target", name, known)
+    if name in _OWN:
+        module, class_name = _OWN[name]
+        own: Backend = getattr(import_module(module), class_name)()
+        return own
+    if name not in backends():
+        raise UnknownTarget("target", name, list(backends()))
+    return backends()[name]
 
 
 class UnknownTarget(Exception):

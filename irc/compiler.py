@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irc.backend import (
     MANIFEST_VERSION,
@@ -26,13 +26,14 @@ from irc.backend import (
 from irc.canonical import task_sha256
 from irc.checks import Checked, run_checks
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.frontends.shape import to_task
 from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
-from irc.validate import Verdict, validate
+
+if TYPE_CHECKING:
+    from irc.validate import Verdict
 
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""
@@ -156,6 +157,8 @@ def _read_manifest(manifest: Mapping[str, Any]) -> tuple[Task, str, Mapping[str,
     ):
         findings.add(Code.BAD_ANSWER, "the manifest lacks 'task', 'target' or 'names'")
         raise InputError(Report(tuple(findings.items)))
+    from irc.frontends.shape import to_task
+
     task = to_task(raw, findings)
     if task is None:
         raise InputError(Report(tuple(findings.items)))
@@ -172,6 +175,8 @@ def _approved(task: Task, schedule: Schedule) -> Schedule:
     """
     if schedule.status not in (Status.OPTIMAL, Status.FEASIBLE):
         return schedule
+    from irc.validate import validate
+
     verdict = validate(task, schedule)
     if not verdict.valid:
         reasons = "; ".join(v.message for v in verdict.violations[:3])
@@ -196,6 +201,8 @@ def validate_schedule(task: Task, schedule: Schedule) -> Verdict:
             "remove 'task_sha256' from the schedule to judge it all the same",
         )
         raise InputError(Report((diagnostic,)))
+    from irc.validate import validate
+
     return validate(task, schedule)
 
 

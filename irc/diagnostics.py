@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from enum import Enum, StrEnum
 from typing import Any
 
@@ -209,6 +208,8 @@ def _excerpt(line: str, caret: int) -> tuple[str, int]:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """A hint with the closest known name, if one is close."""
+    from difflib import get_close_matches
+
     candidates: Sequence[str] = list(known)
     if len(candidates) > 5000:
         # Close matching is quadratic in spirit; in a large file look only at similar lengths.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from math import floor
 
 from irc.network import Network, earliest
 from irc.problem import Problem
 from irc.retime import AnswerError, Decision, resource_orders
 from irc.schedule import Entry, Schedule
-from irc.times import Number, exact
+from irc.times import Number
 from irc.timing import PointMap, timing_network
 
 
@@ -32,7 +33,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
         return {}
     entries = _entries(problem, schedule)
     decisions = [
-        Decision(_ticks(problem, entry.start), _ticks(problem, entry.end)) for entry in entries
+        Decision(to_ticks(problem, entry.start), to_ticks(problem, entry.end)) for entry in entries
     ]
     makespan = floor(max(decision.end for decision in decisions))
     timing = timing_network(problem)
@@ -53,6 +54,15 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     return found
 
 
+def to_ticks(problem: Problem, value: Number) -> Number:
+    """A time of the task's unit → ticks, exactly: the way back from `Problem.to_units`."""
+    # Whole numbers all the way: in a large schedule fractions would cost more than the search.
+    ticks, rest = divmod(
+        value.numerator * problem.tick.denominator, value.denominator * problem.tick.numerator
+    )
+    return Fraction(value) / problem.tick if rest else ticks
+
+
 def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:
     """The entry of each activity, in the problem's order."""
     by_id = {entry.id: entry for entry in schedule.entries}
@@ -60,10 +70,6 @@ def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:
     if len(by_id) != len(schedule.entries) or by_id.keys() != known:
         raise AnswerError("the schedule does not have exactly the actions of the problem")
     return [by_id[activity.id] for activity in problem.activities]
-
-
-def _ticks(problem: Problem, value: Number) -> Number:
-    return exact(value / problem.tick)
 
 
 def _held(problem: Problem, entries: list[Entry]) -> list[tuple[int, ...]]:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
 from irc.model import (
     Action,
-    Change,
     DurationRange,
-    Event,
     Group,
     Precedence,
     Resource,
@@ -20,17 +18,11 @@ from irc.model import (
     Use,
 )
 from irc.model.base import write_time
-from irc.model.events import (
-    AddPrecedence,
-    CancelActions,
-    CancelGroups,
-    PrecedenceKey,
-    RemovePrecedence,
-)
 from irc.source import Pointer
 from irc.times import Clock, Instant, Number, TimeError
 
-StateValues = Mapping[str, StateVariable]
+if TYPE_CHECKING:
+    from irc.model.events import CancelActions, CancelGroups, Change, Event, PrecedenceKey
 
 
 class Names:
@@ -504,6 +496,8 @@ _DECLARED = {
 
 def _check_events(events: Sequence[Event], names: Names, times: _Times) -> None:
     """References of events, against what the task and earlier changes declare."""
+    from irc.model.events import AddPrecedence, CancelActions, CancelGroups, RemovePrecedence
+
     for i, event in enumerate(events):
         times.point(event.at, "at", ("events", i, "at"))
         for j, change in enumerate(event.changes):
@@ -520,7 +514,7 @@ def _check_events(events: Sequence[Event], names: Names, times: _Times) -> None:
 
 
 def _check_cancelled(change: CancelActions | CancelGroups, at: Pointer, names: Names) -> None:
-    field = "actions" if isinstance(change, CancelActions) else "groups"
+    field = "actions" if change.op == "cancel_actions" else "groups"
     for k, name in enumerate(getattr(change, field)):
         names.require(_DECLARED[field], name, (*at, field, k))
 

@@ -17,6 +17,8 @@ EXIT_ENGINE = 4
 
 def main() -> None:
     """Entry point of the `irc` script. Exits with one of the `EXIT_*` codes."""
+    # pydantic would search every installed distribution for plugins before the first model.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from irc.cli.app import build_app
 
     # A compiler builds large acyclic structures and ends: searching them for cycles is in vain.

@@ -100,13 +100,14 @@ def compile_(
     """Write a task as a target's own files and manifest.json; without -o print the text."""
     from irc.backend import MANIFEST_FILE
     from irc.compiler import compile_task
-    from irc.files import write_folder
 
     with errors_told(format):
         reading = _read(file)
         program = compile_task(reading.task, target)
         _tell_reading(reading, format)
         if output is not None:
+            from irc.files import write_folder
+
             write_folder(output, {**program.files, MANIFEST_FILE: program.manifest_text()})
             listed = [*program.files, MANIFEST_FILE]
             if format is Format.json:

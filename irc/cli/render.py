@@ -25,7 +25,7 @@ from rich.text import Text
 from irc.problem import Problem
 from irc.retime import AnswerError
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
-from irc.slack import slacks
+from irc.slack import slacks, to_ticks
 from irc.times import Number, TimeError, exact, format_number, unit_seconds
 
 if TYPE_CHECKING:
@@ -96,8 +96,10 @@ class _Glyphs:
     grid: str
     critical: str
     critical_edge: str
+    critical_short: str
     slack: str
     slack_edge: str
+    slack_short: str
     crowd: str
     critical_milestone: str
     milestone: str
@@ -108,8 +110,46 @@ class _Glyphs:
     bad: str
 
 
-_BLOCKS = _Glyphs(*"─┼├┊█▐░▕▓◆◇×…≈✔✘")
-_ASCII = _Glyphs(*"-++:#[=(%*ox", "...", "about ", "", "")
+_BLOCKS = _Glyphs(
+    rule="─",
+    tick="┼",
+    first_tick="├",
+    grid="┊",
+    critical="█",
+    critical_edge="▐",
+    critical_short="▐",
+    slack="░",
+    slack_edge="▕",
+    slack_short="▒",
+    crowd="▓",
+    critical_milestone="◆",
+    milestone="◇",
+    times="×",
+    more="…",
+    about="≈",
+    good="✔",
+    bad="✘",
+)
+_ASCII = _Glyphs(
+    rule="-",
+    tick="+",
+    first_tick="+",
+    grid=":",
+    critical="#",
+    critical_edge="[",
+    critical_short="[",
+    slack="=",
+    slack_edge="(",
+    slack_short="(",
+    crowd="%",
+    critical_milestone="*",
+    milestone="o",
+    times="x",
+    more="...",
+    about="about ",
+    good="",
+    bad="",
+)
 
 
 class _Page:
@@ -126,6 +166,8 @@ class _Page:
 
     def visible(self, name: str) -> str:
         """A name on one line: nothing in it moves the cursor, is unseen or cannot be written."""
+        if name.isascii() and name.isprintable() and name == name.strip():
+            return name
         shown = self._encodable(
             "".join(c if c.isprintable() else _escape(c) for c in name if c not in _JOINERS)
         )
@@ -213,8 +255,8 @@ def _gap(schedule: Schedule) -> str:
         if value.bound is None:
             return " (no bound known)"
         if value.bound != value.value:
-            distance = abs(Fraction(value.value - value.bound))
-            percent = float(100 * distance / max(abs(value.value), abs(value.bound)))
+            reached, bound = Fraction(value.value), Fraction(value.bound)
+            percent = float(100 * abs(reached - bound) / max(abs(reached), abs(bound)))
             return f" (gap {percent:.1f} %)" if percent >= 0.05 else " (gap below 0.1 %)"
     return ""
 
@@ -309,6 +351,7 @@ class _Column(NamedTuple):
 
 _LEAST_FLEXIBLE = 8
 _FIRST_TO_GO = ("status", "resources", "mode", "duration")
+_MARKED = ("action", "slack")
 _GAP = "  "
 
 
@@ -322,15 +365,18 @@ def _table(
         entries = (*entries[:half], *entries[-half:])
     columns = _fitting(page, _columns(page, problem, entries, slack))
     widths = _widths(page, columns)
-    yield Text(_row(page, [c.title for c in columns], columns, widths), "bold")
+    yield Text(_GAP.join(_padded(page, [c.title for c in columns], columns, widths)), "bold")
     yield Text(_GAP.join(page.glyphs.rule * width for width in widths), "dim")
     for k, entry in enumerate(entries):
         if hidden and k == len(entries) // 2:
             more = f"{page.glyphs.more} {hidden:,} more rows (use -o or --format json for all)"
             yield Text(more, "dim italic")
         critical = slack is not None and slack[entry.id] == 0
-        cells = [column.cells[k] for column in columns]
-        yield Text(_row(page, cells, columns, widths), "bold red" if critical else "")
+        cells = _padded(page, [column.cells[k] for column in columns], columns, widths)
+        yield Text(_GAP).join(
+            Text(cell, "red" if critical and column.title in _MARKED else "")
+            for cell, column in zip(cells, columns, strict=True)
+        )
 
 
 def _columns(
@@ -417,20 +463,20 @@ def _widths(page: _Page, columns: list[_Column]) -> list[int]:
     return widths
 
 
-def _row(page: _Page, cells: list[str], columns: list[_Column], widths: list[int]) -> str:
-    shown = []
+def _padded(page: _Page, cells: list[str], columns: list[_Column], widths: list[int]) -> list[str]:
+    padded = []
     for cell, column, width in zip(cells, columns, widths, strict=True):
         text = page.fit(cell, width)
         padding = " " * (width - cell_len(text))
-        shown.append(padding + text if column.to_the_right else text + padding)
-    return _GAP.join(shown)
+        padded.append(padding + text if column.to_the_right else text + padding)
+    return padded
 
 
 # --- chart --------------------------------------------------------------------------------------
 
 
 class _Bar(NamedTuple):
-    """An action in the chart; `labels` are what to call it, first choice first.
+    """An action in the chart, in ticks; `labels` are what to call it, first choice first.
 
     `critical` is None where slack is not known.
     """
@@ -448,7 +494,7 @@ def _chart(
     page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> Iterator[Text]:
     """A row for each resource, more where its users overlap, and rows for what needs none."""
-    held, free = _bars(page, schedule, slack)
+    held, free = _bars(page, problem, schedule, slack)
     names = sorted(held, key=_natural)
     capacity = {resource.id: resource.capacity for resource in problem.resources}
     widest = min(_WIDEST_NAME, page.width // 3)
@@ -457,37 +503,39 @@ def _chart(
     if free:
         titles.append("no resource" if names else "")
     gutter = max(map(cell_len, titles)) + 1 if names else 0
-    axis = _axis(page, problem, schedule.makespan, page.width - gutter)
+    axis = _axis(page, problem, to_ticks(problem, schedule.makespan), page.width - gutter)
     if free:
         rows_left = CHART_ROWS - sum(map(len, blocks))
         blocks.append(_lanes_with_labels(page, free, axis, rows_left))
     shares = _shares([len(lanes) for lanes in blocks], CHART_ROWS)
     yield from _axis_lines(page, axis, gutter)
+    drawn: list[_Row] = []
     for title, lanes, rows in zip(titles, blocks, shares, strict=True):
-        for row, lane in enumerate(lanes[:rows]):
-            name = title if not row else ""
-            margin = name + " " * (gutter - cell_len(name))
-            yield Text.assemble((margin, "bold"), _lane(page, lane, axis))
-    hidden = sum(map(len, blocks)) - sum(shares)
+        for k, lane in enumerate(lanes[:rows]):
+            drawn.append(_Row(page, axis, lane))
+            name = title if not k else ""
+            yield Text.assemble((name + " " * (gutter - cell_len(name)), "bold"), drawn[-1].text())
+    hidden = sum(map(len, blocks)) - len(drawn)
     if hidden:
         yield Text(f"{page.glyphs.more} {hidden:,} more rows", "dim italic")
-    shown = [lane for lanes, rows in zip(blocks, shares, strict=True) for lane in lanes[:rows]]
-    yield _legend(page, shown, axis)
+    if legend := _legend(page, drawn):
+        yield legend
     idle = [page.visible(name) for name in sorted(capacity, key=_natural) if name not in held]
     if idle:
         yield Text(page.fit(f"idle: {', '.join(idle)}", page.width), "dim")
 
 
 def _bars(
-    page: _Page, schedule: Schedule, slack: dict[str, int] | None
+    page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> tuple[dict[str, list[_Bar]], list[_Bar]]:
     """The bars of each resource, and those that hold none; both by start."""
     held: dict[str, list[_Bar]] = {}
     free: list[_Bar] = []
-    for entry in sorted(schedule.entries, key=lambda e: (e.start, e.end)):
+    for entry in schedule.entries:
         critical = None if slack is None else slack[entry.id] == 0
         title = _title(page, entry)
-        bar = _Bar(entry.start, entry.end, (title,), critical)
+        start, end = to_ticks(problem, entry.start), to_ticks(problem, entry.end)
+        bar = _Bar(start, end, (title,), critical)
         if not entry.resources or entry.start == entry.end:
             free.append(bar)
             continue
@@ -495,6 +543,8 @@ def _bars(
             counted = f"{title} {page.glyphs.times}{amount}"
             labels = (title,) if amount == 1 else (counted, title)
             held.setdefault(name, []).append(bar._replace(labels=labels))
+    for bars in (free, *held.values()):
+        bars.sort(key=lambda bar: (bar.start, bar.end))
     return held, free
 
 
@@ -522,17 +572,19 @@ def _lanes(placed: Iterable[tuple[Number, Number, _Bar]]) -> _Lanes:
 
 
 class _Axis(NamedTuple):
-    """The span of time that is drawn over `width` cells, and the cells of its labelled ticks."""
+    """The ticks that are drawn over `width` cells, and the cells that have a label."""
 
     span: Number
     width: int
-    ticks: list[tuple[int, str]]
+    labels: list[tuple[int, str]]
 
     def column(self, time: Number) -> int:
         """The cell at whose left edge a time is, rounded half up; the same for the same time."""
         if not self.span:
             return 0
-        return int((2 * time * self.width + self.span) // (2 * self.span))
+        over = time.numerator * self.span.denominator
+        under = time.denominator * self.span.numerator
+        return (2 * over * self.width + under) // (2 * under)
 
     def cells(self, bar: _Bar) -> range:
         """The cells of a bar; at least one, inside the chart."""
@@ -542,6 +594,8 @@ class _Axis(NamedTuple):
 
 def _lanes_with_labels(page: _Page, bars: list[_Bar], axis: _Axis, rows: int) -> _Lanes:
     """Lanes with room for every label inside or beside its bar, if there are rows for that."""
+    if len(bars) > rows * axis.width:
+        return _lanes_by_time(bars)
     placed: list[tuple[Number, Number, _Bar]] = []
     for bar in bars:
         cells = axis.cells(bar)
@@ -576,58 +630,64 @@ def _shares(wanted: Sequence[int], limit: int) -> list[int]:
     return shares
 
 
-def _taken(lane: list[_Bar], axis: _Axis) -> Counter[int]:
-    """How many bars fall into each cell."""
-    return Counter(cell for bar in lane for cell in axis.cells(bar))
-
-
-def _lane(page: _Page, lane: list[_Bar], axis: _Axis) -> Text:
-    """One row of bars with their labels. A cell into which several bars fall says so."""
-    row = _Row(page, axis)
-    taken = _taken(lane, axis)
-    # Those that matter most come last, so that a cell they share shows them.
-    for bar in sorted(lane, key=lambda bar: bool(bar.critical)):
-        row.bar(bar, axis.cells(bar))
-    row.crowds(cell for cell, bars in taken.items() if bars > 1)
-    for bar in lane:
-        span = axis.cells(bar)
-        if len(span) > 1 or taken[span.start] == 1:
-            row.label(bar, span)
-    return row.text()
-
-
 class _Row:
-    """A row of the chart in the making: a text and a style for each cell."""
+    """A row of the chart: a text and a style for each cell, bars and the labels of bars.
 
-    def __init__(self, page: _Page, axis: _Axis) -> None:
+    A cell into which several bars fall says so.
+    """
+
+    def __init__(self, page: _Page, axis: _Axis, lane: list[_Bar]) -> None:
         self.page = page
         self.width = axis.width
         self.shown = [" "] * axis.width
         self.styles = ["dim"] * axis.width
         self.used: set[int] = set()
-        for column, _ in axis.ticks:
+        for column, _ in axis.labels:
             if column < axis.width:
                 self.shown[column] = page.glyphs.grid
+        spans = [(bar, axis.cells(bar)) for bar in lane]
+        taken = Counter(cell for _, span in spans for cell in span)
+        self.crowds = [cell for cell, bars in taken.items() if bars > 1]
+        self.kinds = {(bar.critical, bar.start == bar.end) for bar in lane}
+        # Those that matter most come last, so that a cell they share has their colour.
+        for bar, span in sorted(spans, key=lambda item: bool(item[0].critical)):
+            self._bar(bar, span)
+        for cell in self.crowds:
+            self.shown[cell] = page.glyphs.crowd
+        for bar, span in spans:
+            if len(span) > 1 or taken[span.start] == 1:
+                self._label(bar, span)
 
-    def bar(self, bar: _Bar, span: range) -> None:
+    def text(self) -> Text:
+        """The row, neighbours of one style together."""
+        row = Text()
+        start = 0
+        for cell in range(1, self.width + 1):
+            if cell == self.width or self.styles[cell] != self.styles[start]:
+                row.append("".join(self.shown[start:cell]), self.styles[start])
+                start = cell
+        return row
+
+    def _bar(self, bar: _Bar, span: range) -> None:
         """Draws a bar, or the mark of something that takes no time."""
         glyphs = self.page.glyphs
-        edge, fill, point = (
-            (glyphs.critical_edge, glyphs.critical, glyphs.critical_milestone)
+        edge, fill, short, point = (
+            (
+                glyphs.critical_edge,
+                glyphs.critical,
+                glyphs.critical_short,
+                glyphs.critical_milestone,
+            )
             if bar.critical
-            else (glyphs.slack_edge, glyphs.slack, glyphs.milestone)
+            else (glyphs.slack_edge, glyphs.slack, glyphs.slack_short, glyphs.milestone)
         )
+        if len(span) == 1:
+            self._put(span.start, point if bar.start == bar.end else short, _style(bar))
+            return
         for cell in span:
-            self._put(cell, point if bar.start == bar.end else fill, _style(bar))
-        if len(span) > 1:
-            self.shown[span.start] = edge
+            self._put(cell, fill if cell > span.start else edge, _style(bar))
 
-    def crowds(self, cells: Iterable[int]) -> None:
-        """Marks cells that stand for more than one bar."""
-        for cell in cells:
-            self.shown[cell] = self.page.glyphs.crowd
-
-    def label(self, bar: _Bar, span: range) -> None:
+    def _label(self, bar: _Bar, span: range) -> None:
         """Names a bar inside it, else right or left of it, else as far as there is room inside."""
         for label in bar.labels:
             if _fits_inside(label, span):
@@ -647,7 +707,7 @@ class _Row:
         room = len(span) - 1
         padded = f" {label} " if room >= cell_len(label) + 3 else label
         first = span.start + 1 + (room - cell_len(padded)) // 2
-        self._write(first, padded, f"{_style(bar)} bold")
+        self._write(first, padded, "bold white on red" if bar.critical else "bold cyan")
 
     def _is_free(self, first: int, length: int) -> bool:
         """Whether a text may stand there, inside the chart, with a space on either side."""
@@ -667,32 +727,21 @@ class _Row:
             self._put(cell, "", style)
         self.shown[first] = text
 
-    def text(self) -> Text:
-        """The row, neighbours of one style together."""
-        row = Text()
-        start = 0
-        for cell in range(1, self.width + 1):
-            if cell == self.width or self.styles[cell] != self.styles[start]:
-                row.append("".join(self.shown[start:cell]), self.styles[start])
-                start = cell
-        return row
-
 
 def _style(bar: _Bar) -> str:
     return "red" if bar.critical else "cyan"
 
 
-def _legend(page: _Page, lanes: _Lanes, axis: _Axis) -> Text:
+def _legend(page: _Page, rows: list[_Row]) -> Text:
     """What the marks stand for, of those that were used."""
     glyphs = page.glyphs
-    kinds = {(bar.critical, bar.start == bar.end) for lane in lanes for bar in lane}
-    crowded = any(bars > 1 for lane in lanes for bars in _taken(lane, axis).values())
+    kinds = {kind for row in rows for kind in row.kinds}
     marks = (
         ((True, False) in kinds, glyphs.critical, "critical", "red"),
         ((False, False) in kinds, glyphs.slack, "has slack", "cyan"),
         ((True, True) in kinds, glyphs.critical_milestone, "critical milestone", "red"),
         ((False, True) in kinds, glyphs.milestone, "milestone", "cyan"),
-        (crowded, glyphs.crowd, "several actions", ""),
+        (any(row.crowds for row in rows), glyphs.crowd, "several actions", ""),
     )
     legend = Text()
     for used, glyph, meaning, style in marks:
@@ -709,22 +758,24 @@ _LEAST_APART = 8
 
 def _axis(page: _Page, problem: Problem, span: Number, width: int) -> _Axis:
     """An axis from 0 to the makespan; its labels stand at round numbers and do not touch."""
-    unit, length = _axis_unit(problem.time_unit, span)
+    makespan = exact(Fraction(span * problem.tick))
+    unit, length = _axis_unit(problem.time_unit, makespan)
     bare = _Axis(span, max(width, 1), [(0, f"0 {page.visible(unit)}")])
-    for step in _steps(unit, exact(Fraction(span) / length)) if span else ():
-        ticks = _ticks(bare, length, step)
-        if _apart(ticks):
-            return _evened(bare, length, step)
+    ticks = length / problem.tick
+    for step in _steps(unit, Fraction(makespan) / length) if span else ():
+        labels = _labels(bare, ticks, step)
+        if _apart(labels):
+            return _evened(bare, ticks, step)
     return bare
 
 
-def _evened(axis: _Axis, length: Number, step: Number) -> _Axis:
-    """A little narrower, where that puts all ticks the same number of cells apart."""
-    share = Fraction(step * length) / axis.span
+def _evened(axis: _Axis, ticks: Fraction, step: Number) -> _Axis:
+    """A little narrower, where that puts all labels the same number of cells apart."""
+    share = step * ticks / axis.span
     whole = axis.width - axis.width % share.denominator
     if whole > axis.width * 0.85:
         axis = axis._replace(width=whole)
-    return axis._replace(ticks=_ticks(axis, length, step))
+    return axis._replace(labels=_labels(axis, ticks, step))
 
 
 def _axis_unit(unit: str, span: Number) -> tuple[str, Number]:
@@ -737,48 +788,48 @@ def _axis_unit(unit: str, span: Number) -> tuple[str, Number]:
     return unit, 1
 
 
-def _steps(unit: str, span: Number) -> Iterator[Number]:
-    """Distances between ticks to try: round numbers, rising, the last one beyond the span."""
-    clock = _CLOCK_STEPS.get(unit, ())
+def _steps(unit: str, span: Fraction) -> Iterator[Number]:
+    """Distances between labels to try: round numbers, rising, the last ones beyond the span."""
     scale = Fraction(1)
     while 1000 * scale < span:
         scale *= 10
     while 100 * scale > span:
         scale /= 10
     steps = {digit * scale * 10**power for digit in (1, 2, 5) for power in range(4)}
+    clock = _CLOCK_STEPS.get(unit)
     if clock:
         steps = {s for s in steps if s < clock[0] or s > clock[-1]} | set(map(Fraction, clock))
     yield from map(exact, sorted(steps))
 
 
-def _ticks(axis: _Axis, length: Number, step: Number) -> list[tuple[int, str]]:
-    """The cell and the label of each; none at all where there would be more than cells."""
-    number = int(axis.span // (step * length)) + 1
+def _labels(axis: _Axis, ticks: Fraction, step: Number) -> list[tuple[int, str]]:
+    """The cell and the text of each label, `step` units of `ticks` apart; none if too many."""
+    number = int(axis.span // (step * ticks)) + 1
     if number > axis.width:
         return []
-    labels = (_grouped(exact(Fraction(k * step))) for k in range(1, number))
-    columns = (axis.column(k * step * length) for k in range(1, number))
-    return [*axis.ticks[:1], *zip(columns, labels, strict=True)]
+    texts = (_grouped(exact(Fraction(k * step))) for k in range(1, number))
+    columns = (axis.column(k * step * ticks) for k in range(1, number))
+    return [*axis.labels[:1], *zip(columns, texts, strict=True)]
 
 
-def _apart(ticks: list[tuple[int, str]]) -> bool:
-    return bool(ticks) and all(
-        right - left >= max(cell_len(label) + 3, _LEAST_APART)
-        for (left, label), (right, _) in pairwise(ticks)
+def _apart(labels: list[tuple[int, str]]) -> bool:
+    return bool(labels) and all(
+        right - left >= max(cell_len(text) + 3, _LEAST_APART)
+        for (left, text), (right, _) in pairwise(labels)
     )
 
 
 def _axis_lines(page: _Page, axis: _Axis, gutter: int) -> Iterator[Text]:
-    """The labels, each beginning at its tick, and the line with the ticks.
+    """The labels, each beginning at its place, and the line with a mark for each.
 
     The last label moves to the left, or goes, rather than stick out.
     """
-    labels, line = "", [page.glyphs.rule] * axis.width
-    for column, label in axis.ticks:
-        first = min(column, axis.width - cell_len(label))
-        if not labels or first > cell_len(labels):
-            labels += " " * (first - cell_len(labels)) + label
+    shown, line = "", [page.glyphs.rule] * axis.width
+    for column, text in axis.labels:
+        first = min(column, axis.width - cell_len(text))
+        if not shown or first > cell_len(shown):
+            shown += " " * (first - cell_len(shown)) + text
         if column < axis.width:
             line[column] = page.glyphs.tick if column else page.glyphs.first_tick
-    for shown in (labels, "".join(line)):
-        yield Text(" " * gutter + shown, "dim")
+    for drawn in (shown, "".join(line)):
+        yield Text(" " * gutter + drawn, "dim")

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from irc.diagnostics import Code, Findings, did_you_mean
 from irc.model import Task
+from irc.model.lazy import events_adapter
 from irc.model.parts import PRECEDENCE_ALIASES
 from irc.source import Pointer
 from irc.times import TimeError
@@ -39,12 +40,26 @@ _EXPECTED = {
 
 def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
     """The typed task, or None after every fault of shape has been added to `findings`."""
+    known = len(findings.items)
+    if raw.get("events"):
+        raw = _with_events(raw, findings)
     try:
-        return Task.model_validate(raw)
+        task = Task.model_validate(raw)
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             _add(fault, raw, findings)
-    return None
+        return None
+    return task if len(findings.items) == known else None
+
+
+def _with_events(raw: Mapping[str, Any], findings: Findings) -> Mapping[str, Any]:
+    """The document with its events typed, or without them after telling what is wrong."""
+    try:
+        return {**raw, "events": events_adapter().validate_python(raw["events"])}
+    except ValidationError as error:
+        for fault in error.errors(include_url=False):
+            _add({**fault, "loc": ("events", *fault["loc"])}, raw, findings)
+    return {key: value for key, value in raw.items() if key != "events"}
 
 
 def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
@@ -153,11 +168,17 @@ def _fields_at(pointer: Pointer) -> tuple[str, ...]:
             continue
         name = {v: k for k, v in _ALIASES.items()}.get(part, part)
         field = model.model_fields.get(name)
-        nested = _model_in(field.annotation) if field else None
+        nested = _event_model() if part == "events" else field and _model_in(field.annotation)
         if nested is None:
             return ()
         model = nested
     return tuple(field.alias or name for name, field in model.model_fields.items())
+
+
+def _event_model() -> type[BaseModel]:
+    from irc.model import Event
+
+    return Event
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:

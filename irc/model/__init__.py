@@ -1,6 +1,9 @@
 """The IR as pydantic models: what the user wrote, checked for shape only."""
 
-from irc.model.events import Change, Event
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from irc.model.parts import (
     Action,
     Condition,
@@ -19,6 +22,9 @@ from irc.model.parts import (
     Window,
 )
 from irc.model.task import Task
+
+if TYPE_CHECKING:
+    from irc.model.events import Change, Event
 
 __all__ = [
     "Action",
@@ -40,3 +46,11 @@ __all__ = [
     "Use",
     "Window",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("Change", "Event"):
+        from irc.model import events
+
+        return getattr(events, name)
+    raise AttributeError(f"module 'irc.model' has no attribute {name!r}")

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.model.base import Instant, Node
-from irc.model.events import Event
+from irc.model.lazy import Events
 from irc.model.parts import (
     Action,
     Goal,
@@ -48,7 +48,7 @@ class Task(Node):
     groups: tuple[Group, ...] = ()
     goals: tuple[Goal, ...] = ()
     objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
-    events: tuple[Event, ...] = ()
+    events: Events = ()
 
     _source: Source | None = PrivateAttr(default=None)
 

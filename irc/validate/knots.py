@@ -79,6 +79,11 @@ class Knot:
     previous: int | None = None
     goals: tuple[StateValue, ...] = ()
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing in it is left to choose."""
+        return self.incoming is not OPEN and len(self.writers) <= 1 and not self.items
+
     def happenings(self) -> Iterator[Happening]:
         """All that have a part in it."""
         for writer in self.writers:

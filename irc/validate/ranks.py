@@ -4,21 +4,24 @@ Every demand on ranks is an edge: rank(b) ≥ rank(a) + 0 or 1. Ranks exist iff 
 order of each knot (see `irc.validate.knots`) close no cycle with a 1 in it.
 
 1. Durations, tight precedences and the knots with one answer give edges at once; a cycle among
-   these is final. This is linear, and all that most schedules need.
+   these is final. Where the order of writers is known, slots that these edges rule out are dropped,
+   until nothing changes. This is near linear, and all that most schedules need.
 2. A cycle stays inside a strongly connected component of the graph of all *possible* edges. So
    knots that share neither a component nor a value are independent puzzles, solved smallest first.
 3. A puzzle is searched depth first with exact backtracking: the next writer, then a slot for each
-   item, the narrowest first. Ranks are kept up to date as longest paths, so an impossible edge is
-   seen when it is added.
+   item, the narrowest first. Ranks that satisfy all edges so far are kept up to date (starting from
+   a topological order), so an impossible edge is seen when it is added.
 
-The question is NP-hard (orders of simultaneous changes), so step 3 is bounded: at most
-`SEARCH_STEPS` edge relaxations over all puzzles. Beyond, the puzzle is reported as undecided.
+The question is NP-hard (orders of simultaneous changes), so the search is bounded: by
+`SEARCH_STEPS` edge relaxations and `STEPS_PER_OCCURRENCE` more for each occurrence. Beyond, what is
+left is reported as undecided.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from irc.validate.happenings import Edge, Story, Value, timing_edges
@@ -27,7 +30,8 @@ from irc.validate.subject import Subject
 from irc.validate.verdict import Violations, listed
 
 SEARCH_STEPS = 1_000_000
-"""A second or two of search."""
+STEPS_PER_OCCURRENCE = 100
+"""A million steps take a second or two."""
 
 
 class _OutOfSteps(Exception):
@@ -67,18 +71,15 @@ def find_ranks(
     if cycles:
         _add_cycles(subject, story, _inside(components, edges), cycles, violations)
         return None
-    ranks = longest_paths(components, edges)
-    if not tangle.knots:
-        return None if violations else ranks
-    search = _Search(ranks, edges, tangle.knots, budget)
+    # Edges never lead to a higher component, and equal ones are tied: a topological order.
+    graph = _Graph([-component for component in components], edges, budget)
+    search = _Search(graph, _narrow(graph, tangle.knots), edges)
     for puzzle in search.puzzles:
         outcome = search.solve(puzzle)
         if outcome is not True:
-            _add_unsolved(subject, [tangle.knots[i] for i in puzzle], outcome is None, violations)
-    if violations:
-        return None
-    edges += search.graph.added
-    return longest_paths(strong_components(story.node_count, edges), edges)
+            knots = [search.knots[i] for i in puzzle]
+            _add_unsolved(knots, outcome is None, violations)
+    return None if violations else graph.ranks
 
 
 def strong_components(count: int, edges: Sequence[Edge]) -> list[int]:
@@ -125,20 +126,6 @@ def strong_components(count: int, edges: Sequence[Edge]) -> list[int]:
                             break
                     found += 1
     return component
-
-
-def longest_paths(component: Sequence[int], edges: Sequence[Edge]) -> list[int]:
-    """The least ranks ≥ 0 that satisfy edges without a strict cycle: O(nodes + edges)."""
-    by_source: dict[int, list[Edge]] = {}
-    for edge in edges:
-        if component[edge[0]] != component[edge[1]]:
-            by_source.setdefault(component[edge[0]], []).append(edge)
-    # Sources have the highest numbers; within a component all ranks are equal.
-    rank = [0] * (max(component, default=-1) + 1)
-    for source in sorted(by_source, reverse=True):
-        for _, target, least in by_source[source]:
-            rank[component[target]] = max(rank[component[target]], rank[source] + least)
-    return [rank[c] for c in component]
 
 
 def _inside(component: Sequence[int], edges: Sequence[Edge]) -> list[Edge]:
@@ -189,6 +176,13 @@ class _Graph:
         """Adds edges and raises ranks to satisfy them; False, part done, on a strict cycle."""
         return all(self._add(edge) for edge in edges)
 
+    def allows(self, edges: Edges) -> bool:
+        """Whether edges could be added."""
+        mark = self.mark()
+        allowed = self.add(edges)
+        self.undo(mark)
+        return allowed
+
     def _add(self, edge: Edge) -> bool:
         a, b, least = edge
         self.budget.spend()
@@ -237,6 +231,33 @@ class _Graph:
         return False
 
 
+def _narrow(graph: _Graph, knots: Sequence[Knot]) -> list[Knot]:
+    """Settles the items that have one possible slot left; one that has none is left to fail."""
+    left = list(knots)
+    try:
+        while True:
+            narrower = [_narrowed(graph, knot) for knot in left]
+            settled = sum(len(a.items) - len(b.items) for a, b in zip(left, narrower, strict=True))
+            left = narrower
+            if not settled:
+                return left
+    except _OutOfSteps:
+        return left
+
+
+def _narrowed(graph: _Graph, knot: Knot) -> Knot:
+    if knot.incoming is OPEN or len(knot.writers) > 1:
+        return knot
+    items = []
+    for item in knot.items:
+        options = [o for o in slots(item, knot.writers, knot.incoming) if graph.allows(o)]
+        if len(options) == 1:
+            graph.add(options[0])
+        else:
+            items.append(item)
+    return knot if len(items) == len(knot.items) else replace(knot, items=tuple(items))
+
+
 class _State(NamedTuple):
     """How far a puzzle is solved: its `at`-th knot, the order of writers so far, and, once that is
     complete, the options of each item, of which the first `placed` are chosen."""
@@ -253,14 +274,15 @@ _Choices = Iterator[tuple[Edges, _State]]
 class _Search:
     """Solves the knots that are left over, one independent puzzle at a time."""
 
-    def __init__(
-        self, ranks: list[int], edges: Sequence[Edge], knots: Sequence[Knot], budget: Budget
-    ) -> None:
+    def __init__(self, graph: _Graph, knots: Sequence[Knot], edges: Sequence[Edge]) -> None:
+        self.graph = graph
         self.knots = knots
         self.last: dict[int, Value] = {}
-        component = strong_components(*_with_possible_edges(len(ranks), edges, knots))
-        self.puzzles = _puzzles(knots, component)
-        self.graph = _Graph(ranks, _inside(component, edges), budget)
+        self.puzzles: list[list[int]] = []
+        if not all(knot.is_settled for knot in knots):
+            given = [*edges, *graph.added]
+            component = strong_components(*_with_possible_edges(len(graph.ranks), given, knots))
+            self.puzzles = _puzzles(knots, component)
 
     def solve(self, puzzle: Sequence[int]) -> bool | None:
         """Whether the puzzle has a solution, which then stays in `graph`; None if undecided."""
@@ -363,7 +385,7 @@ def _with_possible_edges(
     """The graph with a hub per knot, through which all its happenings reach each other."""
     possible = list(edges)
     for knot in knots:
-        if not knot.writers:
+        if not knot.writers or knot.is_settled:
             continue
         for happening in knot.happenings():
             possible += [(happening.node, count, 0), (count, happening.node, 0)]
@@ -390,8 +412,9 @@ def _puzzles(knots: Sequence[Knot], component: Sequence[int]) -> list[list[int]]
             home = component[knot.writers[0].happening.node]
             parent[root(i)] = root(in_component.setdefault(home, i))
     puzzles: dict[int, list[int]] = {}
-    for i in range(len(knots)):
-        puzzles.setdefault(root(i), []).append(i)
+    for i, knot in enumerate(knots):
+        if not knot.is_settled:
+            puzzles.setdefault(root(i), []).append(i)
     ordered = [sorted(puzzle, key=lambda i: (knots[i].time, i)) for puzzle in puzzles.values()]
     return sorted(ordered, key=len)
 
@@ -437,9 +460,7 @@ def _path(source: int, target: int, following: Mapping[int, Sequence[int]]) -> l
     return path[::-1]
 
 
-def _add_unsolved(
-    subject: Subject, knots: Sequence[Knot], undecided: bool, violations: Violations
-) -> None:
+def _add_unsolved(knots: Sequence[Knot], undecided: bool, violations: Violations) -> None:
     names = list(dict.fromkeys(h.occurrence.entry.id for knot in knots for h in knot.happenings()))
     variables = list(dict.fromkeys(knot.variable for knot in knots))
     times = list(dict.fromkeys(knot.time for knot in knots))

@@ -19,7 +19,7 @@ from irc.validate.happenings import (
     tell,
     value_text,
 )
-from irc.validate.ranks import SEARCH_STEPS, Budget, find_ranks
+from irc.validate.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, Budget, find_ranks
 from irc.validate.state_messages import (
     add_broken,
     add_contradiction,
@@ -95,7 +95,7 @@ def _look_for_ranks(subject: Subject, violations: Violations) -> None:
         and o.shortest == 0
         and (o.action.conditions or o.action.effects)
     ]
-    budget = Budget(SEARCH_STEPS)
+    budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(subject.occurrences))
     failures: list[Violations] = []
     for drawn_out in _readings(zero_length):
         if drawn_out:

@@ -2,27 +2,25 @@
 
 Known here: actions that occur once, durations fixed or in a range, the four precedence types with
 both lags, releases, deadlines, fixed starts, renewable resources, `one_of`. Whatever else a task
-says is refused with `ValueError`, never ignored. Due dates, rewards and costs are allowed: they do
-not bear on the makespan.
+says is refused with `ValueError`, never ignored, except due dates, rewards, costs and the
+objective: they do not bear on the least makespan.
 
-**Method.** Choices aside, a task is a system of lower bounds on differences of time points:
-t = 0, each start, each end, and the makespan. Its transitive closure (longest paths,
-Floyd–Warshall) either has a positive cycle, and nothing satisfies it, or yields the earliest
-value of every point, which satisfies it. `optimal_schedule` resolves what those bounds leave open:
+**Method.** Each `one_of` is decided first, in every way. Then a task is a system of lower bounds
+on the differences of time points: t = 0, each start, each end, and the makespan. Its transitive
+closure (longest paths, Floyd–Warshall) either has a positive cycle, and nothing satisfies it, or
+yields the earliest value of every point, and these values satisfy it. Where that earliest schedule
+asks a resource for too much, a set of actions is too large to hold it together. Intervals that
+overlap in pairs have a common instant; so in each valid schedule one of the set ends before
+another starts, or one of them has length 0. Each of these is one more lower bound, a branch
+(forbidden sets: Bartusch, Möhring, Radermacher 1988). A branch is left when its bound reaches the
+best makespan found so far.
 
-- Where the earliest schedule asks a resource for too much, a set of occurrences is too large to
-  hold it together. Pairwise overlapping intervals have a common instant, so in each valid schedule
-  either one of the set ends before another starts, or one of them has length 0. Each of these is
-  one more lower bound: a branch. (Bartusch, Möhring, Radermacher 1988: forbidden sets.)
-- Where a `one_of` is open, each resource of it is a branch.
+The earliest schedule violates each bound that is added, so the search ends; and it needs no
+horizon, because a positive cycle speaks for all schedules, however late.
 
-A branch is left when its bound reaches the best makespan found so far. Every branch adds a bound
-that its earliest schedule violates, or closes a choice; so the search ends, and it needs no
-horizon: the positive cycle speaks for all schedules, however late.
-
-**Whole numbers suffice.** Rounding all points of a valid schedule down keeps every bound by a
-whole number, and turns no two intervals without a common instant into two with one. So the
-optimum over integers is the optimum over all times.
+**Whole numbers suffice.** Rounding all points of a valid schedule down keeps every bound that is a
+whole number, and gives no common instant to intervals that had none. So the optimum over integers
+is the optimum over all times.
 """
 
 from __future__ import annotations
@@ -132,7 +130,10 @@ def optimal_schedule(task: Task, horizon: int | None = None) -> Optimum | None:
     if bounds is None:
         return None
     search = _Search(facts)
-    choices = sorted(facts.choices, key=lambda c: (len(c.alternatives) > 1, -_work(facts, c)))
+    head = bounds[facts.point.origin]
+    choices = sorted(
+        facts.choices, key=lambda c: (len(c.alternatives) > 1, head[facts.point.start(c.action)])
+    )
     search.visit(bounds, {r: {} for r in facts.capacities}, tuple(choices))
     return search.best
 
@@ -150,16 +151,18 @@ class _Search:
             for more in self._chosen(open_choices[0], held):
                 self.visit(bounds, more, open_choices[1:])
             return
-        overloads = self._overloads(bounds, held)
-        if not overloads:
+        too_many = self._overload(bounds, held)
+        if too_many is None:
             self.best = self._optimum(bounds, held)
             return
-        for branch in min((self._resolutions(bounds, each) for each in overloads), key=len):
+        for branch in self._resolutions(bounds, too_many):
             self.visit(branch, held, ())
 
     def _chosen(self, choice: _Choice, held: Held) -> list[Held]:
         """One for each resource that `choice` may hold, but one only for resources alike."""
-        alternatives = {self._twin_key(resource, held): resource for resource in choice.alternatives}
+        alternatives = {
+            self._twin_key(resource, held): resource for resource in choice.alternatives
+        }
         return [
             {**held, resource: _held_more(held[resource], choice)}
             for resource in alternatives.values()
@@ -176,8 +179,8 @@ class _Search:
         first, point = bounds[self.facts.point.origin], self.facts.point
         return first[point.start(action)], first[point.end(action)]
 
-    def _overloads(self, bounds: Bounds, held: Held) -> list[tuple[int, ...]]:
-        """Sets of actions that the earliest schedule lets hold too much at some instant."""
+    def _overload(self, bounds: Bounds, held: Held) -> tuple[int, ...] | None:
+        """A smallest set of actions that the earliest schedule lets hold too much at once."""
         found = set()
         for resource, amounts in held.items():
             capacity = self.facts.capacities[resource]
@@ -186,12 +189,12 @@ class _Search:
                 running = [i for i, (start, end) in spans.items() if start <= instant < end]
                 if sum(amounts[i] for i in running) > capacity:
                     found.add(_minimal(running, amounts, capacity))
-        return sorted(found)
+        return min(found, key=lambda actions: (len(actions), actions), default=None)
 
     def _resolutions(self, bounds: Bounds, too_many: tuple[int, ...]) -> list[Bounds]:
         """One of `too_many` ends before another starts (before itself: it has length 0).
 
-        Each branch also says that what the branches before it say does not hold.
+        Each branch also denies what the branches before it say, so that they share no schedule.
         """
         point = self.facts.point
         branches: list[Bounds] = []
@@ -235,10 +238,6 @@ class _Search:
                 for i, name in enumerate(names)
             },
         )
-
-
-def _work(facts: _Facts, choice: _Choice) -> int:
-    return choice.amount * facts.durations[choice.action][0]
 
 
 def _held_more(amounts: dict[int, int], choice: _Choice) -> dict[int, int]:

@@ -462,7 +462,7 @@ def _valued(**fields: _Strategy) -> _Strategy:
     """Objects that give a state variable one of its values."""
     return st.one_of(
         [
-            _object(**fields, var=st.just(var), value=st.sampled_from(values))
+            _object({}, **fields, var=st.just(var), value=st.sampled_from(values))
             for var, values in _STATE.items()
         ]
     )
@@ -532,11 +532,11 @@ def _whole_document(zone: str | None) -> _Strategy:
         state=_each(_STATE, _variable),
         actions=_each(_ACTIONS, lambda name: _action(name, instants)),
         groups=_each(_GROUPS, lambda name: _group(name, instants)),
-        events=st.lists(_event(instants), max_size=3),
+        events=st.lists(_event(instants), max_size=2),
     )
     arcs = st.lists(_ARCS, max_size=4)
     spelling = _object(precedence=arcs) | _object(dependencies=arcs)
-    origin = st.just({}) if zone is None else _object(origin=_dates(zone))
+    origin = st.just({}) if zone is None else st.fixed_dictionaries({"origin": _dates(zone)})
     return st.builds(
         lambda *said: {k: v for part in said for k, v in part.items()}, parts, spelling, origin
     )

@@ -364,6 +364,7 @@ def test_something_short_may_last_through_a_change_of_its_instant() -> None:
 
 def test_a_search_that_gives_up_says_undecided_not_valid(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("irc.validate.state.SEARCH_STEPS", 20)
+    monkeypatch.setattr("irc.validate.state.STEPS_PER_OCCURRENCE", 1)
     task, entries = walk_task("bc", "ab", "cb", "bd", "da", "ac", "ca", goal="a")
     verdict = validate(task, Schedule(tuple(entries)))
     assert not verdict.valid
