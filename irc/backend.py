@@ -12,16 +12,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from irc._version import __version__
-from irc.canonical import canonical_sha256, canonical_task
 from irc.diagnostics import Code, Diagnostic, InputError, Report, did_you_mean
 from irc.features import Feature, FeatureUse, features_of
 from irc.model import Task
 from irc.problem import Problem
-from irc.schedule import Schedule, Status
 from irc.times import format_number
+
+if TYPE_CHECKING:
+    from irc.schedule import Schedule, Status
 
 MANIFEST_VERSION = "1"
 MANIFEST_FILE = "manifest.json"
@@ -108,6 +109,8 @@ class Program:
     @cached_property
     def manifest(self) -> dict[str, Any]:
         """Everything needed to read an answer later: the canonical task, names, tick, versions."""
+        from irc.canonical import canonical_sha256, canonical_task
+
         canonical = canonical_task(self.task)
         return {
             "irc_manifest": MANIFEST_VERSION,

@@ -1,10 +1,9 @@
-"""The one road from a task to an answer: check, lower, encode, run, re-time, validate."""
+"""The whole road from a task to an answer: compile, run, re-time, validate."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,22 +17,32 @@ from irc.backend import (
     OnProgress,
     Outcome,
     Program,
-    Refusal,
     UnknownTarget,
     get_backend,
-    require_support,
 )
 from irc.canonical import task_sha256
-from irc.checks import Checked, run_checks
+from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.model import Task
-from irc.passes import run_passes
+from irc.pipeline import check_task, compile_task, lower_for, refusals_told
 from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 
 if TYPE_CHECKING:
     from irc.validate import Verdict
+
+__all__ = [
+    "Answer",
+    "check_task",
+    "compile_task",
+    "extract_answer",
+    "finish",
+    "lower_for",
+    "schedule_of",
+    "solve_task",
+    "validate_schedule",
+]
 
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""
@@ -46,48 +55,6 @@ class Answer:
     schedule: Schedule
     problem: Problem
     notes: tuple[Diagnostic, ...] = ()
-
-
-def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
-    """All diagnostics of a task, after the `earlier` ones about its text."""
-    return run_checks(task, earlier).report
-
-
-def _accepted(task: Task) -> Checked:
-    checked = run_checks(task, lint=False)
-    if not checked.report.ok:
-        raise InputError(checked.report)
-    return checked
-
-
-def lower_for(task: Task, backend: Backend) -> Problem:
-    """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
-
-    Raises `InputError` where the task or the target says no.
-    """
-    checked = _accepted(task)
-    require_support(task, backend)
-    return run_passes(checked.problem)
-
-
-def compile_task(task: Task, target: str) -> Program:
-    """The task as a program of `target`.
-
-    Raises `InputError` (the task is at fault or refused) or `UnknownTarget`.
-    """
-    backend = get_backend(target)
-    program = Program(backend, task, lower_for(task, backend))
-    with _refusals_told(task):
-        program.files  # noqa: B018 - encodes now, so that a refusal is told here
-    return program
-
-
-@contextmanager
-def _refusals_told(task: Task) -> Iterator[None]:
-    try:
-        yield
-    except Refusal as refusal:
-        raise InputError(Report((refusal.diagnostic,), task.source)) from None
 
 
 def solve_task(
@@ -115,7 +82,7 @@ def solve_task(
         reason = runner.missing()
         if reason is not None:
             raise EngineMissing(reason)
-        with _refusals_told(task):
+        with refusals_told(task):
             outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
     schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
     return Answer(_approved(task, schedule), problem, outcome.notes)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from irc.checks.lint import check_lint
 from irc.checks.structure import check_structure
 from irc.checks.temporal import check_temporal
 from irc.diagnostics import Diagnostic, Findings, Report
@@ -33,5 +32,7 @@ def run_checks(task: Task, earlier: Iterable[Diagnostic] = (), *, lint: bool = T
     problem = lower(task)
     check_temporal(problem, findings)
     if lint:
+        from irc.checks.lint import check_lint
+
         check_lint(task, problem, findings)
     return Checked(task, problem, Report(tuple(findings.items), task.source))

@@ -71,8 +71,8 @@ def _read(file: str) -> Reading:
 
 def check(file: FileArgument, format: FormatOption = Format.text) -> None:
     """Show every diagnostic of a task: errors, warnings and notes, in one run."""
-    from irc.compiler import check_task
     from irc.diagnostics import InputError
+    from irc.pipeline import check_task
 
     with errors_told(format):
         try:
@@ -99,7 +99,7 @@ def compile_(
 ) -> None:
     """Write a task as a target's own files and manifest.json; without -o print the text."""
     from irc.backend import MANIFEST_FILE
-    from irc.compiler import compile_task
+    from irc.pipeline import compile_task
 
     with errors_told(format):
         reading = _read(file)

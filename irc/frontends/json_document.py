@@ -14,8 +14,10 @@ from decimal import Decimal, InvalidOperation
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
-from irc.frontends.json_scan import MAX_DEPTH, scan
 from irc.source import Pointer, Range, Source
+
+MAX_DEPTH = 64
+"""Deeper nesting is refused: the IR itself needs eight levels."""
 
 MAX_BYTES = 512 * 1024 * 1024
 """Larger inputs are refused before they are read into memory twice."""
@@ -143,6 +145,8 @@ def _skip_blank(text: str, at: int) -> int:
 
 def _locator(start: int) -> Any:
     def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        from irc.frontends.json_scan import scan
+
         return scan(text, start, wanted).places
 
     return locate
@@ -168,7 +172,9 @@ def _objects(text: str, at: int) -> tuple[list[_Found], list[int]]:
         except json.JSONDecodeError as error:
             reached = max(error.pos, at + 1)
         except (ValueError, RecursionError):
-            reached = max(scan(text, at).end, at + 1)
+            from irc.frontends.json_scan import scan
+
+            reached = max(scan(text, at, max_depth=MAX_DEPTH).end, at + 1)
         else:
             if content:
                 found.append((at, end, content))
@@ -225,7 +231,9 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
             offset=start,
         )
     else:
-        faults = scan(text, start).faults
+        from irc.frontends.json_scan import scan
+
+        faults = scan(text, start, max_depth=MAX_DEPTH).faults
         for fault in faults:
             findings.add(fault.code, fault.message, hint=fault.hint, offset=fault.offset)
         if not faults:

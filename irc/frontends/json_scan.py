@@ -15,9 +15,6 @@ from dataclasses import dataclass, field
 from irc.diagnostics import Code
 from irc.source import Pointer, Range
 
-MAX_DEPTH = 64
-"""Deeper nesting is refused: the IR itself needs eight levels."""
-
 _LONGEST_NUMBER = 1000
 _LONGEST_EXPONENT = 6
 
@@ -65,7 +62,8 @@ class _Open:
 
 
 class _Scanner:
-    def __init__(self, text: str, wanted: Collection[Pointer]) -> None:
+    def __init__(self, text: str, wanted: Collection[Pointer], max_depth: int) -> None:
+        self.max_depth = max_depth
         self.text = text
         self.wanted = wanted
         self.scan = Scan()
@@ -173,8 +171,8 @@ class _Scanner:
     def _value(self, at: int, key_start: int | None) -> int:
         first = self.text[at : at + 1]
         if first in ("{", "["):
-            if len(self.open) >= MAX_DEPTH:
-                self._fault(Code.TOO_LARGE, at, f"nested more than {MAX_DEPTH} levels deep")
+            if len(self.open) >= self.max_depth:
+                self._fault(Code.TOO_LARGE, at, f"nested more than {self.max_depth} levels deep")
                 raise _Stop
             self.open.append(_Open(first, at, key_start))
             return at + 1
@@ -234,6 +232,8 @@ def _unescape(body: str) -> str:
     return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
-def scan(text: str, start: int = 0, wanted: Collection[Pointer] = frozenset()) -> Scan:
+def scan(
+    text: str, start: int = 0, wanted: Collection[Pointer] = frozenset(), max_depth: int = 1000
+) -> Scan:
     """Reads one JSON value from `start`: where the `wanted` elements stand, and what is wrong."""
-    return _Scanner(text, wanted).run(start)
+    return _Scanner(text, wanted, max_depth).run(start)

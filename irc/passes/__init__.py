@@ -6,10 +6,19 @@ from collections.abc import Callable
 
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
-from irc.passes.destructive import destructive_bound
-from irc.passes.energy import energy_bound
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
+
+
+def resource_bounds(problem: Problem) -> Problem:
+    """Raises the bound by what resources say; without contention there is nothing to say."""
+    if not problem.has_contention:
+        return problem
+    from irc.passes.destructive import destructive_bound
+    from irc.passes.energy import energy_bound
+
+    return destructive_bound(energy_bound(problem))
+
 
 Pass = Callable[[Problem], Problem]
 
@@ -18,8 +27,7 @@ PASSES: tuple[Pass, ...] = (
     merge_pools,
     drop_uncontended,
     heads_and_tails,
-    energy_bound,
-    destructive_bound,
+    resource_bounds,
 )
 
 

@@ -6,7 +6,8 @@ Under the assumption every time point has a window. Windows shrink by
 - the order of two activities that cannot overlap: what fits one way round only is so ordered,
 - energetic reasoning on each load (see `irc.passes.energy`): what an interval must hold of each
   activity, wherever in its windows that is placed; it refutes, and moves starts and ends
-  (Baptiste, Le Pape, Nuijten, "Constraint-based scheduling", 2001, chapter 3).
+  (Baptiste, Le Pape, Nuijten, "Constraint-based scheduling", 2001, chapter 3);
+- turns: seven activities on two units mean that one of the units serves four, one by one.
 
 Where that refutes nothing, a search goes through the orders of activities that are in each
 other's way. An assumption is refuted when every case contradicts itself; when a case stands, or
@@ -19,6 +20,7 @@ never time: the same problem gives the same bound on any machine. A step takes s
 
 from __future__ import annotations
 
+from bisect import insort
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import permutations
@@ -43,6 +45,9 @@ PAIRS_LIMIT = 50_000
 
 BEGINNINGS_LIMIT = 64
 """An energetic sweep over a load looks at intervals with so many beginnings at most."""
+
+TURNS_LIMIT = 30
+"""Loads with more activities than this are not looked at for turns (cubic time)."""
 
 DEPTH_LIMIT = 300
 """So many orders are assumed one inside the other at most."""
@@ -84,23 +89,16 @@ def _climb(value: int, reason: str, refuter: _Refuter, depth: int) -> tuple[int,
 
     `value` first, then steps that double, then bisection: few trials where times are long.
     """
-    refuted, step, stands = value - 1, 1, None
-    while stands is None and refuted < refuter.model.limit:
-        tried = min(refuted + step, refuter.model.limit)
-        why = refuter.refute(tried, depth)
-        if why is None:
-            stands = tried
-        else:
-            step = max(1, value >> 8) if tried == value else 2 * step
-            refuted, reason = tried, why
-    while stands is not None and stands - refuted > 1:
-        tried = (refuted + stands) // 2
+    refuted, stands, step = value - 1, refuter.model.limit + 1, 1
+    while stands - refuted > 1:
+        tried = min(refuted + step, (refuted + stands) // 2)
         why = refuter.refute(tried, depth)
         if why is None:
             stands = tried
         else:
             refuted, reason = tried, why
-    return refuted + 1, reason
+            step = max(2 * step, value >> 8)
+    return stands, reason
 
 
 # --- what does not depend on D ------------------------------------------------------------------
@@ -134,7 +132,8 @@ class _Model:
 
     `earliest[p]` and `latest[p]` are the window of point p in schedules that end by `limit`;
     `tail[p]` is the least time from p to the end of the schedule. `partners[i]` are the
-    activities that cannot overlap activity i and are not ordered with it by precedence.
+    activities that cannot overlap activity i and are not ordered with it by precedence. While a
+    case is explored, `leaving` and `entering` hold its orders too.
     """
 
     problem: Problem
@@ -250,13 +249,15 @@ def _exclusive_pairs(load: Load, room: int) -> list[tuple[int, int]]:
     """The pairs whose amounts do not fit together; none if there are more than `room`."""
     jobs = sorted(zip(load.amounts, load.activities, strict=True), reverse=True)
     pairs: list[tuple[int, int]] = []
+    fitting = len(jobs)
     for k, (amount, i) in enumerate(jobs):
-        for other, j in jobs[k + 1 :]:
-            if amount + other <= load.capacity:
-                break
-            pairs.append((i, j))
+        while fitting > k + 1 and amount + jobs[fitting - 1][0] <= load.capacity:
+            fitting -= 1
+        pairs += [(i, j) for _, j in jobs[k + 1 : fitting]]
         if len(pairs) > room:
             return []
+        if fitting <= k + 1:
+            break
     return pairs
 
 
@@ -522,10 +523,27 @@ class _Refuter:
             (lo[start], hi[start], lo[end] + offset, hi[end] + offset, duration, amount)
             for start, end, offset, duration, amount in demand.rows
         ]
+        if demand.capacity > 1 and len(windows) <= TURNS_LIMIT:
+            self._take_turns(demand, windows)
         for begin in thinned({time for w in windows for time in w[:2]}, BEGINNINGS_LIMIT):
             self._spend(4 * len(windows))
             for end, slack in self._tight_ends(demand, windows, begin):
                 self._move(demand, windows, (begin, end), slack)
+
+    def _take_turns(self, demand: _Demand, windows: _Windows) -> None:
+        """Refutes intervals too short for the turns that activities inside must take."""
+        for begin in sorted({window[0] for window in windows}):
+            inside = sorted((w[3], -w[4], w[5]) for w in windows if w[0] >= begin)
+            if len(inside) <= demand.capacity:
+                return
+            self._spend(4 * len(inside))
+            longest_first: list[tuple[int, int]] = []
+            for k, (end, negated_duration, amount) in enumerate(inside, 1):
+                insort(longest_first, (negated_duration, amount))
+                if k > demand.capacity and (k == len(inside) or end < inside[k][0]):
+                    self._spend(4 * k)
+                    if _turns(longest_first, demand.capacity) > end - begin:
+                        raise _Refuted(self._overload(demand, begin, end))
 
     def _tight_ends(self, demand: _Demand, windows: _Windows, begin: int) -> list[tuple[int, int]]:
         """Ends of intervals from `begin` whose slack some activity could exceed, with the slack.
@@ -584,3 +602,18 @@ class _Refuter:
                 time = begin + free // amount - row.offset
                 if time < self.hi[row.end]:
                     self._lower(row.end, time)
+
+
+def _turns(longest_first: list[tuple[int, int]], capacity: int) -> int:
+    """How long some unit of a resource is held in all, given (minus duration, amount) pairs.
+
+    Of activities that need u units in all, some unit serves u / capacity, rounded up. That takes
+    as long as the shortest of them; the k longest activities are looked at, for each k.
+    """
+    best, units, total = 0, 0, [0]
+    for k, (negated_duration, amount) in enumerate(longest_first, 1):
+        units += amount
+        total.append(total[-1] - negated_duration)
+        turns = -(-units // capacity)
+        best = max(best, total[k] - total[max(0, k - turns)])
+    return best

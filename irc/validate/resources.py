@@ -5,42 +5,71 @@ Both are sweeps over the instants at which something changes: O(n log n).
 
 from __future__ import annotations
 
-from itertools import groupby
+from collections.abc import Iterable, Mapping
+from itertools import chain, groupby
+from operator import itemgetter
 
 from irc.model import Resource
 from irc.times import Number
 from irc.validate.subject import Occurrence, Subject, UncheckedTaskError
 from irc.validate.verdict import Violations, listed
 
-_Step = tuple[Number, int, int]
-"""A time, by how much something changes then, and the number of the occurrence that does it."""
+_Step = tuple[int, int, int]
+"""The place of an instant in time, by how much something changes then, and the number of the
+occurrence that does it (-1: none). Places are whole numbers, which sort far faster than times."""
+
+
+class _Instants:
+    """The instants that matter, in order."""
+
+    def __init__(self, times: Iterable[Number]) -> None:
+        self.times = sorted(set(times))
+        self.place = {time: place for place, time in enumerate(self.times)}
 
 
 def check_capacity(subject: Subject, violations: Violations) -> None:
     """Rule 4: use is held over [start, end), so what is freed at t can be taken at t."""
-    holds: dict[str, list[_Step]] = {}
-    for occurrence in subject.occurrences:
-        if occurrence.end <= occurrence.start:
-            continue
+    holders = [
+        occurrence
+        for occurrence in subject.occurrences
+        if occurrence.entry.resources and occurrence.start < occurrence.end
+    ]
+    capacities = {
+        resource.id: _capacities(subject, resource)
+        for resource in subject.resources.values()
+        if resource.kind == "renewable"
+    }
+    instants = _Instants(
+        chain(
+            (occurrence.start for occurrence in holders),
+            (occurrence.end for occurrence in holders),
+            *capacities.values(),
+        )
+    )
+    steps: dict[str, list[_Step]] = {}
+    for occurrence in holders:
+        start, end = instants.place[occurrence.start], instants.place[occurrence.end]
         for name, amount in occurrence.entry.resources.items():
-            if amount <= 0:
-                continue
-            steps = holds.setdefault(name, [])
-            steps.append((occurrence.start, amount, occurrence.number))
-            steps.append((occurrence.end, -amount, occurrence.number))
-    for resource in subject.resources.values():
-        if resource.kind == "renewable" and resource.id in holds:
-            _check_renewable(subject, resource, holds[resource.id], violations)
+            if amount > 0 and name in capacities:
+                steps.setdefault(name, []).append((start, amount, occurrence.number))
+                steps[name].append((end, -amount, occurrence.number))
+    for name, own in steps.items():
+        _check_renewable(subject, name, own, capacities[name], instants, violations)
 
 
 def _check_renewable(
-    subject: Subject, resource: Resource, steps: list[_Step], violations: Violations
+    subject: Subject,
+    name: str,
+    steps: list[_Step],
+    capacities: Mapping[Number, int],
+    instants: _Instants,
+    violations: Violations,
 ) -> None:
-    capacities = _capacities(subject, resource)
-    capacity, in_use = resource.capacity, 0
+    capacity, in_use = subject.resources[name].capacity, 0
     holding: dict[int, int] = {}
-    moments: list[_Step] = [(time, 0, -1) for time in capacities]
-    for time, group in groupby(sorted(steps + moments), key=lambda step: step[0]):
+    steps += [(instants.place[time], 0, -1) for time in capacities]
+    for place, group in groupby(sorted(steps), key=itemgetter(0)):
+        time = instants.times[place]
         tighter = False
         for _, amount, number in group:
             if number < 0:
@@ -54,7 +83,7 @@ def _check_renewable(
             else:
                 holding.pop(number, None)
         if tighter and in_use > capacity:
-            _add_overload(subject, resource, time, in_use, capacity, holding, violations)
+            _add_overload(subject, name, time, in_use, capacity, holding, violations)
 
 
 def _capacities(subject: Subject, resource: Resource) -> dict[Number, int]:
@@ -78,7 +107,7 @@ def _capacities(subject: Subject, resource: Resource) -> dict[Number, int]:
 
 def _add_overload(
     subject: Subject,
-    resource: Resource,
+    name: str,
     time: Number,
     in_use: int,
     capacity: int,
@@ -89,7 +118,7 @@ def _add_overload(
     named = listed((user.entry.id for user in users), len(holding))
     violations.add(
         "capacity",
-        f"{in_use} of {resource.id!r} are in use at {violations.time(time)}, "
+        f"{in_use} of {name!r} are in use at {violations.time(time)}, "
         f"its capacity then is {capacity} (used by {named})",
         (subject.occurrences[number].entry.id for number in holding),
         (time,),
@@ -98,20 +127,24 @@ def _add_overload(
 
 def check_reservoirs(subject: Subject, violations: Violations) -> None:
     """Rule 5: the net level after all changes of an instant stays within [min, max]."""
-    changes: dict[str, list[_Step]] = {}
+    changes: dict[str, list[tuple[Number, int, int]]] = {}
     for occurrence in subject.occurrences:
         action = occurrence.action
         for change in action.consumes:
             time = _time(occurrence, change.at or "start")
-            changes.setdefault(change.resource, []).append(
-                (time, -change.amount, occurrence.number)
-            )
+            step = (time, -change.amount, occurrence.number)
+            changes.setdefault(change.resource, []).append(step)
         for change in action.produces:
             time = _time(occurrence, change.at or "end")
-            changes.setdefault(change.resource, []).append((time, change.amount, occurrence.number))
+            step = (time, change.amount, occurrence.number)
+            changes.setdefault(change.resource, []).append(step)
+    # What no action changes at t = 0 has its initial level there.
+    instants = _Instants(chain([0], (time for own in changes.values() for time, _, _ in own)))
     for resource in subject.resources.values():
         if resource.kind == "reservoir":
-            _check_reservoir(subject, resource, changes.get(resource.id, []), violations)
+            own = changes.get(resource.id, [])
+            steps = [(instants.place[time], amount, number) for time, amount, number in own]
+            _check_reservoir(subject, resource, steps, instants, violations)
 
 
 def _time(occurrence: Occurrence, at: str) -> Number:
@@ -119,14 +152,15 @@ def _time(occurrence: Occurrence, at: str) -> Number:
 
 
 def _check_reservoir(
-    subject: Subject, resource: Resource, changes: list[_Step], violations: Violations
+    subject: Subject,
+    resource: Resource,
+    steps: list[_Step],
+    instants: _Instants,
+    violations: Violations,
 ) -> None:
     level, was_within = resource.initial, True
-    # What no action changes at t = 0 has its initial level there.
-    steps = sorted(changes)
-    if not steps or steps[0][0] > 0:
-        steps.insert(0, (0, 0, -1))
-    for time, group in groupby(steps, key=lambda step: step[0]):
+    steps.append((instants.place[0], 0, -1))
+    for place, group in groupby(sorted(steps), key=itemgetter(0)):
         members = list(group)
         net = sum(amount for _, amount, _ in members)
         level += net
@@ -134,7 +168,7 @@ def _check_reservoir(
         worse = net < 0 if level < resource.min else net > 0
         if not within and (was_within or worse):
             doers = [subject.occurrences[n].entry.id for _, _, n in members if n >= 0]
-            _add_level(resource, time, level, doers, violations)
+            _add_level(resource, instants.times[place], level, doers, violations)
         was_within = within
 
 
