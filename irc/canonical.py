@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+from decimal import Decimal
+from math import isfinite
 from typing import Any
 
 from irc.model import Task
@@ -62,9 +64,23 @@ def _as_written(node: Any) -> Any:
         }
     if isinstance(node, (list, tuple)):
         return [_as_written(item) for item in node]
-    if isinstance(node, dict) or node is None or isinstance(node, (str, bool)):
+    if isinstance(node, dict):
+        return _free_form(node)
+    if node is None or isinstance(node, (str, bool)):
         return node
     return write_time(node)
+
+
+def _free_form(data: Any) -> Any:
+    """Metadata as JSON: a decimal is a number where a binary float's shortest text is equal."""
+    if isinstance(data, dict):
+        return {key: _free_form(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_free_form(value) for value in data]
+    if isinstance(data, Decimal):
+        short = float(data)
+        return short if isfinite(short) and Decimal(repr(short)) == data else str(data)
+    return data
 
 
 def _object(node: Any, clock: Clock) -> dict[str, Any]:
@@ -75,6 +91,7 @@ def _object(node: Any, clock: Clock) -> dict[str, Any]:
         if value == default or value in ((), {}):
             continue
         written = _value(name, value, clock)
+        default = list(default) if isinstance(default, tuple) else default
         if written != default or isinstance(written, bool) != isinstance(default, bool):
             shown[fields[name].alias or name] = written
     return shown
@@ -84,6 +101,8 @@ def _value(name: str, value: Any, clock: Clock) -> Any:
     if type(value) is str or type(value) is int or value is None:
         return value
     if isinstance(value, tuple):
+        if name == "events":
+            value = sorted(value, key=lambda event: _moment(event.at, clock))
         items = [_value("", item, clock) for item in value]
         if name in _SETS:
             unique = {_sort_key(item): item for item in items}
@@ -93,9 +112,17 @@ def _value(name: str, value: Any, clock: Clock) -> Any:
         return _object(value, clock)
     if name == "origin":
         return value.isoformat()
-    if isinstance(value, (bool, dict)):
-        return value
-    return _number(value, clock)
+    if isinstance(value, dict):
+        return _free_form(value)
+    return value if isinstance(value, bool) else _number(value, clock)
+
+
+def _moment(value: Any, clock: Clock) -> Number:
+    """For sorting only: a date-time without meaning here comes first."""
+    try:
+        return clock.number(value)
+    except TimeError:
+        return 0
 
 
 def _number(value: Any, clock: Clock) -> Any:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right, insort
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from irc.network import earliest
@@ -54,7 +54,12 @@ def retime(
     next start by no more than that still counts as before it. Raises `AnswerError` where choices
     and order contradict the task's lags, or the choices leave no resource to take.
     """
-    chosen = assign(problem, decisions)
+    # No answer can make an action shorter than the task says (some print no durations at all).
+    decisions = [
+        d if d.end - d.start >= a.duration_min else replace(d, end=d.start + a.duration_min)
+        for a, d in zip(problem.activities, decisions, strict=True)
+    ]
+    chosen = assign(problem, decisions, tolerance)
     timing = timing_network(problem)
     points, network = timing.points, timing.network
     for before, after in resource_orders(problem, decisions, chosen, tolerance):
@@ -74,6 +79,13 @@ def retime(
         if fixed is not None and start > fixed:
             raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
         placed.append(Placed(start, end, resources))
+    shrunk = (
+        p.resources and p.start == p.end and d.end - d.start > tolerance
+        for p, d in zip(placed, decisions, strict=True)
+    )
+    if any(shrunk):
+        # What has no length now takes no room, so nobody waits for it any longer.
+        return retime(problem, [Decision(p.start, p.end, p.resources) for p in placed])
     return tuple(placed)
 
 
@@ -128,7 +140,9 @@ def resource_orders(
     return orders
 
 
-def assign(problem: Problem, decisions: Sequence[Decision]) -> list[tuple[int, ...]]:
+def assign(
+    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
+) -> list[tuple[int, ...]]:
     """One resource for each use: the engine's choices first, then what is free by start time.
 
     Members of a pool are handed out greedily in order of start, which never runs out where the
@@ -150,7 +164,7 @@ def assign(problem: Problem, decisions: Sequence[Decision]) -> list[tuple[int, .
         if None in chosen:
             undecided.append((decisions[i].start, i))
     if undecided:
-        _hand_out(problem, decisions, result, undecided)
+        _hand_out(problem, decisions, result, undecided, tolerance)
     return [tuple(r for r in chosen if r is not None) for chosen in result]
 
 
@@ -159,6 +173,7 @@ def _hand_out(
     decisions: Sequence[Decision],
     result: list[list[int | None]],
     undecided: list[tuple[Moment, int]],
+    tolerance: Fraction | int,
 ) -> None:
     held: dict[int, list[tuple[Moment, Moment, int]]] = {}
     for i, chosen in enumerate(result):
@@ -170,6 +185,7 @@ def _hand_out(
                 )
     for _, i in sorted(undecided):
         activity, decision = problem.activities[i], decisions[i]
+        held_over = Decision(decision.start + tolerance, decision.end - tolerance)
         for u, use in enumerate(activity.uses):
             if result[i][u] is not None:
                 continue
@@ -177,8 +193,9 @@ def _hand_out(
                 (
                     r
                     for r in use.alternatives
-                    if decision.start == decision.end
-                    or _free(held.get(r, []), decision, problem.resources[r].capacity) >= use.amount
+                    if held_over.end <= decision.start
+                    or _free(held.get(r, []), held_over, problem.resources[r].capacity)
+                    >= use.amount
                 ),
                 None,
             )

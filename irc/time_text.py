@@ -24,12 +24,13 @@ from irc.times import (
 
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _RATIO = re.compile(r"([+-]?\d+)\s*/\s*(\d+)")
-_PART = re.compile(r"(\d+(?:\.\d*)?|\.\d+)\s*([^\W\d_]+)\.?\s*(?:,\s*|and\s+)?", re.UNICODE)
+_PART = re.compile(r"(\d+(?:\.\d*)?|\.\d+)\s*([^\W\d_]+)(?:\.(?!\d))?\s*(?:,\s*|and\s+)?")
 _ISO = re.compile(
     r"P(?=.)(?:(?P<Y>[\d.,]+)Y)?(?:(?P<Mo>[\d.,]+)M)?(?:(?P<W>[\d.,]+)W)?(?:(?P<D>[\d.,]+)D)?"
     r"(?:T(?=.)(?:(?P<h>[\d.,]+)H)?(?:(?P<m>[\d.,]+)M)?(?:(?P<s>[\d.,]+)S)?)?"
 )
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}([T ].*)?")
+_TOO_FINE = re.compile(r"[.,]\d{6}\d*[1-9]")
 _ISO_SECONDS = {"Y": 365 * DAY, "W": 7 * DAY, "D": DAY, "h": 3600, "m": 60, "s": 1}
 
 
@@ -77,6 +78,8 @@ def _from_iso(text: str, iso: re.Match[str]) -> Quantity:
 
 def _from_parts(text: str) -> Quantity:
     sign, body = (-1, text[1:].lstrip()) if text[0] == "-" else (1, text)
+    if not body:
+        raise TimeError(f"{shown(text)} is not a time")
     seconds, months, at = Fraction(0), Fraction(0), 0
     while at < len(body):
         part = _PART.match(body, at)
@@ -103,6 +106,8 @@ def parse_date(text: str) -> datetime | None:
     """
     if not _DATE.fullmatch(text):
         return None
+    if _TOO_FINE.search(text):
+        raise TimeError(f"{shown(text)} is finer than a microsecond")
     try:
         return datetime.fromisoformat(text)
     except ValueError:

@@ -183,7 +183,7 @@ def common_tick(values: Iterable[Number]) -> Fraction:
 
 
 def format_number(value: Number) -> str:
-    """Shortest exact text: "12", "0.5"; "1/3" where no decimal ends."""
+    """Shortest exact text: "12", "0.5"; "1/3" where no decimal ends (or none that is read)."""
     if isinstance(value, int):
         return str(value)
     rest, twos, fives = value.denominator, 0, 0
@@ -191,9 +191,9 @@ def format_number(value: Number) -> str:
         rest, twos = rest // 2, twos + 1
     while rest % 5 == 0:
         rest, fives = rest // 5, fives + 1
-    if rest != 1:
-        return f"{value.numerator}/{value.denominator}"
     places = max(twos, fives)
+    if rest != 1 or places > MAX_DIGITS:
+        return f"{value.numerator}/{value.denominator}"
     digits = str(abs(value.numerator) * 10**places // value.denominator).rjust(places + 1, "0")
     text = f"{digits[:-places]}.{digits[-places:]}" if places else digits
     return f"-{text}" if value < 0 else text

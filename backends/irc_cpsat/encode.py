@@ -71,6 +71,7 @@ class _Builder:
         self.horizon = self._horizon(found[0] if bounds and found else None)
         self.sizes: dict[int, cp_model.IntVar] = {}
         self.positive: dict[int, cp_model.IntVar] = {}
+        self.pairs: list[tuple[cp_model.IntVar, cp_model.IntVar, cp_model.IntVar]] = []
 
     def _horizon(self, known: Sequence[Any] | None) -> int:
         horizon = safe_horizon(self.problem)
@@ -182,6 +183,7 @@ class _Builder:
         both = self.model.new_bool_var("")
         self.model.add_bool_and(a, b).only_enforce_if(both)
         self.model.add_bool_or(~a, ~b, both)
+        self.pairs.append((both, a, b))
         return both
 
     def _interval(self, i: int, literal: cp_model.IntVar | None) -> cp_model.IntervalVar:
@@ -226,6 +228,10 @@ class _Builder:
             self.model.add_hint(size, decisions[i].end - decisions[i].start)
         for i, literal in built.positive.items():
             self.model.add_hint(literal, int(decisions[i].end > decisions[i].start))
+        hinted = self.model.proto.solution_hint
+        values = dict(zip(hinted.vars, hinted.values, strict=True))
+        for both, a, b in self.pairs:
+            self.model.add_hint(both, values[a.index] * values[b.index])
         latest = max((int(d.end) for d in decisions), default=0)
         self.model.add_hint(built.makespan, max(latest, self.problem.bound.value))
 

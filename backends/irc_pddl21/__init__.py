@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from irc.backend import Backend, Engine
 from irc.features import Feature
 from irc.problem import Problem
-from irc.schedule import Schedule
+
+if TYPE_CHECKING:
+    from irc.schedule import Schedule
 
 
 class Pddl21(Backend):

@@ -24,21 +24,27 @@ RESERVED = frozenset((
 # fmt: on
 
 
+_FACTS = ("todo_", "begun_", "done_", "lag_", "after_", "during_", "open_", "released_")
+"""What the names of facts begin with; some readers have one name space for facts and actions."""
+
+
 class NameTable:
     """Hands out PDDL names; PDDL is case-insensitive, so all are lower case."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set(RESERVED)
+        self._numbers: dict[str, int] = {}
 
     def new(self, text: str) -> str:
         """A free name that reads like `text`: letters, digits and "_", starting with a letter."""
         plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
         name = _OUTSIDE.sub("_", plain).strip("_")[:_LONGEST] or "x"
-        if not name[0].isalpha():
+        if not name[0].isalpha() or name.startswith(_FACTS):
             name = f"x{name}"
-        candidate, number = name, 2
+        candidate, number = name, self._numbers.get(name, 1)
         while candidate in self._taken:
-            candidate = f"{name}_{number}"
             number += 1
+            candidate = f"{name}_{number}"
         self._taken.add(candidate)
+        self._numbers[name] = number
         return candidate

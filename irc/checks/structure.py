@@ -85,7 +85,8 @@ def check_structure(task: Task, findings: Findings) -> None:
         else:
             _check_value(goal.var, goal.value, ("goals", i), names)
     _check_repeated_objectives(task, findings)
-    _check_events(task.events, names, times)
+    if task.events:
+        _check_events(task.events, names, times)
 
 
 def _check_unique(elements: Sequence[Any], kind: str, pointer: Pointer, findings: Findings) -> None:
@@ -465,7 +466,7 @@ def _check_member(
             hint=f'remove "occurs" from {action.id!r}, or make the group required',
         )
     other = optional_group.setdefault(action.id, group)
-    if other is not group:
+    if other != group:
         findings.add(
             Code.GROUPING,
             f"action {action.id!r} is already in the optional group {other.id!r}",
@@ -498,9 +499,9 @@ def _check_events(events: Sequence[Event], names: Names, times: _Times) -> None:
     """References of events, against what the task and earlier changes declare."""
     from irc.model.events import AddPrecedence, CancelActions, CancelGroups, RemovePrecedence
 
-    for i, event in enumerate(events):
-        times.point(event.at, "at", ("events", i, "at"))
-        for j, change in enumerate(event.changes):
+    moments = [times.point(event.at, "at", ("events", i, "at")) for i, event in enumerate(events)]
+    for i in sorted(range(len(events)), key=lambda i: moments[i] or 0):
+        for j, change in enumerate(events[i].changes):
             at: Pointer = ("events", i, "changes", j)
             if isinstance(change, (CancelActions, CancelGroups)):
                 _check_cancelled(change, at, names)

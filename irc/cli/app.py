@@ -137,11 +137,15 @@ def solve(
     target: Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")] = "cpsat",
     engine: Annotated[str, typer.Option("--engine", "-e", help="One of the target's.")] = "auto",
     time_limit: Annotated[
-        float, typer.Option(min=0.01, help="Wall-clock seconds, all engines together.")
+        float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds, all engines together.")
     ] = 60.0,
-    memory_limit: Annotated[int | None, typer.Option(min=16, help="MB for the engine.")] = None,
+    memory_limit: Annotated[
+        int | None, typer.Option(min=16, max=2**30, help="MB for the engine.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="For engines that draw.")] = 0,
-    workers: Annotated[int | None, typer.Option(min=1, help="Threads of the engine.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=10_000, help="Threads of the engine.")
+    ] = None,
     shortcut: Annotated[
         bool,
         typer.Option(
@@ -183,11 +187,9 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     if format is Format.json:
         put_json(schedule.as_json())
     else:
-        from rich.console import Console
+        from irc.cli.render import answer_console, print_answer
 
-        from irc.cli.render import print_answer
-
-        print_answer(answer, Console())
+        print_answer(answer, answer_console())
         if output is not None:
             say(f"wrote {output}")
     if schedule.status is Status.INFEASIBLE:
@@ -208,6 +210,8 @@ def extract(
     from irc.frontends.json_document import read_document
 
     with errors_told(format):
+        if manifest == answer == "-":
+            fail(EXIT_USE, "only one of the two can be standard input", format)
         document = read_document(*read_text(manifest))
         raw, _ = read_bytes(answer)
         _show_answer(

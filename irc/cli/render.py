@@ -11,7 +11,6 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass
 from fractions import Fraction
 from heapq import heappop, heappush
 from itertools import pairwise
@@ -26,7 +25,7 @@ from irc.problem import Problem
 from irc.retime import AnswerError
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.slack import slacks, to_ticks
-from irc.times import Number, TimeError, exact, format_number, unit_seconds
+from irc.times import Number, exact, format_number, unit_seconds
 
 if TYPE_CHECKING:
     from irc.compiler import Answer
@@ -40,11 +39,11 @@ TABLE_ROWS = 60
 CHART_ROWS = 40
 """A chart with more rows is cut; every resource keeps its fair share."""
 
-_WIDEST_NAME = 28
-"""Cells for a name beside the chart or beside a bar."""
-
 HUMAN_SPAN = 10_000
 """From this many time units on, an axis counts in minutes, hours or days, if the unit allows."""
+
+_WIDEST_NAME = 28
+"""Cells for a name beside the chart or beside a bar."""
 
 
 def answer_console() -> Console:
@@ -62,15 +61,15 @@ def print_answer(answer: Answer, console: Console) -> None:
     """
     page = _Page(console)
     schedule, problem = answer.schedule, answer.problem
-    told = _headline(page, problem, schedule)
-    _print(page, console, (line for text in told for line in text.wrap(console, page.width)))
-    if not schedule.entries:
-        return
+    told = [*_headline(page, problem, schedule)]
     try:
         slack: dict[str, int] | None = slacks(problem, schedule)
     except AnswerError as error:
         slack = None
-        console.print(Text(page.visible(f"slack is not known: {error}"), "dim"))
+        told.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
+    _print(page, console, (line for text in told for line in text.wrap(console, page.width)))
+    if not schedule.entries:
+        return
     for block in (_table, _chart):
         console.print()
         _print(page, console, block(page, problem, schedule, slack))
@@ -86,23 +85,27 @@ def _print(page: _Page, console: Console, lines: Iterable[Text]) -> None:
 # --- characters ---------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _Glyphs:
-    """The characters of a drawing. Those of bars and axis are one cell wide each."""
+class _Kind(NamedTuple):
+    """How bars of one kind look; each character is one cell wide."""
 
+    fill: str
+    edge: str
+    short: str
+    milestone: str
+    style: str
+    label_style: str
+
+
+class _Glyphs(NamedTuple):
+    """The characters of a drawing; those of the chart are one cell wide each."""
+
+    critical: _Kind
+    slack: _Kind
+    crowd: str
     rule: str
     tick: str
     first_tick: str
     grid: str
-    critical: str
-    critical_edge: str
-    critical_short: str
-    slack: str
-    slack_edge: str
-    slack_short: str
-    crowd: str
-    critical_milestone: str
-    milestone: str
     times: str
     more: str
     about: str
@@ -110,20 +113,15 @@ class _Glyphs:
     bad: str
 
 
+_RED, _CYAN = ("red", "bold white on red"), ("cyan", "bold cyan")
 _BLOCKS = _Glyphs(
+    critical=_Kind("█", "▐", "▐", "◆", *_RED),
+    slack=_Kind("░", "▕", "▒", "◇", *_CYAN),
+    crowd="▓",
     rule="─",
     tick="┼",
     first_tick="├",
     grid="┊",
-    critical="█",
-    critical_edge="▐",
-    critical_short="▐",
-    slack="░",
-    slack_edge="▕",
-    slack_short="▒",
-    crowd="▓",
-    critical_milestone="◆",
-    milestone="◇",
     times="×",
     more="…",
     about="≈",
@@ -131,19 +129,13 @@ _BLOCKS = _Glyphs(
     bad="✘",
 )
 _ASCII = _Glyphs(
+    critical=_Kind("#", "[", "[", "*", *_RED),
+    slack=_Kind("=", "(", "(", "o", *_CYAN),
+    crowd="%",
     rule="-",
     tick="+",
     first_tick="+",
     grid=":",
-    critical="#",
-    critical_edge="[",
-    critical_short="[",
-    slack="=",
-    slack_edge="(",
-    slack_short="(",
-    crowd="%",
-    critical_milestone="*",
-    milestone="o",
     times="x",
     more="...",
     about="about ",
@@ -158,7 +150,7 @@ class _Page:
     def __init__(self, console: Console) -> None:
         self.width = console.width
         self.encoding = console.encoding
-        drawing = "".join(astuple(_BLOCKS))
+        drawing = str(_BLOCKS)  # has every one of its characters
         self.glyphs = _BLOCKS if self._encodable(drawing) == drawing else _ASCII
 
     def _encodable(self, text: str) -> str:
@@ -200,12 +192,11 @@ def _escape(character: str) -> str:
 _DIGITS = re.compile(r"(\d+)")
 
 
-def _natural(name: str) -> tuple[tuple[bool, int, str], ...]:
+def _natural(name: str) -> tuple[tuple[int, str], ...]:
     """A sort key that puts robot2 before robot10."""
-    return tuple(
-        (True, int(part), "") if part.isdecimal() else (False, 0, part)
-        for part in _DIGITS.split(name)
-    )
+    parts = _DIGITS.split(name)
+    parts[1::2] = (digits.lstrip("0") for digits in parts[1::2])
+    return tuple((len(part) if k % 2 else 0, part) for k, part in enumerate(parts))
 
 
 # --- headline -----------------------------------------------------------------------------------
@@ -313,10 +304,7 @@ _SECONDS = dict(_UNITS)
 
 def _seconds_in(unit: str) -> Fraction | None:
     """None where it is not known for certain: a month has as many days as its task says."""
-    try:
-        fewest, most = unit_seconds(unit, 28), unit_seconds(unit, 31)
-    except TimeError:
-        return None
+    fewest, most = unit_seconds(unit, 28), unit_seconds(unit, 31)
     return fewest if fewest == most else None
 
 
@@ -670,22 +658,14 @@ class _Row:
 
     def _bar(self, bar: _Bar, span: range) -> None:
         """Draws a bar, or the mark of something that takes no time."""
-        glyphs = self.page.glyphs
-        edge, fill, short, point = (
-            (
-                glyphs.critical_edge,
-                glyphs.critical,
-                glyphs.critical_short,
-                glyphs.critical_milestone,
-            )
-            if bar.critical
-            else (glyphs.slack_edge, glyphs.slack, glyphs.slack_short, glyphs.milestone)
-        )
-        if len(span) == 1:
-            self._put(span.start, point if bar.start == bar.end else short, _style(bar))
-            return
+        kind = self._kind(bar)
         for cell in span:
-            self._put(cell, fill if cell > span.start else edge, _style(bar))
+            self._put(cell, kind.fill if cell > span.start else kind.edge, kind.style)
+        if len(span) == 1:
+            self.shown[span.start] = kind.milestone if bar.start == bar.end else kind.short
+
+    def _kind(self, bar: _Bar) -> _Kind:
+        return self.page.glyphs.critical if bar.critical else self.page.glyphs.slack
 
     def _label(self, bar: _Bar, span: range) -> None:
         """Names a bar inside it, else right or left of it, else as far as there is room inside."""
@@ -707,7 +687,7 @@ class _Row:
         room = len(span) - 1
         padded = f" {label} " if room >= cell_len(label) + 3 else label
         first = span.start + 1 + (room - cell_len(padded)) // 2
-        self._write(first, padded, "bold white on red" if bar.critical else "bold cyan")
+        self._write(first, padded, self._kind(bar).label_style)
 
     def _is_free(self, first: int, length: int) -> bool:
         """Whether a text may stand there, inside the chart, with a space on either side."""
@@ -728,20 +708,16 @@ class _Row:
         self.shown[first] = text
 
 
-def _style(bar: _Bar) -> str:
-    return "red" if bar.critical else "cyan"
-
-
 def _legend(page: _Page, rows: list[_Row]) -> Text:
     """What the marks stand for, of those that were used."""
-    glyphs = page.glyphs
     kinds = {kind for row in rows for kind in row.kinds}
+    critical, slack = page.glyphs.critical, page.glyphs.slack
     marks = (
-        ((True, False) in kinds, glyphs.critical, "critical", "red"),
-        ((False, False) in kinds, glyphs.slack, "has slack", "cyan"),
-        ((True, True) in kinds, glyphs.critical_milestone, "critical milestone", "red"),
-        ((False, True) in kinds, glyphs.milestone, "milestone", "cyan"),
-        (any(row.crowds for row in rows), glyphs.crowd, "several actions", ""),
+        ((True, False) in kinds, critical.fill, "critical", critical.style),
+        ((False, False) in kinds, slack.fill, "has slack", slack.style),
+        ((True, True) in kinds, critical.milestone, "critical milestone", critical.style),
+        ((False, True) in kinds, slack.milestone, "milestone", slack.style),
+        (any(row.crowds for row in rows), page.glyphs.crowd, "several actions", ""),
     )
     legend = Text()
     for used, glyph, meaning, style in marks:
@@ -752,7 +728,9 @@ def _legend(page: _Page, rows: list[_Row]) -> Text:
 
 # --- time axis ----------------------------------------------------------------------------------
 
-_CLOCK_STEPS = {"min": (1, 2, 5, 10, 15, 30, 60, 120, 240), "h": (1, 2, 3, 6, 12, 24, 48, 96)}
+_CLOCK_STEPS = {60: (1, 2, 5, 10, 15, 30, 60, 120, 240), 3600: (1, 2, 3, 6, 12, 24, 48, 96)}
+"""By the seconds in a unit: what is round in minutes and hours."""
+
 _LEAST_APART = 8
 
 
@@ -796,8 +774,9 @@ def _steps(unit: str, span: Fraction) -> Iterator[Number]:
     while 100 * scale > span:
         scale /= 10
     steps = {digit * scale * 10**power for digit in (1, 2, 5) for power in range(4)}
-    clock = _CLOCK_STEPS.get(unit)
-    if clock:
+    seconds = _seconds_in(unit)
+    if seconds in _CLOCK_STEPS:
+        clock = _CLOCK_STEPS[int(seconds)]
         steps = {s for s in steps if s < clock[0] or s > clock[-1]} | set(map(Fraction, clock))
     yield from map(exact, sorted(steps))
 

@@ -15,6 +15,9 @@ from dataclasses import dataclass, field
 from irc.diagnostics import Code
 from irc.source import Pointer, Range
 
+MAX_FAULTS = 1000
+"""After so many faults of a text the rest of it is not read."""
+
 _LONGEST_NUMBER = 1000
 _LONGEST_EXPONENT = 6
 
@@ -78,6 +81,10 @@ class _Scanner:
         return self.scan
 
     def _fault(self, code: Code, offset: int, message: str, hint: str | None = None) -> None:
+        if len(self.scan.faults) >= MAX_FAULTS:
+            message = f"the {MAX_FAULTS} faults above are enough: the text is not read from here on"
+            self.scan.faults.append(Fault(Code.TOO_LARGE, offset, message))
+            raise _Stop
         self.scan.faults.append(Fault(code, offset, message, hint))
 
     def _stop(self, offset: int, message: str, hint: str | None = None) -> _Stop:

@@ -41,7 +41,7 @@ _EXPECTED = {
 def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
     """The typed task, or None after every fault of shape has been added to `findings`."""
     known = len(findings.items)
-    if raw.get("events"):
+    if raw.get("events", []) != []:
         raw = _with_events(raw, findings)
     try:
         task = Task.model_validate(raw)
@@ -75,7 +75,7 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         return
     pointer = _pointer(loc, raw)
     if kind == "extra_forbidden":
-        known = _fields_at(pointer[:-1])
+        known = _fields_at(pointer[:-1], raw)
         findings.add(
             Code.UNKNOWN_FIELD,
             f"{_element(pointer[:-1], raw)} has no field {str(loc[-1])!r}",
@@ -160,11 +160,14 @@ def _element(pointer: Pointer, raw: Any) -> str:
     return f"{kind} {last + 1}" if isinstance(last, int) else f"'{last}'"
 
 
-def _fields_at(pointer: Pointer) -> tuple[str, ...]:
+def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
     """The fields that the IR has at a path."""
     model: type[BaseModel] = Task
     for part in pointer:
+        raw = raw[part]
         if isinstance(part, int):
+            if isinstance(raw, Mapping) and "op" in raw:
+                model = _change_model(raw["op"]) or model
             continue
         name = {v: k for k, v in _ALIASES.items()}.get(part, part)
         field = model.model_fields.get(name)
@@ -179,6 +182,13 @@ def _event_model() -> type[BaseModel]:
     from irc.model import Event
 
     return Event
+
+
+def _change_model(op: object) -> type[BaseModel] | None:
+    from irc.model import Change
+
+    kinds: tuple[type[BaseModel], ...] = get_args(get_args(Change)[0])
+    return next((k for k in kinds if op in get_args(k.model_fields["op"].annotation)), None)
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:

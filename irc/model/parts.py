@@ -200,7 +200,7 @@ class StateVariable(Node):
     @property
     def start_value(self) -> StateValue | None:
         """The value before anything happens; None where a multi-valued variable names none."""
-        if self.initial is None and self.values == (False, True):
+        if self.initial is None and set(self.values) == {False, True}:
             return False
         return self.initial
 

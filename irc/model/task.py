@@ -21,7 +21,7 @@ from irc.model.parts import (
     without_aliases,
 )
 from irc.source import Source
-from irc.times import Clock, Number, unit_seconds
+from irc.times import Clock, Number, TimeError, parse_instant, unit_seconds
 from irc.times import Instant as InstantValue
 
 
@@ -64,6 +64,14 @@ class Task(Node):
     def _known_unit(cls, unit: str) -> str:
         unit_seconds(unit)
         return unit
+
+    @field_validator("origin", mode="before")
+    @classmethod
+    def _date_time(cls, raw: Any) -> datetime | None:
+        origin = None if raw is None else parse_instant(raw)
+        if origin is not None and not isinstance(origin, datetime):
+            raise TimeError("expected a date-time such as 2026-03-01T08:00:00Z")
+        return origin
 
     _one_objective = field_validator("objective", mode="before")(objective_names)
 

@@ -52,9 +52,6 @@ TURNS_LIMIT = 30
 DEPTH_LIMIT = 300
 """So many orders are assumed one inside the other at most."""
 
-REACH_LIMIT = 4_000
-"""Up to this many activities it is worked out which pairs are ordered by precedence already."""
-
 
 def destructive_bound(problem: Problem) -> Problem:
     """Raises the bound to one more than the greatest makespan that could be refuted.
@@ -132,8 +129,8 @@ class _Model:
 
     `earliest[p]` and `latest[p]` are the window of point p in schedules that end by `limit`;
     `tail[p]` is the least time from p to the end of the schedule. `partners[i]` are the
-    activities that cannot overlap activity i and are not ordered with it by precedence. While a
-    case is explored, `leaving` and `entering` hold its orders too.
+    activities that cannot overlap activity i. While a case is explored, `leaving` and `entering`
+    hold its orders too.
     """
 
     problem: Problem
@@ -231,17 +228,15 @@ def _demand(problem: Problem, points: PointMap, load: Load) -> _Demand:
 
 
 def _partners(problem: Problem, contended: list[Load]) -> list[list[int]]:
-    """For each activity those that cannot overlap it and that no precedence orders with it."""
-    ordered = _ordered_after(problem)
+    """For each activity those that cannot overlap it."""
     found: list[set[int]] = [set() for _ in problem.activities]
     room = PAIRS_LIMIT
     for load in contended:
         pairs = _exclusive_pairs(load, room)
         room -= len(pairs)
         for i, j in pairs:
-            if not (ordered[i] >> j & 1 or ordered[j] >> i & 1):
-                found[i].add(j)
-                found[j].add(i)
+            found[i].add(j)
+            found[j].add(i)
     return [sorted(partners) for partners in found]
 
 
@@ -249,41 +244,16 @@ def _exclusive_pairs(load: Load, room: int) -> list[tuple[int, int]]:
     """The pairs whose amounts do not fit together; none if there are more than `room`."""
     jobs = sorted(zip(load.amounts, load.activities, strict=True), reverse=True)
     pairs: list[tuple[int, int]] = []
-    fitting = len(jobs)
+    first_fitting = len(jobs)
     for k, (amount, i) in enumerate(jobs):
-        while fitting > k + 1 and amount + jobs[fitting - 1][0] <= load.capacity:
-            fitting -= 1
-        pairs += [(i, j) for _, j in jobs[k + 1 : fitting]]
+        while first_fitting > k + 1 and amount + jobs[first_fitting - 1][0] <= load.capacity:
+            first_fitting -= 1
+        pairs += [(i, j) for _, j in jobs[k + 1 : first_fitting]]
         if len(pairs) > room:
             return []
-        if fitting <= k + 1:
+        if first_fitting <= k + 1:
             break
     return pairs
-
-
-def _ordered_after(problem: Problem) -> list[int]:
-    """For each activity a bit set of those that start at its end or later, by arcs alone."""
-    activities = problem.activities
-    after = [0] * len(activities)
-    if len(activities) > REACH_LIMIT:
-        return after
-    next_ones: list[list[int]] = [[] for _ in activities]
-    waiting = [0] * len(activities)
-    for arc in problem.arcs:
-        from_end = arc.min_lag - (0 if arc.from_end else activities[arc.before].duration_max)
-        if from_end >= (activities[arc.after].duration_max if arc.to_end else 0):
-            next_ones[arc.before].append(arc.after)
-            waiting[arc.after] += 1
-    order = [i for i, count in enumerate(waiting) if not count]
-    for i in order:
-        for j in next_ones[i]:
-            waiting[j] -= 1
-            if not waiting[j]:
-                order.append(j)
-    for i in reversed(order):
-        for j in next_ones[i]:
-            after[i] |= after[j] | 1 << j
-    return after
 
 
 # --- refuting one D -----------------------------------------------------------------------------

@@ -647,7 +647,16 @@ def _event(instants: _Strategy) -> _Strategy:
         _change("set_objective", objective=_OBJECTIVES),
         _change("observe", observed, action=action),
     ]
-    return _object({"id": _NAMES, "changes": st.lists(st.one_of(changes), max_size=3)}, at=instants)
+    return _object({"id": _NAMES}, at=instants, changes=_subset(changes))
+
+
+def _subset(elements: Sequence[_Strategy]) -> _Strategy:
+    """Each of `elements` with a chance of its own: lists would favour a few of them."""
+    return st.tuples(*[st.integers(1, 4)] * len(elements)).flatmap(
+        lambda picks: st.tuples(
+            *(element for element, pick in zip(elements, picks, strict=True) if pick == 4)
+        ).map(list)
+    )
 
 
 def _change(

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -121,7 +122,7 @@ def chain(n: int, **fields: Any) -> dict[str, Any]:
     ids = [f"step {k}" for k in range(n)]
     return {
         "actions": [{"id": i, "duration": 2} for i in ids],
-        "precedence": [list(pair) for pair in zip(ids, ids[1:], strict=False)],
+        "precedence": [list(pair) for pair in pairwise(ids)],
         **fields,
     }
 
@@ -195,13 +196,12 @@ def test_an_empty_task_has_nothing_to_show_but_that() -> None:
         (30, "s", "30 s"),
         (40, "d", "40 d"),
         (40, "month", "40 month"),
-        ("1/3", "min", "1/3 min (20 s)"),
+        ("1/3", "min", "1/3 min"),
     ],
 )
 def test_a_long_time_is_also_told_in_greater_units(duration: Any, unit: str, told: str) -> None:
     text = shown({"time_unit": unit, "actions": [{"id": "a", "duration": duration}]})
-    shortened = "1/3 min" if told.startswith("1/3") else told
-    assert f"makespan {shortened}, bound" in text
+    assert f"makespan {told}, bound" in text
 
 
 # --- table --------------------------------------------------------------------------------------
@@ -253,11 +253,10 @@ def test_decimal_points_stand_under_each_other() -> None:
             {"id": "c", "duration": "0.5"},
         ]
     }
-    rows = parts(shown(document))[1][2:]
-    points = {row.index(".") for row in rows if "." in row}
-    whole = next(row for row in rows if row.startswith("b"))
-    assert len({row.index(".", row.index(" ")) for row in rows if "." in row}) == 1
-    assert whole[next(iter(points)) - 1] == "3"
+    rows = {row[0]: row for row in parts(shown(document))[1][2:]}
+    point = rows["a"].index("10.25") + 2
+    assert rows["c"].index("0.5") + 1 == point
+    assert rows["b"][point - 1 : point + 3] == "3   "
 
 
 def test_thirds_stay_exact() -> None:
@@ -330,8 +329,8 @@ def test_bars_stand_where_their_times_are() -> None:
 
 def test_every_bar_is_on_its_resource_and_none_covers_another() -> None:
     answer = answer_of(contended_task(random.Random(8), 30))
-    rows = chart_of(shown(answer, width=600))
-    gutter = rows[0].index("▐")
+    text = shown(answer, width=600)
+    rows, gutter = chart_of(text), parts(text)[2][1].index("├")
     found: dict[str, int] = {}
     name = ""
     for row in rows:
@@ -387,10 +386,10 @@ def test_labels_stand_in_their_bars_or_beside_them() -> None:
             {"id": "the end", "duration": 1, "release": 89},
         ]
     }
-    rows = {row.strip(" ┊█▐▒░▕"): row for row in chart_of(shown(document))}
-    assert "█ a long bar █" in rows["a long bar"]
-    assert rows["a short bar"].startswith("▒ a short bar")
-    assert rows["the end"].endswith("the end ▐")
+    upper, lower = chart_of(shown(document))
+    assert upper.startswith("▒ a short bar ")
+    assert upper.endswith(" the end ▐")
+    assert "█ a long bar █" in lower
 
 
 def test_every_action_that_holds_nothing_is_labelled_where_there_is_room() -> None:
@@ -422,6 +421,7 @@ def test_a_milestone_of_zero_length_does_not_cover_a_resource() -> None:
     rows = chart_of(shown(document))
     assert rows[0].startswith("desk ")
     assert "◇" not in rows[0]
+    assert rows[1].startswith("no resource ")
     assert "◇ sign" in rows[1]
 
 
@@ -439,7 +439,7 @@ def test_axis_labels_are_round_and_do_not_touch() -> None:
         document = {"actions": [{"id": "a", "duration": format_number(span)}]}
         axis = parts(shown(document, width=70))[2][0]
         numbers = [Fraction(n.replace(",", "")) for n in axis.split() if n[0].isdigit()]
-        steps = {b - a for a, b in zip(numbers, numbers[1:], strict=False)}
+        steps = {b - a for a, b in pairwise(numbers)}
         assert len(steps) == 1, (span, axis)
         assert len(numbers) > 3, (span, axis)
         digits = format_number(steps.pop()).replace(".", "").strip("0")
@@ -509,6 +509,11 @@ def test_control_characters_and_spaces_at_the_ends_of_a_name_can_be_seen() -> No
     assert set(table_of(shown(document))) == set(names.values())
 
 
+def test_joined_emoji_are_taken_apart_because_terminals_disagree_on_their_width() -> None:
+    table = table_of(shown({"actions": [{"id": "👩\u200d🍳 \u2764\ufe0f", "duration": 1}]}))
+    assert list(table) == ["👩🍳 \u2764"]
+
+
 def test_two_long_names_that_differ_at_the_end_can_be_told_apart() -> None:
     document = {"actions": [{"id": "x" * 300 + end, "duration": 1} for end in "ab"]}
     first, second = table_of(shown(document))
@@ -545,10 +550,6 @@ def test_colour_is_for_terminals_only() -> None:
     )
     coloured = file.getvalue()
     assert "\x1b[31mgrill_chicken" in coloured
-    plain = Console(file=io.StringIO(), width=100)
-    print_answer(answer, plain)
-    assert isinstance(plain.file, io.StringIO)
-    assert "grill_chicken" in plain.file.getvalue()
 
 
 def test_a_pipe_is_as_wide_as_columns_says_or_one_hundred(

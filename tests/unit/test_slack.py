@@ -189,18 +189,17 @@ def test_slack_is_in_ticks() -> None:
 
 
 def test_what_was_chosen_to_have_no_length_keeps_none() -> None:
-    problem = problem_of(
+    found = earliest_slacks(
         {
             "actions": [
                 {"id": "long", "duration": 9},
-                {"id": "wait", "duration": {"min": 0, "max": 4}},
-                {"id": "after", "duration": 2},
+                {"id": "pause", "duration": {"min": 0, "max": 4}, "deadline": 7, "start": 2},
+                {"id": "mark", "duration": 0},
             ],
-            "precedence": [["wait", "after"]],
+            "precedence": [{"before": "mark", "after": "pause", "type": "finish-finish"}],
         }
     )
-    found = slacks(problem, schedule_of(problem, earliest_schedule(problem)))
-    assert found == {"after": 7, "long": 0, "wait": 7}
+    assert found == {"long": 0, "mark": 2, "pause": 0}
 
 
 def test_a_chosen_mode_keeps_its_duration() -> None:
