@@ -127,11 +127,12 @@ def _times(task: Task, kept: Iterable[int]) -> Iterator[Instant]:
 
 
 def _ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
-    """None for a date-time that has no meaning here; the checks have told of it."""
+    """None for a date-time without meaning here or a time before 0; the checks have told of it."""
     try:
-        return to_ticks(value)
+        ticks = to_ticks(value)
     except KeyError:
         return None
+    return ticks if ticks >= 0 else None
 
 
 def _activity(
@@ -148,7 +149,7 @@ def _activity(
         id=action.id,
         duration_min=shortest,
         duration_max=longest,
-        release=max(0, _ticks_or_none(action.release, to_ticks) or 0),
+        release=_ticks_or_none(action.release, to_ticks) or 0,
         deadline=None if action.deadline is None else _ticks_or_none(action.deadline, to_ticks),
         start=None if action.start is None else _ticks_or_none(action.start, to_ticks),
         uses=uses,

@@ -50,6 +50,9 @@ DEFAULT_MEMORY_MB = 8192
 OPTIC_LARGEST = Fraction(2_147_483_647, 1000)
 """OPTIC keeps time in 32-bit milliseconds."""
 
+KAIROS_LARGEST = 10**13
+"""kairos keeps time in doubles, which soon after this lose its epsilon; it then finds nothing."""
+
 ARIES_EPSILON = Fraction(1, 10)
 ARIES_LARGEST = 100_000_000
 """aries counts tenths of a unit in 32 bits."""
@@ -275,6 +278,14 @@ class Kairos(Planner):
             )
         return None
 
+    def refuse(self, problem: Problem, scale: int) -> None:
+        """The epsilon must not get lost in the shortest conceivable schedule."""
+        if problem.bound.value * scale > KAIROS_LARGEST:
+            raise Refusal(
+                "the times of this task are beyond what kairos can tell apart",
+                hint="use target 'cpsat'",
+            )
+
     def command(self, job: _Job) -> list[str]:
         """The worker script, which loads nothing but kairos."""
         return [
@@ -324,7 +335,7 @@ class Aries(Planner):
         if _planner_horizon(problem, scale) > ARIES_LARGEST:
             raise Refusal(
                 "the times of this task are beyond aries' 32-bit clock",
-                hint="use --engine kairos, or target 'cpsat'",
+                hint="use target 'cpsat'",
             )
 
 
@@ -335,7 +346,8 @@ def _planner_horizon(problem: Problem, scale: int) -> int:
 class Portfolio(Engine):
     """One planner after another within one time limit, until the bound is met; the best is kept.
 
-    OPTIC where there is one, else kairos; then aries with the time that is left.
+    OPTIC where there is one, else kairos; then aries; then kairos where OPTIC had its place, at
+    once if OPTIC gave nothing.
     """
 
     name: ClassVar[str] = "auto"
@@ -372,19 +384,19 @@ class Portfolio(Engine):
             left = total - (time.perf_counter() - began)
             if left < 0.1:
                 break
-            share = left * self.first_share if queue else left
+            share = left * self.first_share if queue or fallback else left
             try:
                 outcome = planner.solve(program, replace(limits, seconds=share), on_progress)
             except (EngineFailed, EngineMissing, Refusal) as error:
                 trouble = error
                 notes.append(Diagnostic(Code.BAD_ANSWER, f"{planner.name}: {error}"))
-                queue = fallback[:1] + queue
-                fallback = fallback[1:]
-                continue
-            notes += outcome.notes
-            best = _better(best, outcome)
-            if _proven(program.problem, best):
-                break
+            else:
+                notes += outcome.notes
+                best = _better(best, outcome)
+                if _proven(program.problem, best):
+                    break
+            if not queue or best is None or best.schedule is None:
+                queue, fallback = fallback[:1] + queue, fallback[1:]
         if best is None:
             raise trouble or EngineFailed("no planner answered in time")
         return replace(best, notes=tuple(notes), seconds=time.perf_counter() - began)

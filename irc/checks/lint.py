@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from irc.diagnostics import Code, Findings
-from irc.model import Task
+from irc.model import Action, Task
 from irc.passes.reduction import redundant_arcs
 from irc.problem import Problem
 
 
 def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
     """Adds warnings about unused resources and notes about redundant precedences."""
-    used = {r for a in task.actions if a.uses for u in a.uses for r in u.alternatives}
-    for action in task.actions:
+    changes = (change for event in task.events for change in event.changes)
+    added = (a for c in changes for a in getattr(c, "actions", ()) if isinstance(a, Action))
+    used: set[str] = set()
+    for action in (*task.actions, *added):
+        used.update(r for u in action.uses for r in u.alternatives)
         used.update(c.resource for c in (*action.consumes, *action.produces))
         used.update(r for m in action.modes for u in m.uses for r in u.alternatives)
-    for event in task.events:
-        for change in event.changes:
-            for action in getattr(change, "actions", ()):
-                if not isinstance(action, str):
-                    used.update(r for u in action.uses for r in u.alternatives)
     for i, resource in enumerate(task.resources):
         if resource.id not in used:
             findings.add(Code.UNUSED, f"no action uses resource {resource.id!r}", ("resources", i))

@@ -99,6 +99,8 @@ def _origin(problem: Problem, timing: TimingNetwork, edge: int) -> Pointer:
 def _tell_cycle(
     problem: Problem, timing: TimingNetwork, cycle: list[int], findings: Findings
 ) -> None:
+    if len({timing.labels[edge][0] for edge in cycle}) == 1:
+        return  # A single precedence whose own lags contradict: the structural checks tell that.
     network = timing.network
     excess = sum(network.weight[edge] for edge in cycle)
     only_order = not any(timing.labels[edge][1] for edge in cycle)

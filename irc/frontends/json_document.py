@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
+from itertools import product
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
@@ -143,11 +144,26 @@ def _skip_blank(text: str, at: int) -> int:
     return match.end() if match else at
 
 
+_SPELLINGS: Mapping[str | int, tuple[str | int, ...]] = {
+    "precedence": ("dependencies",),
+    "before": ("predecessor", 0),
+    "after": ("successor", 1),
+    "min_lag": ("lag",),
+}
+"""Other ways in which a document may write a step of a path (aliases, pairs)."""
+
+
 def _locator(start: int) -> Any:
     def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
         from irc.frontends.json_scan import scan
 
-        return scan(text, start, wanted).places
+        meant = {
+            spelled: pointer
+            for pointer in wanted
+            for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
+        }
+        places = scan(text, start, meant.keys()).places
+        return {meant[spelled]: place for spelled, place in places.items()}
 
     return locate
 

@@ -25,7 +25,7 @@ _SPACE = re.compile(r"[ \t\n\r]*")
 # Possessive, because a string that is never closed must not be tried again from each of its ends.
 _STRING = re.compile(r'"((?:[^"\\\x00-\x1f]++|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*+)"')
 _STRING_BODY = re.compile(r'"(?:[^"\\\x00-\x1f]++|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*+')
-_NUMBER = re.compile(r"-?(?:0|[1-9]\d*)(?:\.\d+)?(?:[eE][+-]?(\d+))?")
+_NUMBER = re.compile(r"-?(?:0|[1-9]\d*)(?:\.\d+)?(?:[eE][+-]?(\d+))?", re.ASCII)
 _WORD = re.compile(r"[A-Za-z_][\w-]*")
 _NOT_FINITE = frozenset(("NaN", "Infinity", "-Infinity", "nan", "inf", "infinity"))
 
@@ -196,7 +196,7 @@ class _Scanner:
             return (_unescape(body) if "\\" in body else body), match.end()
         partial = _STRING_BODY.match(self.text, at)
         stop = partial.end() if partial else at + 1
-        if stop >= len(self.text):
+        if stop >= len(self.text) or _CUT_ESCAPE.fullmatch(self.text, stop):
             raise self._stop(at, "the string that begins here is not closed")
         if self.text[stop] == "\\":
             shown = self.text[stop : stop + 2]
@@ -227,6 +227,7 @@ class _Scanner:
 
 
 _ESCAPE = re.compile(r'\\(["\\/bfnrt]|u[0-9a-fA-F]{4})')
+_CUT_ESCAPE = re.compile(r"\\(u[0-9a-fA-F]{0,3})?")
 _SIMPLE = {"b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t"}
 
 

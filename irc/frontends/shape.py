@@ -85,6 +85,8 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         )
         return
     value = _value_at(pointer, raw)
+    if kind == "too_short" and value:
+        return  # It has entries; what is wrong with them is told of each.
     cause = (fault.get("ctx") or {}).get("error")
     if isinstance(cause, TimeError):
         findings.add(Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer)

@@ -84,8 +84,7 @@ def is_explained(uses: Sequence[Use], named: Mapping[str, int]) -> bool | None:
 def _match_equal(choices: Sequence[_Choice], left: Mapping[str, int]) -> bool:
     """Choices of one amount: a bipartite matching by augmenting paths, O(choices × edges)."""
     amount = choices[0][0]
-    if any(total % amount for total in left.values()):
-        return False
+    # An amount that does not divide a total leaves too little room for all choices.
     room = {name: total // amount for name, total in left.items()}
     taken: dict[str, set[int]] = {name: set() for name in room}
     return all(_augment(index, choices, room, taken) for index in range(len(choices)))

@@ -21,6 +21,8 @@ Value = StateValue | None
 Edge = tuple[int, int, int]
 """(a, b, least): the rank of node b is at least that of node a plus `least` (0 or 1)."""
 
+Edges = tuple[Edge, ...]
+
 
 class Happening(NamedTuple):
     """A start or an end, or both where an occurrence takes no time.

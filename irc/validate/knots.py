@@ -19,6 +19,7 @@ from irc.times import Number
 from irc.validate.happenings import (
     Access,
     Edge,
+    Edges,
     Happening,
     Hold,
     Story,
@@ -45,8 +46,6 @@ class _Open(Enum):
 
 OPEN = _Open.VALUE
 """The value that comes into a knot depends on the knot before."""
-
-Edges = tuple[Edge, ...]
 
 
 class Writer(NamedTuple):

@@ -19,45 +19,28 @@ left is reported as undecided.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from irc.validate.happenings import Edge, Story, Value, timing_edges
-from irc.validate.knots import OPEN, Edges, Knot, Writer, slots, untangle
+from irc.validate.happenings import Edge, Edges, Story, Value, timing_edges
+from irc.validate.knots import OPEN, Knot, Writer, slots, untangle
+from irc.validate.rank_graph import (
+    Budget,
+    OutOfSteps,
+    RankGraph,
+    inside_components,
+    shortest_path,
+    strict_cycles,
+    strong_components,
+    successors,
+)
 from irc.validate.subject import Subject
 from irc.validate.verdict import Violations, listed
 
 SEARCH_STEPS = 1_000_000
 STEPS_PER_OCCURRENCE = 100
 """A million steps take a second or two."""
-
-
-class _OutOfSteps(Exception):
-    """The search has used up its steps."""
-
-
-class Budget:
-    """The steps that are left to the search for ranks."""
-
-    def __init__(self, steps: int) -> None:
-        self.left = steps
-
-    @property
-    def is_spent(self) -> bool:
-        """Whether no step is left."""
-        return self.left <= 0
-
-    def charge(self, steps: int) -> None:
-        """Takes steps for work that is already done."""
-        self.left -= steps
-
-    def spend(self) -> None:
-        """Takes one step; raises when none is left."""
-        if self.left <= 0:
-            raise _OutOfSteps
-        self.left -= 1
 
 
 def find_ranks(
@@ -67,12 +50,12 @@ def find_ranks(
     tangle = untangle(subject, story, violations)
     edges = [*timing_edges(subject, story), *tangle.edges]
     components = strong_components(story.node_count, edges)
-    cycles = _strict_cycles(components, edges)
+    cycles = strict_cycles(components, edges)
     if cycles:
-        _add_cycles(subject, story, _inside(components, edges), cycles, violations)
+        _add_cycles(subject, story, inside_components(components, edges), cycles, violations)
         return None
     # Edges never lead to a higher component, and equal ones are tied: a topological order.
-    graph = _Graph([-component for component in components], edges, budget)
+    graph = RankGraph([-component for component in components], edges, budget)
     search = _Search(graph, _narrow(graph, tangle.knots), edges)
     for puzzle in search.puzzles:
         outcome = search.solve(puzzle)
@@ -82,156 +65,7 @@ def find_ranks(
     return None if violations else graph.ranks
 
 
-def strong_components(count: int, edges: Sequence[Edge]) -> list[int]:
-    """The strongly connected component of each node, numbered so that edges never lead upward.
-
-    Tarjan (1972), without recursion: O(nodes + edges).
-    """
-    following: list[list[int]] = [[] for _ in range(count)]
-    for a, b, _ in edges:
-        following[a].append(b)
-    index = [-1] * count
-    low = [0] * count
-    component = [-1] * count
-    stack: list[int] = []
-    seen, found = 0, 0
-    for root in range(count):
-        if index[root] >= 0:
-            continue
-        path = [(root, iter(following[root]))]
-        index[root] = low[root] = seen
-        seen += 1
-        stack.append(root)
-        while path:
-            node, targets = path[-1]
-            for target in targets:
-                if index[target] < 0:
-                    index[target] = low[target] = seen
-                    seen += 1
-                    stack.append(target)
-                    path.append((target, iter(following[target])))
-                    break
-                if component[target] < 0:
-                    low[node] = min(low[node], index[target])
-            else:
-                path.pop()
-                if path:
-                    parent = path[-1][0]
-                    low[parent] = min(low[parent], low[node])
-                if low[node] == index[node]:
-                    while True:
-                        member = stack.pop()
-                        component[member] = found
-                        if member == node:
-                            break
-                    found += 1
-    return component
-
-
-def _inside(component: Sequence[int], edges: Sequence[Edge]) -> list[Edge]:
-    """The edges within components; no other one lies on a cycle."""
-    return [edge for edge in edges if component[edge[0]] == component[edge[1]]]
-
-
-def _strict_cycles(component: Sequence[int], edges: Sequence[Edge]) -> list[Edge]:
-    """One strict edge of each component that has one: it lies on a cycle that nothing satisfies."""
-    cycles = {
-        component[a]: (a, b, least)
-        for a, b, least in edges
-        if least and component[a] == component[b]
-    }
-    return list(cycles.values())
-
-
-class _Graph:
-    """Ranks that satisfy a growing, shrinking set of edges."""
-
-    def __init__(self, ranks: list[int], edges: Iterable[Edge], budget: Budget) -> None:
-        self.ranks = ranks
-        self.added: list[Edge] = []
-        self.budget = budget
-        self._out: list[list[tuple[int, int]]] = [[] for _ in ranks]
-        self._in: list[list[int]] = [[] for _ in ranks]
-        self._raised: list[tuple[int, int]] = []
-        for a, b, least in edges:
-            self._out[a].append((b, least))
-            self._in[b].append(a)
-
-    def mark(self) -> tuple[int, int]:
-        """Where to come back to."""
-        return len(self.added), len(self._raised)
-
-    def undo(self, mark: tuple[int, int]) -> None:
-        """Takes back all that was added since `mark`."""
-        edges, raised = mark
-        while len(self.added) > edges:
-            a, b, _ = self.added.pop()
-            self._out[a].pop()
-            self._in[b].pop()
-        while len(self._raised) > raised:
-            node, rank = self._raised.pop()
-            self.ranks[node] = rank
-
-    def add(self, edges: Edges) -> bool:
-        """Adds edges and raises ranks to satisfy them; False, part done, on a strict cycle."""
-        return all(self._add(edge) for edge in edges)
-
-    def allows(self, edges: Edges) -> bool:
-        """Whether edges could be added."""
-        mark = self.mark()
-        allowed = self.add(edges)
-        self.undo(mark)
-        return allowed
-
-    def _add(self, edge: Edge) -> bool:
-        a, b, least = edge
-        self.budget.spend()
-        if a == b:
-            return least == 0
-        self.added.append(edge)
-        self._out[a].append((b, least))
-        self._in[b].append(a)
-        if self.ranks[b] >= self.ranks[a] + least:
-            return True
-        self._raise(b, self.ranks[a] + least)
-        queue = deque([b])
-        while queue:
-            node = queue.popleft()
-            rank = self.ranks[node]
-            for target, more in self._out[node]:
-                self.budget.spend()
-                if self.ranks[target] >= rank + more:
-                    continue
-                if target == a:
-                    return False
-                self._raise(target, rank + more)
-                queue.append(target)
-        return True
-
-    def _raise(self, node: int, rank: int) -> None:
-        self._raised.append((node, self.ranks[node]))
-        self.ranks[node] = rank
-
-    def unmet(self, edges: Edges) -> int:
-        """How many of `edges` the present ranks do not satisfy."""
-        return sum(self.ranks[b] < self.ranks[a] + least for a, b, least in edges)
-
-    def follows_any(self, node: int, others: set[int]) -> bool:
-        """Whether `node` comes after, or together with, another one of `others`."""
-        seen = {node}
-        queue = deque([node])
-        while queue:
-            for source in self._in[queue.popleft()]:
-                self.budget.spend()
-                if source in others and source != node:
-                    return True
-                if source not in seen:
-                    seen.add(source)
-                    queue.append(source)
-        return False
-
-
-def _narrow(graph: _Graph, knots: Sequence[Knot]) -> list[Knot]:
+def _narrow(graph: RankGraph, knots: Sequence[Knot]) -> list[Knot]:
     """Settles the items that have one possible slot left; one that has none is left to fail."""
     left = list(knots)
     try:
@@ -241,11 +75,11 @@ def _narrow(graph: _Graph, knots: Sequence[Knot]) -> list[Knot]:
             left = narrower
             if not settled:
                 return left
-    except _OutOfSteps:
+    except OutOfSteps:
         return left
 
 
-def _narrowed(graph: _Graph, knot: Knot) -> Knot:
+def _narrowed(graph: RankGraph, knot: Knot) -> Knot:
     if knot.incoming is OPEN or len(knot.writers) > 1:
         return knot
     items = []
@@ -274,7 +108,7 @@ _Choices = Iterator[tuple[Edges, _State]]
 class _Search:
     """Solves the knots that are left over, one independent puzzle at a time."""
 
-    def __init__(self, graph: _Graph, knots: Sequence[Knot], edges: Sequence[Edge]) -> None:
+    def __init__(self, graph: RankGraph, knots: Sequence[Knot], edges: Sequence[Edge]) -> None:
         self.graph = graph
         self.knots = knots
         self.last: dict[int, Value] = {}
@@ -290,7 +124,7 @@ class _Search:
         try:
             if self._solve(puzzle):
                 return True
-        except _OutOfSteps:
+        except OutOfSteps:
             self.graph.undo(start)
             return None
         self.graph.undo(start)
@@ -429,11 +263,9 @@ def _add_cycles(
     owner: dict[int, int] = {}
     for number, nodes in enumerate(story.nodes):
         owner.update(dict.fromkeys(nodes, number))
-    following: dict[int, list[int]] = {}
-    for a, b, _ in edges:
-        following.setdefault(a, []).append(b)
+    following = successors(edges)
     for first, second, _ in cycles:
-        circle = _path(second, first, following)
+        circle = shortest_path(second, first, following)
         members = [subject.occurrences[owner[node]] for node in circle]
         names = list(dict.fromkeys(member.entry.id for member in members))
         violations.add(
@@ -443,21 +275,6 @@ def _add_cycles(
             names,
             sorted({member.start for member in members}),
         )
-
-
-def _path(source: int, target: int, following: Mapping[int, Sequence[int]]) -> list[int]:
-    came_from = {source: source}
-    queue = deque([source])
-    while target not in came_from:
-        node = queue.popleft()
-        for other in following.get(node, ()):
-            if other not in came_from:
-                came_from[other] = node
-                queue.append(other)
-    path = [target]
-    while path[-1] != source:
-        path.append(came_from[path[-1]])
-    return path[::-1]
 
 
 def _add_unsolved(knots: Sequence[Knot], undecided: bool, violations: Violations) -> None:

@@ -19,7 +19,8 @@ from irc.validate.happenings import (
     tell,
     value_text,
 )
-from irc.validate.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, Budget, find_ranks
+from irc.validate.rank_graph import Budget
+from irc.validate.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
 from irc.validate.state_messages import (
     add_broken,
     add_contradiction,
@@ -136,7 +137,7 @@ def _try_reading(subject: Subject, story: Story, budget: Budget) -> Violations:
     violations = Violations(subject.task.time_unit)
     ranks = find_ranks(subject, story, budget, violations)
     if ranks is not None:
-        # The search is trusted with nothing: what it found is judged like ranks that were given.
+        # The search is not trusted: what it found is judged like ranks that were given.
         _follow(subject, story, ranks, violations)
     return violations
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, combinations, pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from ortools.sat.python import cp_model
@@ -21,7 +21,7 @@ from irc.passes import destructive
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.destructive import destructive_bound
-from irc.passes.energy import energy_bound, loads
+from irc.passes.energy import energy_bound, loads, thinned
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Activity, Arc, Bound, Claim, Problem, Renewable, Requirement, Shared
 from irc.times import Number
@@ -266,62 +266,75 @@ def test_the_bound_is_the_optimum_of_every_robo_challenge_task() -> None:
 # --- energy -------------------------------------------------------------------------------------
 
 
-def one_resource(rng: random.Random, jobs: int, capacity: int) -> Problem:
-    """Independent jobs on one resource, with heads (releases) and tails (what follows)."""
+class Job(NamedTuple):
+    """What one resource sees of an activity."""
+
+    duration: int
+    head: int
+    tail: int
+    amount: int = 1
+
+
+def on_one_resource(capacity: int, jobs: list[Job]) -> Problem:
+    """Independent jobs; a head is a release, a tail what follows elsewhere."""
     steps: list[Document] = []
-    for i in range(jobs):
-        amount = rng.randint(1, capacity)
-        steps.append(
-            action(f"{i}", rng.randint(1, 9), "r", release=rng.randint(0, 15), amount=amount)
-        )
-        steps.append(action(f"{i} after", rng.randint(0, 15)))
+    for i, (duration, head, tail, amount) in enumerate(jobs):
+        steps.append(action(f"job {i}", duration, "r", release=head, amount=amount))
+        steps.append(action(f"then {i}", tail))
     return prepared(
         lower(
             Task.model_validate(
                 {
                     "resources": [{"id": "r", "capacity": capacity}],
                     "actions": steps,
-                    "precedence": [[f"{i}", f"{i} after"] for i in range(jobs)],
+                    "precedence": [[f"job {i}", f"then {i}"] for i in range(len(jobs))],
                 }
             )
         )
     )
 
 
-def jackson_preemptive(jobs: list[tuple[int, int, int]]) -> int:
-    """The makespan of Jackson's preemptive schedule of (head, duration, tail), tick by tick."""
-    left = {i: duration for i, (_, duration, _) in enumerate(jobs)}
+def random_jobs(rng: random.Random, count: int, capacity: int) -> list[Job]:
+    return [
+        Job(
+            rng.randint(1, 9),
+            head=rng.randint(0, 15),
+            tail=rng.randint(0, 15),
+            amount=rng.randint(1, capacity),
+        )
+        for _ in range(count)
+    ]
+
+
+def jackson_preemptive(jobs: list[Job]) -> int:
+    """The makespan of Jackson's preemptive schedule on one unit, tick by tick."""
+    left = {i: job.duration for i, job in enumerate(jobs)}
     now = best = 0
     while left:
-        ready = [i for i in left if jobs[i][0] <= now]
+        ready = [i for i in left if jobs[i].head <= now]
         now += 1
         if ready:
-            urgent = max(ready, key=lambda i: jobs[i][2])
+            urgent = max(ready, key=lambda i: jobs[i].tail)
             left[urgent] -= 1
             if not left[urgent]:
                 del left[urgent]
-                best = max(best, now + jobs[urgent][2])
+                best = max(best, now + jobs[urgent].tail)
     return best
 
 
 def test_on_one_unit_the_energy_is_jacksons_preemptive_schedule() -> None:
     for seed in range(60):
-        problem = one_resource(random.Random(seed), 2 + seed % 12, 1)
-        jobs = [
-            (head, activity.duration_min, tail)
-            for activity, head, tail in zip(
-                problem.activities, problem.heads, problem.tails, strict=True
-            )
-            if activity.claims
-        ]
-        assert energy_bound(problem).bound.value == max(
-            problem.bound.value, jackson_preemptive(jobs)
-        )
+        jobs = random_jobs(random.Random(seed), 2 + seed % 12, 1)
+        value, _ = in_units(energy_bound(on_one_resource(1, jobs)))
+        longest_alone = max(sum(job[:3]) for job in jobs)
+        assert value == max(longest_alone, jackson_preemptive(jobs))
 
 
 def test_the_energy_is_the_best_over_all_sets_of_activities() -> None:
     for seed in range(40):
-        problem = one_resource(random.Random(seed), 2 + seed % 7, 2 + seed % 3)
+        capacity = 2 + seed % 3
+        jobs = random_jobs(random.Random(seed), 2 + seed % 7, capacity)
+        problem = on_one_resource(capacity, jobs)
         best = problem.bound.value
         for load in loads(problem):
             users = list(zip(load.activities, load.amounts, strict=True))
@@ -374,6 +387,17 @@ def test_overlapping_sets_of_alternatives_are_one_pool() -> None:
     assert reason.startswith("energy of 'a' or 'b' or 'c' ")
 
 
+def test_an_alternative_that_is_too_small_is_none() -> None:
+    bound = energy_of(
+        resources=[{"id": "car"}, {"id": "van", "capacity": 2}],
+        actions=[
+            {"id": f"ride {k}", "duration": 5, "uses": [{"one_of": ["car", "van"], "amount": 2}]}
+            for k in range(3)
+        ],
+    )
+    assert bound == (15, "energy of 'van' (head 0 + work 30 / capacity 2 + tail 0)")
+
+
 def test_amounts_above_half_of_the_capacity_take_turns() -> None:
     value, reason = energy_of(
         resources=[{"id": "crane", "capacity": 5}],
@@ -397,21 +421,59 @@ def test_a_capacity_that_the_amounts_cannot_fill_does_not_count_in_full() -> Non
 # --- destructive improvement --------------------------------------------------------------------
 
 
-def test_two_orders_that_both_end_late_raise_the_bound_above_the_preemptive_one() -> None:
-    task = {
-        "resources": [{"id": "press"}],
-        "actions": [
-            action("a", 4, "press"),
-            action("a dries", 5),
-            action("b", 2, "press", release=1),
-            action("b dries", 6),
+@pytest.mark.parametrize(("unit", "release"), [(1, 1), (10**9 + 7, 10**9 + 8)])
+def test_two_orders_that_both_end_late_raise_the_bound(unit: int, release: int) -> None:
+    """However long the times are in ticks: the second release is no multiple of the rest."""
+    jobs = [Job(4 * unit, head=0, tail=5 * unit), Job(2 * unit, head=release, tail=6 * unit)]
+    problem = energy_bound(on_one_resource(1, jobs))
+    assert problem.bound.value < 12 * unit
+    raised = destructive_bound(problem).bound
+    assert raised.value == 12 * unit
+    assert raised.reason.startswith(f"a makespan of {12 * unit - 1} ")
+
+
+RULES = {
+    "what cannot overlap is ordered": (2, [Job(5, 4, 14), Job(2, 14, 15, 2), Job(9, 13, 11)], 36),
+    "too much work moves a start": (
+        1,
+        [Job(5, 11, 7), Job(6, 2, 10), Job(9, 2, 4), Job(2, 11, 10)],
+        31,
+    ),
+}
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_propagation_alone_raises_the_bound(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(destructive, "DEPTH_LIMIT", 0)
+    capacity, jobs, value = RULES[rule]
+    problem = energy_bound(on_one_resource(capacity, jobs))
+    assert problem.bound.value < value
+    assert in_units(destructive_bound(problem))[0] == value
+
+
+def test_the_reason_names_the_interval_that_holds_too_much() -> None:
+    jobs = [Job(2, 12, 1), Job(9, 4, 1), Job(2, 10, 1), Job(3, 9, 10)]
+    bound = in_units(destructive_bound(energy_bound(on_one_resource(1, jobs))))
+    assert bound == (26, "a makespan of 25 asks too much of 'r' between 9 and 24")
+
+
+def test_where_propagation_stands_cases_of_order_decide() -> None:
+    jobs = [Job(7, 14, 14), Job(7, 4, 3), Job(7, 7, 3), Job(5, 5, 6)]
+    bound = in_units(destructive_bound(energy_bound(on_one_resource(1, jobs))))
+    assert bound == (36, "a makespan of 35 fails in each of 3 cases of order")
+
+
+def test_a_deadline_of_an_action_forbids_the_better_order() -> None:
+    value, _ = bound_of(
+        resources=[{"id": "room"}],
+        actions=[
+            action("talk", 3, "room", deadline=3),
+            action("meal", 4, "room"),
+            action("washing up", 5),
         ],
-        "precedence": [["a", "a dries"], ["b", "b dries"]],
-    }
-    assert energy_of(**task)[0] == 11
-    value, reason = bound_of(**task)
+        precedence=[["meal", "washing up"]],
+    )
     assert value == 12
-    assert reason.startswith("a makespan of 11 ")
 
 
 def test_seven_equal_jobs_on_two_units_take_four_turns() -> None:
@@ -534,13 +596,23 @@ def _user(name: str, duration: int, resource: int) -> Activity:
     )
 
 
-@pytest.mark.parametrize(("activities", "seconds"), [(100, 1), (1_000, 3), (20_000, 5)])
+@pytest.mark.parametrize(("activities", "seconds"), [(100, 1), (1_000, 3), (10_000, 5)])
 def test_the_bounds_take_little_time_on_large_problems(activities: int, seconds: float) -> None:
     problem = prepared(layered(activities, 20))
     began = time.process_time()
     both = destructive_bound(energy_bound(problem))
     assert time.process_time() - began < seconds
     assert both.bound.value > problem.bound.value
+
+
+def test_very_large_problems_are_left_to_the_energy() -> None:
+    problem = energy_bound(prepared(layered(12_000, 20)))
+    assert destructive_bound(problem) is problem
+
+
+def test_of_many_times_an_even_choice_is_looked_at() -> None:
+    assert thinned({5, 1, 9}, 3) == [1, 5, 9]
+    assert thinned(range(1000), 4) == [0, 250, 500, 750]
 
 
 def test_no_more_steps_are_spent_than_allowed(monkeypatch: pytest.MonkeyPatch) -> None:

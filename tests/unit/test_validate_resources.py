@@ -174,6 +174,12 @@ def test_choices_of_different_amounts_are_packed() -> None:
     assert is_explained(uses, {"a": 1, "b": 6}) is False
 
 
+def test_equal_choices_of_several_units_are_not_split() -> None:
+    uses = choices("a b", "a b", amount=2)
+    assert is_explained(uses, {"a": 2, "b": 2}) is True
+    assert is_explained(uses, {"a": 1, "b": 3}) is False
+
+
 def test_many_equal_choices_are_matched_at_once() -> None:
     names = [f"r{i}" for i in range(60)]
     uses = choices(*[" ".join(names[i : i + 20]) for i in range(40)])

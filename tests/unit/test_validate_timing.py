@@ -212,6 +212,7 @@ def test_nothing_ends_before_it_starts_whatever_its_mode() -> None:
 
 def test_nothing_starts_before_zero_or_its_release() -> None:
     assert rules(one_action(), Entry("cut", -1, 2)) == ["release"]
+    assert rules(one_action(release=-5), Entry("cut", -1, 2)) == ["release"]
     task = one_action(release=2)
     assert rules(task, Entry("cut", 2, 5)) == []
     (violation,) = violations(task, Entry("cut", 1, 4))

@@ -1,0 +1,162 @@
+"""What irc adds to CP-SAT's own time: `irc.solve` against a model written by hand.
+
+    python benchmarks/overhead.py [--tasks 20] [--seeds 10]
+
+Random flexible job shops with robots; those are kept that the hand-written model and irc both
+prove within the time window with one worker. Each (task, seed) is timed in turn: by hand, through irc
+with bounds and hints off, through irc as it is. Printed is the geometric mean of the ratios.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import random
+import time
+from collections.abc import Callable
+
+from ortools.sat.python import cp_model
+
+from irc.backend import Limits
+from irc.compiler import solve_task
+from irc.model import Task
+from irc.schedule import Status
+
+
+def job_shop(seed: int) -> Task:
+    """Jobs of consecutive operations on stations.
+
+    Even seeds: one station each, nothing to choose. Odd seeds: fewer, but most operations also
+    need one of a few robots.
+    """
+    rng = random.Random(seed)
+    with_robots = seed % 2 == 1
+    jobs, steps = (
+        (rng.randint(7, 9), rng.randint(5, 6)) if with_robots else (rng.randint(9, 11), 8)
+    )
+    stations = [
+        {"id": f"station{k}", "capacity": rng.choice((1, 1, 1, 2)) if with_robots else 1}
+        for k in range(steps)
+    ]
+    robots = [f"robot{k}" for k in range(rng.randint(3, 5) if with_robots else 0)]
+    actions, precedence = [], []
+    for j in range(jobs):
+        for k, station in enumerate(rng.sample(range(steps), steps)):
+            uses: list[dict[str, object]] = [{"resource": f"station{station}"}]
+            if with_robots and rng.random() < 0.6:
+                uses.append({"one_of": robots})
+            actions.append({"id": f"job{j}_{k}", "duration": rng.randint(2, 30), "uses": uses})
+            if k:
+                edge: dict[str, object] = {"before": f"job{j}_{k - 1}", "after": f"job{j}_{k}"}
+                if rng.random() < 0.3:
+                    edge["min_lag"] = rng.randint(1, 5)
+                precedence.append(edge)
+    resources = [*stations, *({"id": r} for r in robots)]
+    return Task.model_validate(
+        {"actions": actions, "precedence": precedence, "resources": resources}
+    )
+
+
+def by_hand(task: Task, seed: int, limit: float) -> tuple[bool, int]:
+    """The model a CP-SAT user would write for exactly this task; (proven, makespan)."""
+    model = cp_model.CpModel()
+    horizon = sum(int(a.duration) for a in task.actions)  # type: ignore[call-overload]
+    horizon += sum(int(e.min_lag) for e in task.precedence)  # type: ignore[call-overload]
+    starts, ends = {}, {}
+    users: dict[str, list[cp_model.IntervalVar]] = {r.id: [] for r in task.resources}
+    for action in task.actions:
+        size = int(action.duration)  # type: ignore[call-overload]
+        start = model.new_int_var(0, horizon, f"start {action.id}")
+        end = model.new_int_var(0, horizon, f"end {action.id}")
+        interval = model.new_interval_var(start, size, end, action.id)
+        starts[action.id], ends[action.id] = start, end
+        for use in action.uses:
+            if use.resource is not None:
+                users[use.resource].append(interval)
+                continue
+            chosen = []
+            for resource in use.alternatives:
+                literal = model.new_bool_var("")
+                chosen.append(literal)
+                users[resource].append(
+                    model.new_optional_interval_var(start, size, end, literal, "")
+                )
+            model.add_exactly_one(chosen)
+    for edge in task.precedence:
+        model.add(starts[edge.after] >= ends[edge.before] + int(edge.min_lag))  # type: ignore[call-overload]
+    for resource in task.resources:
+        if resource.capacity == 1:
+            model.add_no_overlap(users[resource.id])
+        else:
+            model.add_cumulative(
+                users[resource.id], [1] * len(users[resource.id]), resource.capacity
+            )
+    makespan = model.new_int_var(0, horizon, "makespan")
+    model.add_max_equality(makespan, list(ends.values()))
+    model.minimize(makespan)
+    solver = cp_model.CpSolver()
+    solver.parameters.num_workers = 1
+    solver.parameters.random_seed = seed
+    solver.parameters.max_time_in_seconds = limit
+    return solver.solve(model) == cp_model.OPTIMAL, int(solver.objective_value)
+
+
+def through_irc(task: Task, seed: int, limit: float, helped: bool) -> tuple[bool, int]:
+    """The same through `irc`; with or without its own bounds and hints."""
+    limits = Limits(limit, workers=1, seed=seed, bounds=helped, hints=helped)
+    schedule = solve_task(task, "cpsat", limits=limits).schedule
+    return schedule.status is Status.OPTIMAL, int(schedule.makespan)
+
+
+def timed(call: Callable[[], tuple[bool, int]]) -> tuple[float, bool, int]:
+    """Seconds of wall-clock time, and the call's answer."""
+    began = time.perf_counter()
+    proven, makespan = call()
+    return time.perf_counter() - began, proven, makespan
+
+
+def mean(ratios: list[float]) -> float:
+    """The geometric mean."""
+    return math.exp(sum(map(math.log, ratios)) / len(ratios))
+
+
+def main() -> None:
+    """Prints a line per task and the geometric means."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tasks", type=int, default=20)
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--least", type=float, default=1.0, help="seconds by hand, at least")
+    parser.add_argument("--most", type=float, default=60.0, help="seconds by hand, at most")
+    parser.add_argument("--first", type=int, default=0, help="first candidate task")
+    options = parser.parse_args()
+    plain, helped, kept, number = [], [], 0, options.first - 1
+    while kept < options.tasks:
+        number += 1
+        task = job_shop(number)
+        seconds, proven, _ = timed(lambda t=task: by_hand(t, 0, options.most))  # type: ignore[misc]
+        if not proven or seconds < options.least:
+            continue
+        kept += 1
+        rows = []
+        for seed in range(options.seeds):
+            limit = 4 * options.most
+            hand = timed(lambda t=task, s=seed: by_hand(t, s, limit))  # type: ignore[misc]
+            off = timed(lambda t=task, s=seed: through_irc(t, s, limit, False))  # type: ignore[misc]
+            on = timed(lambda t=task, s=seed: through_irc(t, s, limit, True))  # type: ignore[misc]
+            if not (hand[1:] == off[1:] == on[1:]):
+                print(f"task {number} seed {seed}: answers differ {hand} {off} {on}")
+            rows.append((hand[0], off[0] / hand[0], on[0] / hand[0]))
+        plain += [r[1] for r in rows]
+        helped += [r[2] for r in rows]
+        print(
+            f"task {number}: {len(task.actions)} actions, by hand {mean([r[0] for r in rows]):.2f} s, "
+            f"irc plain × {mean([r[1] for r in rows]):.2f}, "
+            f"irc × {mean([r[2] for r in rows]):.2f}",
+            flush=True,
+        )
+    print(f"{kept} tasks × {options.seeds} seeds, one worker, ratio to the model by hand:")
+    print(f"bounds and hints off: {mean(plain):.3f}; on: {mean(helped):.3f}")
+
+
+if __name__ == "__main__":
+    main()

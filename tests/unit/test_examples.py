@@ -1,0 +1,87 @@
+"""The examples: clean, solved to the makespan that their table promises, by both targets."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+import irc
+from irc.api import validate
+from irc.schedule import Status
+from irc.times import Number, parse_number
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+ROW = re.compile(r"^\| \[([\w.]+)\]\(\1\) \| .* \| ([\d.]+) (\w+) \|$", re.MULTILINE)
+
+PLANNER_SECONDS = 10.0
+SEARCHED_ON_SECONDS = 4.0
+SEARCHED_ON = {
+    "robot_team.json",
+    "lab_assay.json",
+    "print_shop.json",
+    "house_build_100.json",
+}
+"""Where kairos has a plan in a second but looks for a better one until its time is over."""
+
+
+@dataclass(frozen=True)
+class Promised:
+    """A row of the table: the file, and the makespan that it promises in the task's unit."""
+
+    file: str
+    makespan: Number
+    time_unit: str
+
+    @property
+    def path(self) -> Path:
+        return EXAMPLES / self.file
+
+
+TABLE = [
+    Promised(file, parse_number(makespan), unit)
+    for file, makespan, unit in ROW.findall((EXAMPLES / "README.md").read_text("utf-8"))
+]
+each_example = pytest.mark.parametrize("promised", TABLE, ids=[row.file for row in TABLE])
+
+
+def test_the_table_lists_every_example() -> None:
+    assert sorted(row.file for row in TABLE) == sorted(p.name for p in EXAMPLES.glob("*.json"))
+
+
+@each_example
+def test_nothing_is_to_be_said_of_an_example(promised: Promised) -> None:
+    report = irc.check(promised.path)
+    assert list(report) == [], report.render()
+
+
+@each_example
+def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
+    task = irc.load(promised.path)
+    schedule = irc.solve(task, "cpsat", time_limit=60, shortcut=False)
+    assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, promised.makespan)
+    assert task.time_unit == promised.time_unit
+    assert validate(task, schedule).valid
+
+
+@pytest.mark.skipif(find_spec("kairos") is None, reason="kairos has wheels for Linux only")
+@each_example
+def test_kairos_answers_within_ten_seconds(promised: Promised) -> None:
+    task = irc.load(promised.path)
+    searched_on = promised.file in SEARCHED_ON
+    seconds = SEARCHED_ON_SECONDS if searched_on else PLANNER_SECONDS
+    schedule = irc.solve(
+        task, "pddl21", engine="kairos", time_limit=seconds, workers=1, shortcut=False
+    )
+    assert validate(task, schedule).valid
+    if searched_on:
+        assert schedule.makespan >= promised.makespan
+    else:
+        assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, promised.makespan)
+
+
+def test_the_house_has_a_hundred_steps() -> None:
+    assert len(irc.load(EXAMPLES / "house_build_100.json").actions) == 100
