@@ -31,9 +31,7 @@ def job_shop(seed: int) -> Task:
     """
     rng = random.Random(seed)
     with_robots = seed % 2 == 1
-    jobs, steps = (
-        (rng.randint(7, 9), rng.randint(5, 6)) if with_robots else (rng.randint(9, 11), 8)
-    )
+    jobs, steps = (rng.randint(7, 9), rng.randint(5, 6)) if with_robots else (rng.randint(9, 11), 8)
     stations = [
         {"id": f"station{k}", "capacity": rng.choice((1, 1, 1, 2)) if with_robots else 1}
         for k in range(steps)

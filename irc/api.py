@@ -14,8 +14,9 @@ from irc.compiler import (
     solve_task,
     validate_schedule,
 )
-from irc.diagnostics import InputError, Report
+from irc.diagnostics import Findings, InputError, Report
 from irc.frontends.files import parse_task, read_task
+from irc.frontends.shape import to_task
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.validate import Verdict
@@ -39,7 +40,15 @@ def loads(text: str) -> Task:
 def _task(task: Task | str | Path | Mapping[str, Any]) -> Task:
     if isinstance(task, Task):
         return task
-    return Task.model_validate(task) if isinstance(task, Mapping) else load(task)
+    return _from_mapping(task) if isinstance(task, Mapping) else load(task)
+
+
+def _from_mapping(document: Mapping[str, Any]) -> Task:
+    findings = Findings()
+    task = to_task(document, findings)
+    if task is None:
+        raise InputError(Report(tuple(findings.items)))
+    return task
 
 
 def check(task: Task | str | Path | Mapping[str, Any]) -> Report:
@@ -50,7 +59,10 @@ def check(task: Task | str | Path | Mapping[str, Any]) -> Report:
         except InputError as error:
             return error.report
         return check_task(reading.task, reading.notes)
-    return check_task(_task(task))
+    try:
+        return check_task(_task(task))
+    except InputError as error:
+        return error.report
 
 
 def compile(task: Task | str | Path | Mapping[str, Any], target: str = "pddl21") -> Program:
@@ -79,6 +91,8 @@ def solve(
     without contention is solved by its critical path alone. Raises `InputError`,
     `irc.backend.UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
+    if time_limit is not None and not time_limit > 0:
+        raise ValueError(f"time_limit must be more than 0 seconds, not {time_limit}")
     limits = Limits(time_limit, memory_limit, workers, seed)
     return solve_task(
         _task(task), target, engine, limits, shortcut=shortcut, on_progress=on_progress

@@ -28,8 +28,10 @@ from irc.pipeline import check_task, compile_task, lower_for, refusals_told
 from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
+from irc.times import format_number
 
 if TYPE_CHECKING:
+    from irc.source import Source
     from irc.validate import Verdict
 
 __all__ = [
@@ -78,6 +80,8 @@ def solve_task(
     if shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
+    elif problem.deadline is not None and problem.bound.value > problem.deadline:
+        outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     else:
         reason = runner.missing()
         if reason is not None:
@@ -86,6 +90,17 @@ def solve_task(
             outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
     schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
     return Answer(_approved(task, schedule), problem, outcome.notes)
+
+
+def _too_short(problem: Problem) -> Diagnostic:
+    """Why no schedule meets the task's deadline, where a bound of ours says so."""
+    least = format_number(problem.to_units(problem.bound.value))
+    return Diagnostic(
+        Code.TOO_LATE,
+        f"no schedule ends before {least} {problem.time_unit} ({problem.bound.reason})",
+        ("deadline",),
+        "a later deadline or more capacity would be needed",
+    )
 
 
 def extract_answer(manifest: Mapping[str, Any], answer: str) -> Answer:
@@ -151,10 +166,11 @@ def _approved(task: Task, schedule: Schedule) -> Schedule:
     return schedule
 
 
-def validate_schedule(task: Task, schedule: Schedule) -> Verdict:
+def validate_schedule(task: Task, schedule: Schedule, source: Source | None = None) -> Verdict:
     """The independent verdict on a schedule, once the task itself has been checked.
 
-    Raises `InputError` for a faulty task, or a schedule that says it is of another task.
+    Raises `InputError` for a faulty task, or a schedule (read from `source`, if it was) that
+    says it is of another task.
     """
     report = run_checks(task, lint=False).report
     structural = [d for d in report.errors if not d.code.id.startswith("IRC3")]
@@ -167,7 +183,7 @@ def validate_schedule(task: Task, schedule: Schedule) -> Verdict:
             ("task_sha256",),
             "remove 'task_sha256' from the schedule to judge it all the same",
         )
-        raise InputError(Report((diagnostic,)))
+        raise InputError(Report((diagnostic,), source))
     from irc.validate import validate
 
     return validate(task, schedule)

@@ -76,6 +76,7 @@ class Code(Enum):
     BAD_SCHEDULE = ("IRC601", Severity.ERROR, "a schedule file that cannot be read")
     BAD_ANSWER = ("IRC602", Severity.ERROR, "an engine's answer that cannot be used")
     DAMAGED = ("IRC603", Severity.WARNING, "damaged lines in an engine's answer")
+    NO_ANSWER = ("IRC604", Severity.NOTE, "an engine that found nothing within its limits")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id
@@ -199,7 +200,7 @@ def _render(d: Diagnostic, source: Source | None) -> str:
 
 def _excerpt(line: str, caret: int) -> tuple[str, int]:
     """At most `_WIDEST_EXCERPT` printable characters of a line around the caret."""
-    start = max(0, caret - _WIDEST_EXCERPT // 2)
+    start = 0 if caret < _WIDEST_EXCERPT else caret - _WIDEST_EXCERPT // 2
     cut = "".join(c if c.isprintable() else " " for c in line[start : start + _WIDEST_EXCERPT])
     lead = "…" if start else ""
     tail = "…" if start + _WIDEST_EXCERPT < len(line) else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from math import gcd
@@ -12,6 +13,8 @@ from irc.times import Clock, Instant, Number, TimeError, common_tick
 
 _FROM_END = {"finish-start", "finish-finish"}
 _TO_END = {"finish-finish", "start-finish"}
+
+_DIGITS = re.compile(r"([0-9]{1,18})")
 
 ToTicks = Callable[[Instant], int]
 
@@ -32,9 +35,10 @@ def lower(task: Task) -> Problem:
         if a.id not in unsure and _is_sure(a, clock)
     }
     to_ticks, tick = _tick(task, actions.values(), clock)
-    ids = sorted(actions)
+    ids = sorted(actions, key=natural_order)
     resources = {r.id: i for i, r in reversed(list(enumerate(task.resources)))}
-    resource_ids = sorted(r for r in resources if task.resources[resources[r]].kind == "renewable")
+    renewable = (r for r in resources if task.resources[resources[r]].kind == "renewable")
+    resource_ids = sorted(renewable, key=natural_order)
     resource_index = {name: k for k, name in enumerate(resource_ids)}
     renewables = tuple(
         Renewable(name, _greatest_capacity(task, resources[name]), ("resources", resources[name]))
@@ -53,6 +57,12 @@ def lower(task: Task) -> Problem:
         arcs=_arcs(task, {name: k for k, name in enumerate(ids)}, to_ticks),
         deadline=None if task.deadline is None else _ticks_or_none(task.deadline, to_ticks),
     )
+
+
+def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
+    """Sorts names as people do: "job2" before "job10"."""
+    parts = _DIGITS.split(name)
+    return [(int(p), "") if k % 2 else (-1, p) for k, p in enumerate(parts)], name
 
 
 def _greatest_capacity(task: Task, index: int) -> int:

@@ -117,7 +117,7 @@ def _relax(
 ) -> list[int] | None:
     """Label correction inside one component; a positive cycle if there is one."""
     dst, weight = network.dst, network.weight
-    queue, queued = deque(component), set(component)
+    queue, queued = deque(_forward(network, leaving, component, members)), set(component)
     # Taken first in, first out, a point without a positive cycle behind it enters the queue at
     # most once for each point of the component (Bellman and Ford).
     entered = dict.fromkeys(component, 1)
@@ -141,6 +141,31 @@ def _relax(
             queue.append(v)
             queued.add(v)
     return None
+
+
+def _forward(
+    network: Network, leaving: list[list[int]], component: list[int], members: set[int]
+) -> list[int]:
+    """The component, along its constraints of weight >= 0 (depth first, reverse postorder).
+
+    So one round over it settles what minimum lags say, however long their chains are.
+    """
+    dst, weight = network.dst, network.weight
+    order: list[int] = []
+    seen: set[int] = set()
+    for root in component:
+        work = [] if root in seen else [(root, iter(leaving[root]))]
+        seen.add(root)
+        while work:
+            for edge in work[-1][1]:
+                v = dst[edge]
+                if weight[edge] >= 0 and v in members and v not in seen:
+                    seen.add(v)
+                    work.append((v, iter(leaving[v])))
+                    break
+            else:
+                order.append(work.pop()[0])
+    return order[::-1]
 
 
 def _cycle_behind(network: Network, cause: list[int], point: int) -> list[int] | None:

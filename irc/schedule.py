@@ -80,6 +80,25 @@ class Schedule:
         """The latest end; 0 for an empty schedule."""
         return max((entry.end for entry in self.entries), default=0)
 
+    @property
+    def answered(self) -> bool:
+        """Whether there is an answer at all (an empty schedule can be one)."""
+        return self.status in (Status.OPTIMAL, Status.FEASIBLE)
+
+    def __str__(self) -> str:
+        """A line on the whole, and one aligned line for each entry."""
+        head = f"{self.task or 'schedule'}: {self.status}, makespan {format_number(self.makespan)}"
+        rows = [
+            (e.id, format_number(e.start), format_number(e.end), ", ".join(sorted(e.resources)))
+            for e in self.entries
+        ]
+        widths = [max((len(row[k]) for row in rows), default=0) for k in range(3)]
+        lines = [
+            f"  {name:{widths[0]}}  {start:>{widths[1]}} – {end:>{widths[2]}}  {held}".rstrip()
+            for name, start, end, held in rows
+        ]
+        return "\n".join([head, *lines])
+
     def as_json(self) -> dict[str, Any]:
         """The document that `irc solve --format json` prints."""
         return {
@@ -87,7 +106,7 @@ class Schedule:
             "task": self.task,
             "task_sha256": self.task_sha256,
             "status": str(self.status),
-            "makespan": json_number(self.makespan),
+            "makespan": json_number(self.makespan) if self.answered else None,
             "objective": [
                 {
                     "name": o.name,

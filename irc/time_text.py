@@ -24,7 +24,9 @@ from irc.times import (
 
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _RATIO = re.compile(r"([+-]?\d+)\s*/\s*(\d+)")
-_PART = re.compile(r"(\d+(?:\.\d*)?|\.\d+)\s*([^\W\d_]+)(?:\.(?!\d))?\s*(?:,\s*|and\s+)?")
+_PART = re.compile(
+    r"(\d+\s*/\s*\d+|\d+(?:\.\d*)?|\.\d+)\s*([^\W\d_]+)(?:\.(?!\d))?\s*(?:,\s*|and\s+)?"
+)
 _ISO = re.compile(
     r"P(?=.)(?:(?P<Y>[\d.,]+)Y)?(?:(?P<Mo>[\d.,]+)M)?(?:(?P<W>[\d.,]+)W)?(?:(?P<D>[\d.,]+)D)?"
     r"(?:T(?=.)(?:(?P<h>[\d.,]+)H)?(?:(?P<m>[\d.,]+)M)?(?:(?P<s>[\d.,]+)S)?)?"
@@ -94,9 +96,17 @@ def _from_parts(text: str) -> Quantity:
         elif unit in UNIT_SECONDS:
             seconds += amount * UNIT_SECONDS[unit]
         else:
-            raise TimeError(f"unknown unit {shown(part[2])}; known are {UNIT_EXAMPLES}")
+            raise TimeError(_unknown_unit(part[2]))
         at = part.end()
     return Quantity(text, sign * seconds, sign * months)
+
+
+def _unknown_unit(unit: str) -> str:
+    from difflib import get_close_matches
+
+    close = get_close_matches(unit.lower(), [*UNIT_SECONDS, *MONTH_NAMES], n=1)
+    meant = f"did you mean {close[0]!r}? Known" if close else "known"
+    return f"unknown unit {shown(unit)}; {meant} are {UNIT_EXAMPLES}"
 
 
 def parse_date(text: str) -> datetime | None:

@@ -18,11 +18,15 @@ from irc.backend import Refusal
 from irc.horizon import safe_horizon
 from irc.list_schedule import list_schedule
 from irc.problem import Activity, Claim, Problem
+from irc.retime import Decision
 
 MODEL_FILE = "model.pbtxt"
 
 _MAX_SUM = 2**62
 """CP-SAT computes sums in 64-bit integers; a model that comes near is refused."""
+
+Hint = tuple[list[Decision], list[tuple[int, ...]]]
+"""A list schedule: a decision for each activity, and the shared resource of each claim."""
 
 Moment = cp_model.LinearExpr | cp_model.IntVar
 
@@ -50,6 +54,7 @@ class Model:
     literals: list[list[list[tuple[int, cp_model.IntVar]]]]
     sizes: dict[int, cp_model.IntVar]
     positive: dict[int, cp_model.IntVar]
+    hint: Hint | None = None
 
 
 def build_model(problem: Problem, *, bounds: bool = True, hints: bool = True) -> Model:
@@ -108,6 +113,7 @@ class _Builder:
         built = Model(model, starts, ends, makespan, literals, self.sizes, self.positive)
         if self.hint is not None:
             self._add_hint(built, *self.hint)
+            built.hint = self.hint
         return built
 
     def _points(self, i: int, activity: Activity) -> tuple[cp_model.IntVar, cp_model.IntVar | None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,7 +14,7 @@ from irc.retime import Decision, retime
 from irc.schedule import Schedule, Status
 
 if TYPE_CHECKING:
-    from irc_cpsat.encode import Model
+    from irc_cpsat.encode import Hint, Model
 
 
 class OrTools(Engine):
@@ -53,6 +54,10 @@ class OrTools(Engine):
             raise EngineFailed(f"CP-SAT rejects the model: {built.model.validate()}")
         verdict = verdicts.get(status, Status.UNKNOWN)
         if verdict not in (Status.OPTIMAL, Status.FEASIBLE):
+            if verdict is Status.UNKNOWN and built.hint is not None:
+                # Nothing within the limits, but the hint is a schedule.
+                schedule = _listed(program.problem, built.hint)
+                return Outcome(Status.FEASIBLE, self.name, schedule, 0, seconds)
             return Outcome(verdict, self.name, seconds=seconds)
         # The bound is an integer of ticks; the tolerance only undoes its way through a double.
         bound = int(-(-(solver.best_objective_bound - 1e-6) // 1))
@@ -89,18 +94,35 @@ def _reporter(engine: str, built: Model, on_progress: OnProgress) -> Any:
     return Reporter()
 
 
+def _listed(problem: Problem, hint: Hint) -> Schedule:
+    """The list schedule that the model was given as a hint."""
+    decisions, choices = hint
+    chosen = [
+        replace(decision, chosen=_members(problem, i, choices[i]))
+        for i, decision in enumerate(decisions)
+    ]
+    return schedule_of(problem, retime(problem, chosen))
+
+
+def _members(problem: Problem, i: int, taken: tuple[int, ...]) -> tuple[int | None, ...]:
+    """The resource of each use, where the shared resource taken is not a pool."""
+    activity = problem.activities[i]
+    chosen: list[int | None] = [None] * len(activity.uses)
+    for claim, r in zip(activity.claims, taken, strict=True):
+        members = problem.shared[r].members
+        chosen[claim.use] = members[0] if len(members) == 1 else None
+    return tuple(chosen)
+
+
 def _schedule(problem: Problem, built: Model, solver: Any) -> Schedule:
     decisions = []
     for i, activity in enumerate(problem.activities):
         start = solver.value(built.starts[i])
         end_var = built.ends[i]
         end = start + activity.duration_min if end_var is None else solver.value(end_var)
-        chosen: list[int | None] = [None] * len(activity.uses)
-        for claim, literals in zip(activity.claims, built.literals[i], strict=True):
-            taken = next(
-                (r for r, literal in literals if solver.value(literal)), claim.alternatives[0]
-            )
-            members = problem.shared[taken].members
-            chosen[claim.use] = members[0] if len(members) == 1 else None
-        decisions.append(Decision(start, end, tuple(chosen)))
+        taken = tuple(
+            next((r for r, literal in literals if solver.value(literal)), claim.alternatives[0])
+            for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+        )
+        decisions.append(Decision(start, end, _members(problem, i, taken)))
     return schedule_of(problem, retime(problem, decisions))

@@ -15,6 +15,7 @@ import tempfile
 import time
 from abc import abstractmethod
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib.util import find_spec
@@ -62,7 +63,10 @@ _STEP = re.compile(r"\s*\d+(?:\.\d+)?\s*:\s*\(")
 
 @dataclass(frozen=True, slots=True)
 class _Job:
-    """What a planner works on: two files, what their names mean, when to stop."""
+    """What a planner works on: two files, what their names mean, when to stop.
+
+    `first_plan` asks for any plan, as when the files hold the bound as a deadline.
+    """
 
     problem: Problem
     names: Mapping[str, Any]
@@ -70,6 +74,7 @@ class _Job:
     problem_file: Path
     limits: Limits
     seconds: float
+    first_plan: bool
 
     @property
     def target(self) -> Fraction:
@@ -119,6 +124,9 @@ class Planner(Engine):
 
     epsilon: ClassVar[Fraction] = EPSILON
 
+    bound_share: ClassVar[float] = 0.25
+    """Of the time limit, for a first plan under the deadline "makespan = bound"."""
+
     @abstractmethod
     def command(self, job: _Job) -> list[str]:
         """What to execute."""
@@ -133,27 +141,55 @@ class Planner(Engine):
     def solve(
         self, program: Program, limits: Limits, on_progress: OnProgress | None = None
     ) -> Outcome:
-        """Runs the planner until it ends, its plan meets the bound, or time is over."""
+        """Runs the planner until it ends, its plan meets the bound, or time is over.
+
+        Planners that minimise by themselves tend to stop just above the optimum and cannot prove
+        anything, but they find *a* plan under a hard deadline quickly. So they are first asked
+        for one that is as short as our lower bound; only without it do they minimise.
+        """
         began = time.perf_counter()
         seconds = DEFAULT_SECONDS if limits.seconds is None else limits.seconds
-        domain, problem_text, names = self._texts(program)
+        if self.bound_share and _bound_may_bind(program.problem):
+            share = min(seconds, max(0.5, self.bound_share * seconds))
+            at_bound = replace(program.problem, deadline=program.problem.bound.value)
+            with suppress(EngineFailed):  # It is asked again below, and fails for good there.
+                outcome = self._attempt(program, at_bound, limits, share, on_progress)
+                if _proven(program.problem, outcome):
+                    return outcome
+        left = max(0.1, seconds - (time.perf_counter() - began))
+        return self._attempt(program, None, limits, left, on_progress)
+
+    def _attempt(
+        self,
+        program: Program,
+        at_bound: Problem | None,
+        limits: Limits,
+        seconds: float,
+        on_progress: OnProgress | None,
+    ) -> Outcome:
+        """One run: on the program's own files, or for a first plan of a tighter problem."""
+        began = time.perf_counter()
+        domain, problem_text, names = self._texts(program, at_bound)
         self.refuse(program.problem, names["planner_units_per_tick"])
         with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
             files = Path(folder, DOMAIN_FILE), Path(folder, PROBLEM_FILE)
             for path, text in zip(files, (domain, problem_text), strict=True):
                 path.write_text(text, encoding="utf-8")
             left = max(0.1, seconds - (time.perf_counter() - began))
-            job = _Job(program.problem, names, *files, limits, left)
+            job = _Job(program.problem, names, *files, limits, left, at_bound is not None)
             watcher = _Watcher(job, self.name, on_progress)
             result = self._run(job, watcher, Path(folder))
         return self._outcome(job, watcher, result, time.perf_counter() - began)
 
-    def _texts(self, program: Program) -> tuple[str, str, Mapping[str, Any]]:
-        if self.epsilon == EPSILON:
+    def _texts(
+        self, program: Program, at_bound: Problem | None
+    ) -> tuple[str, str, Mapping[str, Any]]:
+        if self.epsilon == EPSILON and at_bound is None:
             return program.files[DOMAIN_FILE], program.files[PROBLEM_FILE], program.names
-        grounded = encode(program.problem, self.epsilon)
+        problem = at_bound or program.problem
+        grounded = encode(problem, self.epsilon)
         text = grounded.encoding
-        return text.domain_text(), text.problem_text(), names_of(program.problem, grounded)
+        return text.domain_text(), text.problem_text(), names_of(problem, grounded)
 
     def _run(self, job: _Job, watcher: _Watcher, folder: Path) -> ProcessResult:
         memory = job.limits.memory_mb or DEFAULT_MEMORY_MB
@@ -198,8 +234,15 @@ class Planner(Engine):
             )
         if result.ended is Ended.SIGNALLED:
             raise EngineFailed(f"{self.name} was ended by signal {result.signal}")
-        notes.append(Diagnostic(Code.BAD_ANSWER, f"{self.name}: {_why(result, reason)}"))
+        notes.append(Diagnostic(Code.NO_ANSWER, f"{self.name}: {_why(result, reason)}"))
         return Outcome(Status.UNKNOWN, self.name, None, 0, seconds, tuple(notes))
+
+
+def _bound_may_bind(problem: Problem) -> bool:
+    """Whether a deadline at the bound would say more than the problem does."""
+    if not problem.has_contention or not problem.bound.value:
+        return False
+    return problem.deadline is None or problem.deadline > problem.bound.value
 
 
 def _last_line(text: str) -> str:
@@ -250,7 +293,8 @@ class Optic(Planner):
         found = self._found()
         if found is None:
             raise EngineMissing(self.missing() or "the engine 'optic' is missing")
-        return [*found, str(job.domain), str(job.problem_file)]
+        first = ["-N"] if job.first_plan else []
+        return [*found, *first, str(job.domain), str(job.problem_file)]
 
     def refuse(self, problem: Problem, scale: int) -> None:
         """OPTIC's 32-bit milliseconds must hold at least the shortest conceivable schedule."""
@@ -299,6 +343,7 @@ class Kairos(Planner):
             str(float(job.target)),
             str(job.limits.workers or 1),
             str(job.limits.seed),
+            "first" if job.first_plan else "best",
         ]
 
 
@@ -307,6 +352,7 @@ class Aries(Planner):
 
     name: ClassVar[str] = "aries"
     epsilon: ClassVar[Fraction] = ARIES_EPSILON
+    bound_share: ClassVar[float] = 0.0
 
     def missing(self) -> str | None:
         """Why aries cannot be imported, if it cannot."""
@@ -389,7 +435,7 @@ class Portfolio(Engine):
                 outcome = planner.solve(program, replace(limits, seconds=share), on_progress)
             except (EngineFailed, EngineMissing, Refusal) as error:
                 trouble = error
-                notes.append(Diagnostic(Code.BAD_ANSWER, f"{planner.name}: {error}"))
+                notes.append(Diagnostic(Code.NO_ANSWER, f"{planner.name}: {error}"))
             else:
                 notes += outcome.notes
                 best = _better(best, outcome)

@@ -505,8 +505,9 @@ class _Reader:
 @cache
 def _step_parser() -> Lark:
     # Only a text with steps in it pays for Lark.
-    from irc_grammars import read_grammar
     from lark import Lark
+
+    from irc_grammars import read_grammar
 
     return Lark(read_grammar("plan"), parser="lalr", maybe_placeholders=True)
 

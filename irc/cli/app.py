@@ -236,7 +236,7 @@ def validate(
         reading = _read(file)
         document = read_document(*read_text(schedule))
         answer = schedule_from_json(document.content, document.source)
-        verdict = validate_schedule(reading.task, answer)
+        verdict = validate_schedule(reading.task, answer, document.source)
         if format is Format.json:
             put_json(verdict.as_json())
         else:

@@ -24,13 +24,15 @@ class Reading:
 
 def read_bytes(path: str | Path) -> tuple[bytes, str]:
     """The bytes of a file ("-": standard input) and its name. Raises `InputError`."""
+    if not isinstance(path, (str, Path)):
+        raise TypeError(f"expected a path, not {type(path).__name__}")
     if str(path) == STANDARD_INPUT:
         return sys.stdin.buffer.read(MAX_BYTES + 1), "<stdin>"
     try:
         with open(path, "rb") as file:
             return file.read(MAX_BYTES + 1), str(path)
-    except OSError as error:
-        message = f"cannot read {str(path)!r}: {error.strerror or error}"
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        message = f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}"
         raise InputError(Report((Diagnostic(Code.UNREADABLE, message),))) from None
 
 

@@ -81,8 +81,8 @@ def decode_bytes(data: bytes, name: str) -> str:
     try:
         return data.decode(encoding)
     except UnicodeDecodeError as error:
-        text = data.decode("utf-8", "replace")
-        offset = len(data[: error.start].decode("utf-8", "replace"))
+        text = data.decode(encoding, "replace")
+        offset = len(data[: error.start].decode(encoding, "replace"))
         findings = Findings()
         findings.add(
             Code.UNREADABLE,

@@ -105,7 +105,7 @@ TEXT = [
     ),
     bad("a picture", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), ("IRC001", 1, 1)),
     bad("zeros", bytes(1000), ("IRC002", 1, 1)),
-    bad("half of UTF-16", b"\xff\xfe{\x00\x00\xd8", ("IRC001", 1, 4), said="UTF-16"),
+    bad("half of UTF-16", b"\xff\xfe{\x00\x00\xd8", ("IRC001", 1, 2), said="UTF-16"),
     bad("UTF-16 without its mark", action('"duration": 1').encode("utf-16-le"), ("IRC002", 1, 2)),
 ]
 
@@ -207,7 +207,6 @@ MEANING = [
         ("IRC105", 3, 25),
         ("IRC105", 4, 39),
         ("IRC105", 5, 40),
-        ("IRC302", 5, 40),
         said="the duration of action 'b' is negative: -2 min",
     ),
     bad("an empty range", action('"duration": {"min": 3, "max": 2}'), ("IRC106", 2, 27)),
@@ -281,7 +280,6 @@ MEANING = [
         "a minimum above its maximum",
         actions(2, '"precedence": [{"before": "a", "after": "b",\n"min_lag": 5, "max_lag": 3}]'),
         ("IRC106", 6, 26),
-        ("IRC305", 6, 26),
     ),
     bad(
         "lags that contradict each other",
@@ -529,7 +527,7 @@ SEED = json.dumps(
                 "conditions": [{"at": "start", "var": "chicken", "value": "raw"}],
                 "effects": [{"at": "end", "var": "chicken", "value": "grilled"}],
             },
-            {"id": "stack_chicken", "duration": {"min": 0.5, "max": "1/3"}, "release": 1e1},
+            {"id": "stack_chicken", "duration": {"min": "1/3", "max": 0.5}, "release": 1e1},
         ],
         "precedence": [
             {"before": "grill_chicken", "after": "stack_chicken", "min_lag": 3},
@@ -537,7 +535,9 @@ SEED = json.dumps(
         ],
         "goals": [{"var": "chicken", "value": "grilled"}, "stack_chicken"],
         "groups": [{"id": "order", "actions": ["stack_chicken"], "required": True}],
-        "events": [{"at": 5, "changes": [{"op": "set_duration", "action": "a", "duration": 4}]}],
+        "events": [
+            {"at": 5, "changes": [{"op": "set_duration", "action": "stack_chicken", "duration": 4}]}
+        ],
         "deadline": "2 min",
         "objective": ["minimize_makespan"],
         "metadata": {"rate": 0.1},
@@ -568,9 +568,9 @@ def edited(changes: list[tuple[int, int, bytes]]) -> bytes:
 
 
 @settings(max_examples=400)
-@given(edits)
-@example([(0, 0, b"\xff\xfe")])
-@example([(0, 1, b"")])
+@given(changes=edits)
+@example(changes=[(0, 0, b"\xff\xfe")])
+@example(changes=[(0, 1, b"")])
 def test_a_mutated_document_raises_nothing_but_input_errors(
     changes: list[tuple[int, int, bytes]], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
