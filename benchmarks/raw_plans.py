@@ -32,6 +32,7 @@ def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0)
         folder / "problem.pddl",
         Limits(seconds, workers=1),
         seconds,
+        first_plan=True,
     )
     return run(planner.command(job), ProcessLimits(seconds=seconds)).stdout
 

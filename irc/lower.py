@@ -201,7 +201,10 @@ def _arcs(task: Task, index: dict[str, int], to_ticks: ToTicks) -> tuple[Arc, ..
             plain.setdefault((before, after), k)
         else:
             arc = _arc(edge, k, index, to_ticks)
-            others.setdefault(_arc_order(arc), arc)
+            if arc._replace(origin=0) == Arc(before, after):  # Its lag of 0 is written in units.
+                plain.setdefault((before, after), k)
+            else:
+                others.setdefault(_arc_order(arc), arc)
     return (
         *(Arc(before, after, origin=k) for (before, after), k in sorted(plain.items())),
         *(others[key] for key in sorted(others)),

@@ -118,10 +118,14 @@ def _relax(
     """Label correction inside one component; a positive cycle if there is one."""
     dst, weight = network.dst, network.weight
     queue, queued = deque(_forward(network, leaving, component, members)), set(component)
-    # Taken first in, first out, a point without a positive cycle behind it enters the queue at
-    # most once for each point of the component (Bellman and Ford).
-    entered = dict.fromkeys(component, 1)
+    # While there is a positive cycle the causes close to one sooner or later; looking for it once
+    # in so many steps as there are points costs no more than the steps themselves (Cherkassky and
+    # Goldberg, "Negative-cycle detection algorithms", 1999).
+    steps = 0
     while queue:
+        steps += 1
+        if steps % len(component) == 0 and (cycle := _cycle_of_causes(network, cause, members)):
+            return cycle
         u = queue.popleft()
         queued.discard(u)
         for edge in leaving[u]:
@@ -130,16 +134,9 @@ def _relax(
                 continue
             t[v] = t[u] + weight[edge]
             cause[v] = edge
-            if v in queued:
-                continue
-            entered[v] += 1
-            if entered[v] > len(component) + 1:
-                cycle = _cycle_behind(network, cause, v)
-                if cycle is not None:
-                    return cycle
-                entered[v] = 1
-            queue.append(v)
-            queued.add(v)
+            if v not in queued:
+                queue.append(v)
+                queued.add(v)
     return None
 
 
@@ -168,15 +165,20 @@ def _forward(
     return order[::-1]
 
 
-def _cycle_behind(network: Network, cause: list[int], point: int) -> list[int] | None:
-    """A cycle of causes behind a point (such a cycle is always positive), if it has closed yet."""
-    seen: set[int] = set()
-    while point not in seen:
-        if cause[point] < 0:
-            return None
-        seen.add(point)
-        point = network.src[cause[point]]
-    first, edges = point, []
+def _cycle_of_causes(network: Network, cause: list[int], members: set[int]) -> list[int] | None:
+    """A cycle of causes (such a cycle is always positive), if one has closed yet."""
+    walked: dict[int, int] = {}
+    for number, point in enumerate(members):
+        while point in members and point not in walked and cause[point] >= 0:
+            walked[point] = number
+            point = network.src[cause[point]]
+        if walked.get(point) == number:
+            return _causes_around(network, cause, point)
+    return None
+
+
+def _causes_around(network: Network, cause: list[int], first: int) -> list[int]:
+    point, edges = first, []
     while True:
         edge = cause[point]
         edges.append(edge)

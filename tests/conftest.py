@@ -6,7 +6,10 @@ Options: `--require-shared-data` makes absent benchmark data a failure instead o
 
 from __future__ import annotations
 
+import random
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -68,3 +71,23 @@ def shared_data(pytestconfig: pytest.Config) -> Path:
 def refresh_golden(pytestconfig: pytest.Config) -> bool:
     """Whether golden files are to be rewritten rather than compared."""
     return bool(pytestconfig.getoption("--refresh-golden"))
+
+
+@pytest.fixture(scope="session")
+def shuffled() -> Callable[[Any, random.Random], Any]:
+    """Puts the keys and arrays of a document into another order that means the same."""
+    return _shuffled
+
+
+def _shuffled(document: Any, rng: random.Random, key: str = "") -> Any:
+    if isinstance(document, dict):
+        members = [
+            (inner, _shuffled(value, rng, "" if key == "metadata" else inner))
+            for inner, value in document.items()
+        ]
+        return dict(rng.sample(members, len(members)))
+    if not isinstance(document, list):
+        return document
+    # The items of an array stand under no key, so a pair such as ["a", "b"] stays as it is.
+    items = [_shuffled(item, rng) for item in document]
+    return items if key in ("", "objective", "events", "changes") else rng.sample(items, len(items))

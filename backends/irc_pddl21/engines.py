@@ -149,15 +149,21 @@ class Planner(Engine):
         """
         began = time.perf_counter()
         seconds = DEFAULT_SECONDS if limits.seconds is None else limits.seconds
+        first: Outcome | None = None
         if self.bound_share and _bound_may_bind(program.problem):
             share = min(seconds, max(0.5, self.bound_share * seconds))
             at_bound = replace(program.problem, deadline=program.problem.bound.value)
             with suppress(EngineFailed):  # It is asked again below, and fails for good there.
-                outcome = self._attempt(program, at_bound, limits, share, on_progress)
-                if _proven(program.problem, outcome):
-                    return outcome
+                first = self._attempt(program, at_bound, limits, share, on_progress)
+                if _proven(program.problem, first):
+                    return first
         left = max(0.1, seconds - (time.perf_counter() - began))
-        return self._attempt(program, None, limits, left, on_progress)
+        try:
+            return _better(first, self._attempt(program, None, limits, left, on_progress))
+        except EngineFailed:
+            if first is None or first.schedule is None:
+                raise
+            return first
 
     def _attempt(
         self,

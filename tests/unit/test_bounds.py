@@ -433,13 +433,24 @@ def test_two_orders_that_both_end_late_raise_the_bound(unit: int, release: int) 
 
 
 RULES = {
-    "what cannot overlap is ordered": (2, [Job(5, 4, 14), Job(2, 14, 15, 2), Job(9, 13, 11)], 36),
+    "what comes second starts later": (2, [Job(5, 4, 14), Job(2, 14, 15, 2), Job(9, 13, 11)], 36),
+    "what comes first ends earlier": (
+        2,
+        [Job(9, 2, 7), Job(9, 15, 0), Job(1, 3, 5, 2), Job(8, 2, 9, 2)],
+        27,
+    ),
     "too much work moves a start": (
         1,
-        [Job(5, 11, 7), Job(6, 2, 10), Job(9, 2, 4), Job(2, 11, 10)],
-        31,
+        [Job(3, 6, 13), Job(6, 10, 9), Job(6, 3, 1), Job(3, 3, 11), Job(7, 3, 3)],
+        30,
+    ),
+    "too much work moves an end": (
+        2,
+        [Job(8, 6, 9), Job(2, 14, 8), Job(9, 10, 9, 2), Job(8, 9, 8, 2)],
+        40,
     ),
 }
+"""Capacity, jobs and bound, where the propagation without that rule shows less."""
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -605,9 +616,19 @@ def test_the_bounds_take_little_time_on_large_problems(activities: int, seconds:
     assert both.bound.value > problem.bound.value
 
 
-def test_very_large_problems_are_left_to_the_energy() -> None:
-    problem = energy_bound(prepared(layered(12_000, 20)))
+def test_beyond_the_size_limit_only_the_energy_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = energy_bound(prepared(layered(300, 6)))
+    assert destructive_bound(problem).bound.value > problem.bound.value
+    monkeypatch.setattr(destructive, "SIZE_LIMIT", 299)
     assert destructive_bound(problem) is problem
+
+
+def test_beyond_the_pairs_limit_the_bound_is_still_true(monkeypatch: pytest.MonkeyPatch) -> None:
+    capacity, jobs, value = RULES["what comes second starts later"]
+    problem = energy_bound(on_one_resource(capacity, jobs))
+    monkeypatch.setattr(destructive, "DEPTH_LIMIT", 0)
+    monkeypatch.setattr(destructive, "PAIRS_LIMIT", 1)
+    assert problem.bound.value <= destructive_bound(problem).bound.value < value
 
 
 def test_of_many_times_an_even_choice_is_looked_at() -> None:

@@ -250,6 +250,38 @@ def test_a_repair_of_a_chosen_duration_may_end_just_before_its_match() -> None:
     assert rules(task, Entry("match", 5, 13), Entry("repair", 5, 13)) == ["rank"]
 
 
+@pytest.mark.parametrize(("longest", "expected"), [(5, ["rank"]), (6, [])])
+def test_a_duration_as_long_as_allowed_ends_no_later_in_ranks_than_it_starts(
+    longest: int, expected: list[str]
+) -> None:
+    # see starts before on's change of door at 0, and ends after on's change of light at 5.
+    on = action("on", 5, (), (makes("start", True, "door"), makes("end")))
+    see = action("see", {"min": 2, "max": longest}, (needs("start", False, "door"), needs("end")))
+    task = Task(actions=[on, see], state=[{"id": "light"}, {"id": "door"}])
+    assert rules(task, Entry("on", 0, 5), Entry("see", 0, 5)) == expected
+
+
+def test_a_condition_on_the_whole_duration_opens_after_the_last_change_of_its_instant() -> None:
+    flicker = [
+        action("off", 0, (needs("start", True),), (makes("start", False),)),
+        action("on", 0, (needs("start", False),), (makes("start", True),)),
+    ]
+    see = action("see", 3, (needs("all"),))
+    task = light_task(*flicker, see, initial=True)
+    assert rules(task, Entry("off", 5, 5), Entry("on", 5, 5), Entry("see", 5, 8)) == []
+    assert rules(task, Entry("off", 5, 5), Entry("on", 5, 5), Entry("see", 2, 5)) == []
+    # Throughout a change and its reversal, the light is out in between.
+    assert rules(task, Entry("off", 5, 5), Entry("on", 5, 5), Entry("see", 3, 6)) == ["state"]
+
+
+def test_what_no_ranks_can_mend_is_told_beside_what_they_do_not() -> None:
+    other = {**needs("start", False, "door")}
+    clash = [action(n, 2, (other,), (makes("start", True, "door"),)) for n in ("x", "y")]
+    task = Task(actions=[MATCH, REPAIR, *clash], state=[{"id": "light"}, {"id": "door"}])
+    entries = [Entry("match", 0, 8), Entry("repair", 4, 9), Entry("x", 1, 3), Entry("y", 1, 3)]
+    assert rules(task, *entries) == ["state", "rank"]
+
+
 def test_a_read_before_and_a_read_after_the_same_change_are_both_placed() -> None:
     task = light_task(
         action("dark", 2, (needs("start", False),)),

@@ -1,0 +1,62 @@
+"""Large tasks: JSON → PDDL2.1 on disk, and JSON → exact schedule by the critical path.
+
+    python benchmarks/size.py [--actions 100000] [--edges 300000]
+
+Each is a whole `irc` process; then the same with twice as many actions and edges.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from graphs import random_graph
+
+
+def measure(command: list[str]) -> tuple[float, float]:
+    """Seconds of wall-clock time and peak memory in GiB of a whole process."""
+    began = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status:
+        raise RuntimeError(f"{command} ended with status {status}")
+    return time.perf_counter() - began, usage.ru_maxrss / 2**20
+
+
+def main() -> None:
+    """Prints one row per size and command, and the growth."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--actions", type=int, default=100_000)
+    parser.add_argument("--edges", type=int, default=300_000)
+    options = parser.parse_args()
+    irc = str(Path(sys.executable).with_name("irc"))
+    rows: dict[str, list[float]] = {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for factor in (1, 2):
+            actions, edges = factor * options.actions, factor * options.edges
+            task = folder / f"task{factor}.json"
+            task.write_text(random_graph(actions, edges))
+            commands = {
+                "compile to pddl21": ["compile", "-t", "pddl21", "-o", str(folder / "out")],
+                "solve by critical path": ["solve", "-o", str(folder / "s.json")],
+            }
+            for label, words in commands.items():
+                seconds, memory = measure([irc, words[0], str(task), *words[1:]])
+                rows.setdefault(label, []).append(seconds)
+                print(
+                    f"{actions:,} actions, {edges:,} edges, {label}: "
+                    f"{seconds:.1f} s, {memory:.2f} GiB",
+                    flush=True,
+                )
+    for label, (one, two) in rows.items():
+        print(f"{label}: twice the size costs × {two / one:.2f}")
+
+
+if __name__ == "__main__":
+    main()
