@@ -25,11 +25,13 @@ def write_whole(path: Path, text: str) -> None:
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask)
         os.replace(temporary, path)
+        temporary = None
     except OSError as error:
+        raise WriteError(f"cannot write {str(path)!r}: {error.strerror or error}") from None
+    finally:  # also where we are interrupted
         if temporary is not None:
             with suppress(OSError):
                 os.unlink(temporary)
-        raise WriteError(f"cannot write {str(path)!r}: {error.strerror or error}") from None
 
 
 def write_folder(folder: Path, files: Mapping[str, str]) -> None:

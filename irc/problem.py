@@ -127,6 +127,8 @@ class Problem:
 
     def to_units(self, ticks: int) -> Number:
         """Ticks → the task's time unit, exactly."""
+        if self.tick.denominator == 1:
+            return ticks * self.tick.numerator
         return exact(ticks * self.tick)
 
     def effective_deadline(self, index: int) -> int | None:

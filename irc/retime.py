@@ -91,6 +91,12 @@ def retime(
 
 def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
     """The exact optimum of a problem without contention: everything as early as it can be."""
+    if problem.heads and all(activity.is_fixed for activity in problem.activities):
+        ready = [
+            Decision(head, head + activity.duration_min)
+            for head, activity in zip(problem.heads, problem.activities, strict=True)
+        ]
+        return _placed(problem, ready)
     timing = timing_network(problem)
     times = earliest(timing.network, timing.floors)
     if times.cycles:
@@ -100,6 +106,11 @@ def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
         Decision(times.t[s], times.t[e] + offset)
         for s, e, offset in zip(points.start, points.end, points.end_offset, strict=True)
     ]
+    return _placed(problem, decisions)
+
+
+def _placed(problem: Problem, decisions: Sequence[Decision]) -> tuple[Placed, ...]:
+    """Decisions at whole ticks as they are, with a resource for each use."""
     chosen = assign(problem, decisions)
     return tuple(
         Placed(int(d.start), int(d.end), resources)

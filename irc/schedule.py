@@ -312,6 +312,14 @@ class _Reader:
         return exact(value) if isinstance(value, Fraction) else value
 
 
-def dump_json(document: Any) -> str:
-    """JSON text as the project writes it: UTF-8, two spaces, a final line end."""
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def dump_json(document: Mapping[str, Any]) -> str:
+    """JSON text as the project writes files: a line for each field and for each list entry."""
+    fields = [f"  {json.dumps(key)}: {_lines(value)}" for key, value in document.items()]
+    return "{\n" + ",\n".join(fields) + "\n}\n"
+
+
+def _lines(value: Any) -> str:
+    encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+    if not isinstance(value, list) or not value or not isinstance(value[0], dict):
+        return encode(value)
+    return "[\n" + ",\n".join(f"    {encode(item)}" for item in value) + "\n  ]"

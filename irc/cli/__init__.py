@@ -26,7 +26,7 @@ def main() -> None:
     # Ended from outside we still end the planners we started.
     signal.signal(signal.SIGTERM, _terminated)
     try:
-        build_app()()
+        build_app(sys.argv[1] if len(sys.argv) > 1 else None)()
     except BrokenPipeError:
         # The reader of our output went away (`irc … | head`): nothing is left to say.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -31,8 +31,11 @@ FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")
 OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]
 
 
-def build_app() -> typer.Typer:
-    """The command line application."""
+def build_app(only: str | None = None) -> typer.Typer:
+    """The command line application; with just one command where its name is given.
+
+    Typer reads the signature of every command it is given, which the others need not wait for.
+    """
     app = typer.Typer(
         name="irc",
         help="A solver-neutral compiler for asynchronous tasks.",
@@ -42,8 +45,13 @@ def build_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(invoke_without_command=False)(_root)
-    for command in (check, compile_, solve, extract, validate, convert, targets, schema):
-        app.command(command.__name__.rstrip("_"))(command)
+    commands = {
+        function.__name__.rstrip("_"): function
+        for function in (check, compile_, solve, extract, validate, convert, targets, schema)
+    }
+    for name, function in commands.items():
+        if only not in commands or name == only:
+            app.command(name)(function)
     return app
 
 

@@ -32,8 +32,9 @@ def import_asyncplan(text: str, name: str) -> Iterator[tuple[str, Task]]:
         where = f"{name}, instance {position + 1}"
         if not isinstance(instance, Mapping) or not isinstance(instance.get("graph"), Mapping):
             raise _refused(f"{where}: expected an object with 'graph'")
-        size = instance.get("n_steps", len(instance["graph"].get("durations", ())))
-        yield f"nodes{size}_{instance.get('id', position + 1)}", _task(instance, where)
+        task = _task(instance, where)
+        size = instance.get("n_steps", len(task.actions))
+        yield f"nodes{size}_{instance.get('id', position + 1)}", task
 
 
 def _task(instance: Mapping[str, Any], where: str) -> Task:
@@ -44,11 +45,11 @@ def _task(instance: Mapping[str, Any], where: str) -> Task:
         raise _refused(f"{where}: 'graph' needs the lists 'durations' and 'edges'")
     if not isinstance(steps, Mapping):
         steps = {str(i + 1): i for i in range(len(durations))}
-    step_of = {node: step for step, node in steps.items()}
-    if sorted(step_of) != list(range(len(durations))):
-        raise _refused(f"{where}: 'step_to_node' does not name each node once")
     texts = dict(_STEP.findall(str(instance.get("question", ""))))
     try:
+        step_of = {node: step for step, node in steps.items()}
+        if sorted(step_of) != list(range(len(durations))):
+            raise _refused(f"{where}: 'step_to_node' does not name each node once")
         return Task.model_validate(
             {
                 "name": str(instance.get("task_title") or f"instance {instance.get('id')}"),

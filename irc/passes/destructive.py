@@ -504,13 +504,13 @@ class _Refuter:
         """Refutes intervals too short for the turns that activities inside must take."""
         for begin in sorted({window[0] for window in windows}):
             inside = sorted((w[3], -w[4], w[5]) for w in windows if w[0] >= begin)
-            if len(inside) <= demand.capacity:
-                return
             self._spend(4 * len(inside))
             longest_first: list[tuple[int, int]] = []
+            units = 0
             for k, (end, negated_duration, amount) in enumerate(inside, 1):
                 insort(longest_first, (negated_duration, amount))
-                if k > demand.capacity and (k == len(inside) or end < inside[k][0]):
+                units += amount
+                if units > demand.capacity and (k == len(inside) or end < inside[k][0]):
                     self._spend(4 * k)
                     if _turns(longest_first, demand.capacity) > end - begin:
                         raise _Refuted(self._overload(demand, begin, end))

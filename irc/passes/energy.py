@@ -25,13 +25,13 @@ FILL_LIMIT = 4_096
 TAILS_LIMIT = 1_024
 """So many tails q are tried; where a resource has more distinct ones, evenly chosen ones."""
 
+CROWDS_LIMIT = 4
+"""Views of a resource on which at most 1, 2, … activities fit at once, up to this number."""
+
 _NAMES_SHOWN = 4
 
 _NOTHING = -(1 << 200)
 """Below every sum of times and work."""
-
-CROWDS_LIMIT = 4
-"""Views of a resource on which at most 1, 2, … activities fit at once, up to this number."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -245,7 +245,7 @@ def test_what_is_not_of_the_ir_is_refused(document: Document) -> None:
 
 def test_a_task_does_not_change() -> None:
     with pytest.raises(ValidationError):
-        task_of().name = "other"  # type: ignore[misc]
+        task_of().name = "other"
 
 
 # --- as written ---------------------------------------------------------------------------------
