@@ -45,12 +45,16 @@ def read_text(path: str | Path) -> tuple[str, str]:
 def parse_task(text: str, name: str = "<text>") -> Reading:
     """A task from JSON text (or a language model's answer around it).
 
-    Raises `InputError` with every fault of syntax or shape.
+    Raises `InputError` with every fault of syntax; with faults of shape also what the checks
+    find in the rest of the document.
     """
     document = read_document(text, name)
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
     if task is None:
+        from irc.frontends.partial import further_findings
+
+        findings.items += further_findings(document.content, findings)
         raise InputError(Report(tuple(findings.items), document.source))
     return Reading(task.with_source(document.source), tuple(findings.items))
 

@@ -378,6 +378,69 @@ def test_the_caret_stands_under_the_fault(tmp_path: Path) -> None:
     assert lines[shown][lines[shown + 1].index("^") :].startswith("-4}")
 
 
+# Numbers and texts that a target cannot hold
+
+
+def compiled_or_refused(document: dict[str, Any], target: str) -> None:
+    """Compiles, or says why not: both are answers."""
+    try:
+        irc.compile(document, target).manifest_text().encode()
+    except irc.InputError as error:
+        assert error.report.errors, "a refusal without a reason"  # noqa: PT017
+
+
+@pytest.mark.parametrize("target", ["cpsat", "pddl21"])
+@pytest.mark.parametrize("field", ["duration", "release", "deadline", "start"])
+def test_times_beyond_64_bits_are_compiled_or_refused(field: str, target: str) -> None:
+    first = {"id": "a", "duration": 1, "uses": [{"resource": "r"}], field: 10**38}
+    second = {"id": "b", "duration": 1, "uses": [{"resource": "r"}]}
+    compiled_or_refused({"resources": [{"id": "r"}], "actions": [first, second]}, target)
+
+
+@pytest.mark.xfail(strict=True, reason="CP-SAT's own TypeError for a number beyond 64 bits")
+@pytest.mark.parametrize("lag", [{"min_lag": -(10**30)}, {"max_lag": 10**30}])
+def test_lags_beyond_64_bits_are_compiled_or_refused(lag: dict[str, int]) -> None:
+    compiled_or_refused(
+        {
+            "actions": [{"id": "a", "duration": 1}, {"id": "b", "duration": 1}],
+            "precedence": [{"before": "a", "after": "b", **lag}],
+        },
+        "cpsat",
+    )
+
+
+def two_of(capacity: int, amount: int) -> dict[str, Any]:
+    uses = [{"resource": "r", "amount": amount}]
+    return {
+        "resources": [{"id": "r", "capacity": capacity}],
+        "actions": [{"id": c, "duration": 1, "uses": uses} for c in "ab"],
+    }
+
+
+@pytest.mark.parametrize("digits", [6, 18, 19, 900])
+def test_huge_amounts_are_compiled_or_refused_for_cp_sat(digits: int) -> None:
+    compiled_or_refused(two_of(3 * 10**digits, 2 * 10**digits), "cpsat")
+
+
+@pytest.mark.xfail(strict=True, reason="math.comb of the capacity: OverflowError, or for ever")
+def test_huge_amounts_are_compiled_or_refused_for_pddl() -> None:
+    compiled_or_refused(two_of(3 * 10**900, 2 * 10**900), "pddl21")
+
+
+@pytest.mark.xfail(strict=True, reason="only ids are checked for lone surrogates")
+@pytest.mark.parametrize("field", ["name", "description", "metadata"])
+def test_half_a_character_is_refused_wherever_it_stands(field: str) -> None:
+    document = {"actions": [], field: {"x": "\ud800"} if field == "metadata" else "\ud800"}
+    with pytest.raises(irc.InputError):
+        irc.loads(json.dumps(document))
+
+
+def test_decimals_in_the_metadata_are_carried_through() -> None:
+    task = irc.loads('{"actions": [], "metadata": {"rate": 0.1, "far": [1e400]}}')
+    manifest = json.loads(irc.compile(task, "pddl21").manifest_text())
+    assert manifest["task"]["metadata"] == {"rate": 0.1, "far": ["1E+400"]}
+
+
 # What is no fault
 
 

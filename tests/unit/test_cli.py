@@ -509,6 +509,48 @@ def test_a_manifest_that_is_none_or_was_changed_is_status_1(
     assert said in result.stderr
 
 
+@pytest.mark.xfail(strict=True, reason="the names of a manifest are not checked before use")
+@pytest.mark.parametrize(
+    ("target", "names"),
+    [
+        ("pddl21", {}),
+        ("pddl21", {"planner_units_per_tick": 0, "actions": {}, "planner_only": {}}),
+        ("pddl21", {"planner_units_per_tick": 1, "actions": {"bread": 5}, "planner_only": {}}),
+        ("cpsat", {"actions": []}),
+        ("cpsat", {"actions": {"bread": {"start": None}}}),
+    ],
+)
+def test_a_manifest_with_damaged_names_is_status_1(
+    kitchen: Path, tmp_path: Path, target: str, names: object
+) -> None:
+    run("compile", kitchen, "-t", target, "-o", tmp_path)
+    answer = ENGINES[target](tmp_path)
+    manifest = tmp_path / "manifest.json"
+    document = {**json.loads(manifest.read_text("utf-8")), "names": names}
+    manifest.write_text(json.dumps(document), "utf-8")
+    result = run("extract", manifest, "-", stdin=answer)
+    assert (result.exit_code, result.stdout) == (1, "")
+
+
+@pytest.mark.xfail(strict=True, reason="a response without a choice ends in StopIteration")
+def test_a_response_that_chooses_nothing_is_status_1(kitchen: Path, tmp_path: Path) -> None:
+    run("compile", kitchen, "-t", "cpsat", "-o", tmp_path)
+    response = "status: FEASIBLE\n" + "solution: 0\n" * 50
+    result = run("extract", tmp_path / "manifest.json", "-", stdin=response)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "error[IRC602]" in result.stderr
+
+
+@pytest.mark.xfail(strict=True, reason="told as a failed engine, status 4")
+def test_an_answer_that_no_valid_schedule_stands_behind_is_status_1(manifest: Path) -> None:
+    actions = json.loads(manifest.read_text("utf-8"))["names"]["actions"]
+    first = {entry["action"]: name for name, entry in reversed(actions.items())}
+    plan = "".join(f"0.000: ({name})  [4.000]\n" for name in first.values())
+    result = run("extract", manifest, "-", stdin=plan)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "oven" in result.stderr
+
+
 # validate
 
 

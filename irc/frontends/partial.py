@@ -1,0 +1,102 @@
+"""What else is wrong with a document that has faults of shape: all findings in one run.
+
+The faulty elements are patched so that the rest can be typed and checked; what the checks then
+say about a patched element, or because of it, is not told.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+from irc.diagnostics import Code, Diagnostic, Findings
+from irc.frontends.shape import to_task
+from irc.source import Pointer
+
+_ROUNDS = 3
+"""Taking a fault away can uncover another one in the same element."""
+
+_STAND_IN = "\x00"
+"""What the ids of nameless elements begin with; no real id does."""
+
+_NAMED = ("actions", "resources", "state", "groups")
+
+_ELEMENT = 2
+"""Pointers into the arrays of a task begin with the array's name and an index."""
+
+
+def further_findings(raw: Mapping[str, Any], found: Findings) -> list[Diagnostic]:
+    """Findings of the checks about the sound elements of `raw`, given its faults of shape."""
+    from irc.checks import run_checks
+
+    patched: Any = copy.deepcopy(dict(raw))
+    faulty: set[Pointer] = set()
+    faults = list(found.items)
+    for _ in range(_ROUNDS):
+        for fault in faults:
+            _patch(patched, fault, faulty)
+        again = Findings()
+        task = to_task(patched, again)
+        if task is not None:
+            report = run_checks(task, lint=False).report
+            nameless = {field for field in _NAMED if _has_stand_in(patched.get(field))}
+            return [d for d in report if not _follows(d, faulty, nameless)]
+        faults = again.items
+    return []
+
+
+def _patch(document: Any, fault: Diagnostic, faulty: set[Pointer]) -> None:
+    pointer = fault.pointer
+    faulty.add(pointer[:_ELEMENT])
+    parent, name = _parent(document, pointer)
+    if fault.code is Code.MISSING_FIELD:
+        target = parent[name] if pointer else document
+        if isinstance(target, dict):
+            _fill(target, pointer)
+    elif isinstance(parent, dict) and name in parent:
+        # A wrong value goes; what the field's absence leaves open is filled in the next round.
+        del parent[name]
+    elif isinstance(parent, list) and isinstance(name, int) and name < len(parent):
+        parent[name] = {}
+
+
+def _parent(document: Any, pointer: Pointer) -> tuple[Any, Any]:
+    for part in pointer[:-1]:
+        try:
+            document = document[part]
+        except (KeyError, IndexError, TypeError):
+            return None, None
+    return document, pointer[-1] if pointer else None
+
+
+def _fill(element: dict[str, Any], pointer: Pointer) -> None:
+    """Gives a patched element the fields without which it has no type at all."""
+    if not pointer:
+        element.setdefault("actions", [])
+        return
+    stand_in = f"{_STAND_IN}{'/'.join(map(str, pointer))}"
+    required: dict[str, dict[str, Any]] = {
+        "actions": {"id": stand_in, "duration": 0},
+        "resources": {"id": stand_in},
+        "state": {"id": stand_in},
+        "groups": {"id": stand_in, "actions": []},
+        "precedence": {"before": f"{stand_in}<", "after": f"{stand_in}>"},
+    }
+    for field, value in required.get(str(pointer[0]), {}).items():
+        element.setdefault(field, value)
+
+
+def _has_stand_in(elements: Any) -> bool:
+    listed = elements if isinstance(elements, list) else []
+    ids = [e.get("id") for e in listed if isinstance(e, dict)]
+    return any(isinstance(i, str) and i.startswith(_STAND_IN) for i in ids)
+
+
+def _follows(finding: Diagnostic, faulty: set[Pointer], nameless: set[str]) -> bool:
+    """Whether a finding may only be there because something was patched."""
+    if finding.pointer[:_ELEMENT] in faulty or finding.pointer[:1] in faulty:
+        return True
+    if _STAND_IN in finding.message:
+        return True
+    return finding.code is Code.UNKNOWN_NAME and bool(nameless)
