@@ -9,9 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
 
-from irc.model import Action, DurationRange, Group, Resource, StateGoal, Task
+from irc.model import Action, DurationRange, Resource, Task
 from irc.source import Pointer
+
+if TYPE_CHECKING:
+    from irc.model import Group
 
 
 class Feature(Enum):
@@ -160,10 +164,10 @@ def _of_group(group: Group, at: Pointer) -> Iterator[FeatureUse]:
 
 def _of_goals(task: Task) -> Iterator[FeatureUse]:
     for i, goal in enumerate(task.goals):
-        if isinstance(goal, StateGoal):
-            yield FeatureUse(Feature.STATE_GOALS, ("goals", i), f"the goal on {goal.var!r}")
-        else:
+        if isinstance(goal, str):
             yield FeatureUse(Feature.PRESENCE_GOALS, ("goals", i), f"the goal {goal!r}")
+        else:
+            yield FeatureUse(Feature.STATE_GOALS, ("goals", i), f"the goal on {goal.var!r}")
 
 
 _OBJECTIVES = {

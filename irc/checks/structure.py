@@ -7,21 +7,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
-from irc.model import (
-    Action,
-    DurationRange,
-    Group,
-    Precedence,
-    Resource,
-    StateVariable,
-    Task,
-    Use,
-)
+from irc.model import Action, DurationRange, Precedence, Resource, Task, Use
 from irc.model.base import write_time
 from irc.source import Pointer
 from irc.times import Clock, Instant, Number, TimeError
 
 if TYPE_CHECKING:
+    from irc.model import Group, StateVariable
     from irc.model.events import CancelActions, CancelGroups, Change, Event, PrecedenceKey
 
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from irc.diagnostics import Code, Findings, did_you_mean
 from irc.model import Task
-from irc.model.lazy import events_adapter
+from irc.model.lazy import Lazy, PartError, adapter
 from irc.model.parts import PRECEDENCE_ALIASES
 from irc.source import Pointer
 from irc.times import TimeError
@@ -40,30 +40,21 @@ _EXPECTED = {
 
 def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
     """The typed task, or None after every fault of shape has been added to `findings`."""
-    known = len(findings.items)
-    if raw.get("events", []) != []:
-        raw = _with_events(raw, findings)
     try:
-        task = Task.model_validate(raw)
+        return Task.model_validate(raw)
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             _add(fault, raw, findings)
-        return None
-    return task if len(findings.items) == known else None
-
-
-def _with_events(raw: Mapping[str, Any], findings: Findings) -> Mapping[str, Any]:
-    """The document with its events typed, or without them after telling what is wrong."""
-    try:
-        return {**raw, "events": events_adapter().validate_python(raw["events"])}
-    except ValidationError as error:
-        for fault in error.errors(include_url=False):
-            _add({**fault, "loc": ("events", *fault["loc"])}, raw, findings)
-    return {key: value for key, value in raw.items() if key != "events"}
+    return None
 
 
 def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
     kind, loc = fault["type"], tuple(fault["loc"])
+    cause = (fault.get("ctx") or {}).get("error")
+    if isinstance(cause, PartError):
+        for inner in cause.faults:
+            _add({**inner, "loc": (*loc, *inner["loc"])}, raw, findings)
+        return
     if kind == "missing":
         parent = _pointer(loc[:-1], raw)
         findings.add(
@@ -87,7 +78,6 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
     value = _value_at(pointer, raw)
     if kind == "too_short" and value:
         return  # It has entries; what is wrong with them is told of each.
-    cause = (fault.get("ctx") or {}).get("error")
     if isinstance(cause, TimeError):
         findings.add(Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer)
     elif kind in ("literal_error", "union_tag_invalid"):
@@ -163,7 +153,7 @@ def _element(pointer: Pointer, raw: Any) -> str:
 
 
 def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
-    """The fields that the IR has at a path."""
+    """The fields that the IR has at a path; those of its own `op` where it is a change."""
     model: type[BaseModel] = Task
     for part in pointer:
         raw = raw[part]
@@ -173,17 +163,11 @@ def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
             continue
         name = {v: k for k, v in _ALIASES.items()}.get(part, part)
         field = model.model_fields.get(name)
-        nested = _event_model() if part == "events" else field and _model_in(field.annotation)
+        nested = None if field is None else _model_in((field.annotation, *field.metadata))
         if nested is None:
             return ()
         model = nested
     return tuple(field.alias or name for name, field in model.model_fields.items())
-
-
-def _event_model() -> type[BaseModel]:
-    from irc.model import Event
-
-    return Event
 
 
 def _change_model(op: object) -> type[BaseModel] | None:
@@ -194,6 +178,10 @@ def _change_model(op: object) -> type[BaseModel] | None:
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The first model that a type mentions."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    return next(filter(None, map(_model_in, get_args(annotation))), None)
+    if isinstance(annotation, Lazy):
+        return _model_in(adapter(annotation.module, annotation.name)._type)
+    inner = annotation if isinstance(annotation, tuple) else get_args(annotation)
+    return next(filter(None, map(_model_in, inner)), None)

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from irc.model.parts import (
-    Action,
-    Condition,
-    DurationRange,
-    Effect,
-    Goal,
-    Group,
-    Mode,
-    OccurrenceRange,
-    Precedence,
-    Resource,
-    StateGoal,
-    StateVariable,
-    StockChange,
-    Use,
-    Window,
-)
+from irc.model.parts import Action, DurationRange, Precedence, Resource, Use
 from irc.model.task import Task
 
 if TYPE_CHECKING:
+    from irc.model.details import (
+        Condition,
+        Effect,
+        Goal,
+        Group,
+        Mode,
+        OccurrenceRange,
+        StateGoal,
+        StateVariable,
+        StockChange,
+        Window,
+    )
     from irc.model.events import Change, Event
 
 __all__ = [
@@ -48,9 +45,17 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in ("Change", "Event"):
-        from irc.model import events
+_LATER = {
+    "details": (
+        "Condition Effect Goal Group Mode OccurrenceRange "
+        "StateGoal StateVariable StockChange Window"
+    ),
+    "events": "Change Event",
+}
 
-        return getattr(events, name)
+
+def __getattr__(name: str) -> Any:
+    for module, names in _LATER.items():
+        if name in names.split():
+            return getattr(import_module(f"irc.model.{module}"), name)
     raise AttributeError(f"module 'irc.model' has no attribute {name!r}")

@@ -7,15 +7,13 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, field_validator
 
 from irc.model.base import Amount, Count, Instant, Name, Node, StateValue
+from irc.model.details import Goal, Group, StateVariable
 from irc.model.parts import (
     Action,
     Duration,
-    Goal,
-    Group,
     ObjectiveName,
     Precedence,
     Resource,
-    StateVariable,
     objective_names,
 )
 
@@ -179,3 +177,6 @@ class Event(Node):
     id: Name | None = None
     at: Instant
     changes: tuple[Change, ...] = ()
+
+
+Events = tuple[Event, ...]

@@ -1,49 +1,102 @@
-"""The `events` of a task, whose twenty models are built only for tasks that have events."""
+"""Fields whose types are loaded and built only for tasks that use them.
+
+pydantic builds a validator for every model it can reach. Most tasks have no events, no state, no
+groups; a command line that starts for each of them should not wait for those forty models.
+"""
 
 from __future__ import annotations
 
 from functools import cache
+from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, ValidationError
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import core_schema
 
 if TYPE_CHECKING:
-    from irc.model.events import Event
+    from pydantic import TypeAdapter
+
+
+class PartError(ValueError):
+    """The faults of a lazily typed field: pydantic's own, with locations from the field on."""
+
+    def __init__(self, error: ValidationError) -> None:
+        self.faults = error.errors(include_url=False)
+        first = self.faults[0]
+        place = ".".join(str(part) for part in first["loc"])
+        super().__init__(f"{place}: {first['msg']}" if place else first["msg"])
 
 
 @cache
-def events_adapter() -> TypeAdapter[tuple[Event, ...]]:
-    """Validates the `events` array of a task; its locations start at the array."""
-    from irc.model.events import Event
+def adapter(module: str, name: str) -> TypeAdapter[Any]:
+    """The validator of a type alias in a module of the model."""
+    from pydantic import TypeAdapter
 
-    return TypeAdapter(tuple[Event, ...])
-
-
-def _validate(raw: Any) -> Any:
-    if raw == ():
-        return ()
-    try:
-        return events_adapter().validate_python(raw)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        path = ".".join(str(part) for part in first["loc"])
-        raise ValueError(f"events.{path}: {first['msg']}") from None
+    return TypeAdapter(getattr(import_module(module), name))
 
 
-class _EventsSchema:
+class Lazy:
+    """Marks a field of a type that is loaded when a value other than `known` comes by."""
+
+    def __init__(self, module: str, name: str, known: tuple[Any, ...] = ((),)) -> None:
+        self.module, self.name, self.known = f"irc.model.{module}", name, known
+
+    def _validate(self, raw: Any) -> Any:
+        if any(raw is k for k in self.known) or (isinstance(raw, str) and raw in self.known):
+            return raw
+        try:
+            return adapter(self.module, self.name).validate_python(raw)
+        except ValidationError as error:
+            raise PartError(error) from None
+
     def __get_pydantic_core_schema__(
         self, _source: Any, _handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(_validate)
+        return core_schema.no_info_plain_validator_function(self._validate)
 
     def __get_pydantic_json_schema__(
         self, _schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        return handler(events_adapter().core_schema)
+        return handler(adapter(self.module, self.name).core_schema)
 
 
 if TYPE_CHECKING:
-    Events = tuple[Event, ...]
+    from irc.model.details import (
+        Conditions,
+        Effects,
+        Goals,
+        Groups,
+        Modes,
+        Occurs,
+        State,
+        StockChanges,
+        Windows,
+    )
+    from irc.model.events import Events
 else:
-    Events = Annotated[Any, _EventsSchema()]
+    Conditions = Annotated[Any, Lazy("details", "Conditions")]
+    Effects = Annotated[Any, Lazy("details", "Effects")]
+    Events = Annotated[Any, Lazy("events", "Events")]
+    Goals = Annotated[Any, Lazy("details", "Goals")]
+    Groups = Annotated[Any, Lazy("details", "Groups")]
+    Modes = Annotated[Any, Lazy("details", "Modes")]
+    Occurs = Annotated[Any, Lazy("details", "Occurs", ("once", "optional"))]
+    State = Annotated[Any, Lazy("details", "State")]
+    StockChanges = Annotated[Any, Lazy("details", "StockChanges")]
+    Windows = Annotated[Any, Lazy("details", "Windows")]
+
+__all__ = [
+    "Conditions",
+    "Effects",
+    "Events",
+    "Goals",
+    "Groups",
+    "Lazy",
+    "Modes",
+    "Occurs",
+    "PartError",
+    "State",
+    "StockChanges",
+    "Windows",
+    "adapter",
+]

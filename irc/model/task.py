@@ -8,15 +8,12 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.model.base import Instant, Node
-from irc.model.lazy import Events
+from irc.model.lazy import Events, Goals, Groups, State
 from irc.model.parts import (
     Action,
-    Goal,
-    Group,
     ObjectiveName,
     Precedence,
     Resource,
-    StateVariable,
     objective_names,
     without_aliases,
 )
@@ -42,11 +39,11 @@ class Task(Node):
     origin: datetime | None = None
     metadata: dict[str, Any] = Field(default_factory=dict)
     resources: tuple[Resource, ...] = ()
-    state: tuple[StateVariable, ...] = ()
+    state: State = ()
     actions: tuple[Action, ...]
     precedence: tuple[Precedence, ...] = ()
-    groups: tuple[Group, ...] = ()
-    goals: tuple[Goal, ...] = ()
+    groups: Groups = ()
+    goals: Goals = ()
     objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()
 

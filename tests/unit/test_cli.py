@@ -514,7 +514,7 @@ def test_a_manifest_that_is_none_or_was_changed_is_status_1(
     ("target", "names"),
     [
         ("pddl21", {}),
-        ("pddl21", {"planner_units_per_tick": 0, "actions": {}, "planner_only": {}}),
+        ("pddl21", {"planner_units_per_tick": 1}),
         ("pddl21", {"planner_units_per_tick": 1, "actions": {"bread": 5}, "planner_only": {}}),
         ("cpsat", {"actions": []}),
         ("cpsat", {"actions": {"bread": {"start": None}}}),

@@ -275,11 +275,23 @@ def test_a_condition_on_the_whole_duration_opens_after_the_last_change_of_its_in
 
 
 def test_what_no_ranks_can_mend_is_told_beside_what_they_do_not() -> None:
-    other = {**needs("start", False, "door")}
-    clash = [action(n, 2, (other,), (makes("start", True, "door"),)) for n in ("x", "y")]
-    task = Task(actions=[MATCH, REPAIR, *clash], state=[{"id": "light"}, {"id": "door"}])
-    entries = [Entry("match", 0, 8), Entry("repair", 4, 9), Entry("x", 1, 3), Entry("y", 1, 3)]
-    assert rules(task, *entries) == ["state", "rank"]
+    closed, opens = needs("start", False, "door"), makes("start", True, "door")
+    switch = action("switch", 1, (needs("start", False),), (makes("start", True),))
+    actions = [MATCH, REPAIR, switch, *(action(n, 2, (closed,), (opens,)) for n in ("x", "y"))]
+    task = Task(actions=actions, state=[{"id": "light"}, {"id": "door"}])
+    entries = [
+        Entry("match", 0, 8),
+        Entry("repair", 4, 9),
+        Entry("switch", 1, 2),
+        Entry("x", 1, 3),
+        Entry("y", 1, 3),
+    ]
+    found = [(v.rule, v.actions) for v in violations(task, *entries)]
+    assert found == [
+        ("state", ("switch",)),
+        ("state", ("match", "repair")),
+        ("rank", ("x", "y")),
+    ]
 
 
 def test_a_read_before_and_a_read_after_the_same_change_are_both_placed() -> None:
@@ -382,6 +394,17 @@ def test_both_readings_of_what_takes_no_time_are_tried() -> None:
     assert rules(light_task(blink), Entry("blink", 2, 2)) == []
     fixed = action("flash", 0, (needs("end"),), (makes("start"),))
     assert rules(light_task(fixed), Entry("flash", 2, 2)) == ["state"]
+
+
+def test_readings_that_are_not_all_tried_leave_it_undecided(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("irc.validate.state.SEARCH_STEPS", 0)
+    monkeypatch.setattr("irc.validate.state.STEPS_PER_OCCURRENCE", 0)
+    flash = action("flash", {"min": 0, "max": 3}, (needs("end"),), (makes("start"),))
+    (violation,) = violations(light_task(flash), Entry("flash", 2, 2))
+    assert violation.rule == "undecided"
+    assert violation.actions == ("flash",)
 
 
 def test_something_short_may_last_through_a_change_of_its_instant() -> None:

@@ -1,0 +1,120 @@
+"""The parts of a task that most tasks do without: state, stock, modes, calendars, groups.
+
+Loaded when a task has one of them (see `irc.model.lazy`).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag
+
+from irc.model.base import Amount, Count, Instant, Name, Node, StateValue
+from irc.model.parts import Duration, Use
+
+
+def _object_or_text(raw: Any) -> str:
+    return "text" if isinstance(raw, str) else "object"
+
+
+class Window(Node):
+    """A half-open time window [from, to) in which a resource has another capacity."""
+
+    from_: Instant = Field(alias="from")
+    to: Instant
+    capacity: Count
+
+
+class StockChange(Node):
+    """Takes from or puts into a reservoir, at the start or the end of an action."""
+
+    resource: Name
+    amount: Amount = 1
+    at: Literal["start", "end"] | None = None
+
+
+class Condition(Node):
+    """`var` must have `value` just before the start or end, or throughout (`all`)."""
+
+    at: Literal["start", "all", "end"]
+    var: Name
+    value: StateValue = True
+
+
+class Effect(Node):
+    """`var` becomes `value` at the start or the end of the action."""
+
+    at: Literal["start", "end"]
+    var: Name
+    value: StateValue = True
+
+
+class Mode(Node):
+    """One way to carry out an action: its duration, and what it uses besides the action's own."""
+
+    id: Name
+    label: str | None = None
+    duration: Duration
+    uses: tuple[Use, ...] = ()
+
+
+class OccurrenceRange(Node):
+    """How often an action may occur; without `max`, as often as the planner likes."""
+
+    min: Count = 0
+    max: Count | None = None
+
+
+class StateVariable(Node):
+    """A multi-valued fact of the world; without `values` a boolean that starts false."""
+
+    id: Name
+    values: tuple[StateValue, ...] = (False, True)
+    initial: StateValue | None = None
+
+    @property
+    def start_value(self) -> StateValue | None:
+        """The value before anything happens; None where a multi-valued variable names none."""
+        if self.initial is None and set(self.values) == {False, True}:
+            return False
+        return self.initial
+
+
+class Group(Node):
+    """All of its actions or none: an order, a delivery, a candidate goal."""
+
+    id: Name
+    label: str | None = None
+    actions: tuple[Name, ...]
+    required: Annotated[bool, Field(strict=True)] = True
+    reward: Annotated[int, Field(strict=True)] | None = None
+    deadline: Instant | None = None
+    due: Instant | None = None
+    weight: Count | None = None
+
+
+class StateGoal(Node):
+    """`var` has `value` when everything has ended."""
+
+    var: Name
+    value: StateValue = True
+
+
+Occurs = Annotated[
+    Annotated[Literal["once", "optional"], Tag("text")] | Annotated[OccurrenceRange, Tag("object")],
+    Discriminator(_object_or_text),
+]
+
+Goal = Annotated[
+    Annotated[Name, Tag("text")] | Annotated[StateGoal, Tag("object")],
+    Discriminator(_object_or_text),
+]
+
+Conditions = tuple[Condition, ...]
+Effects = tuple[Effect, ...]
+Goals = tuple[Goal, ...]
+Groups = tuple[Group, ...]
+Modes = tuple[Mode, ...]
+State = tuple[StateVariable, ...]
+StockChanges = tuple[StockChange, ...]
+Windows = tuple[Window, ...]

@@ -1,0 +1,40 @@
+"""The code in README, documentation and docstrings runs as it stands."""
+
+from __future__ import annotations
+
+import doctest
+import re
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BLOCK = re.compile(r"^```python[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+def python_blocks(page: Path) -> list[tuple[int, str]]:
+    """(line of its first line, code) of each Python block of a page."""
+    text = page.read_text("utf-8")
+    return [(text.count("\n", 0, m.start(1)) + 1, m[1]) for m in BLOCK.finditer(text)]
+
+
+def pages_with_python() -> list[str]:
+    pages = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+    return [str(page.relative_to(ROOT)) for page in pages if python_blocks(page)]
+
+
+@pytest.mark.parametrize("page", pages_with_python())
+def test_python_blocks_of_a_page_run_in_order(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    namespace: dict[str, object] = {"__name__": "page"}
+    for line, code in python_blocks(ROOT / page):
+        # Leading line ends make a traceback name the line of the page.
+        exec(compile("\n" * (line - 1) + code, page, "exec"), namespace)
+
+
+@pytest.mark.parametrize("module", ["irc", "irc.canonical", "irc.model.task", "irc.validate"])
+def test_examples_in_docstrings_say_what_happens(module: str) -> None:
+    result = doctest.testmod(import_module(module))
+    assert result.failed == 0
+    assert result.attempted > 0
