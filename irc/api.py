@@ -19,7 +19,7 @@ from irc.frontends.files import parse_task, read_task
 from irc.frontends.shape import to_task
 from irc.model import Task
 from irc.schedule import Schedule
-from irc.validate import Verdict
+from irc.validation import Verdict
 
 __all__ = ["check", "compile", "extract", "load", "loads", "solve", "validate"]
 

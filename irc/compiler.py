@@ -32,7 +32,7 @@ from irc.times import format_number
 
 if TYPE_CHECKING:
     from irc.source import Source
-    from irc.validate import Verdict
+    from irc.validation import Verdict
 
 __all__ = [
     "Answer",
@@ -117,9 +117,15 @@ def extract_answer(manifest: Mapping[str, Any], answer: str) -> Answer:
     except AnswerError as error:
         diagnostic = Diagnostic(Code.BAD_ANSWER, str(error))
         raise InputError(Report((diagnostic,))) from None
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, ZeroDivisionError):
+        message = "the manifest's 'names' do not fit its task; another version may have written it"
+        raise InputError(Report((Diagnostic(Code.BAD_ANSWER, message),))) from None
     outcome = Outcome(Status.FEASIBLE, "extract", schedule)
     schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
-    return Answer(_approved(task, replace(schedule, engine=None)), problem)
+    try:
+        return Answer(_approved(task, replace(schedule, engine=None)), problem)
+    except EngineFailed as error:
+        raise InputError(Report((Diagnostic(Code.BAD_ANSWER, str(error)),))) from None
 
 
 def _read_manifest(manifest: Mapping[str, Any]) -> tuple[Task, str, Mapping[str, Any]]:
@@ -157,7 +163,7 @@ def _approved(task: Task, schedule: Schedule) -> Schedule:
     """
     if schedule.status not in (Status.OPTIMAL, Status.FEASIBLE):
         return schedule
-    from irc.validate import validate
+    from irc.validation import validate
 
     verdict = validate(task, schedule)
     if not verdict.valid:
@@ -184,7 +190,7 @@ def validate_schedule(task: Task, schedule: Schedule, source: Source | None = No
             "remove 'task_sha256' from the schedule to judge it all the same",
         )
         raise InputError(Report((diagnostic,), source))
-    from irc.validate import validate
+    from irc.validation import validate
 
     return validate(task, schedule)
 

@@ -19,7 +19,11 @@ def safe_horizon(problem: Problem) -> int:
     total = 0
     for activity in problem.activities:
         floor = max(floor, activity.release, activity.start or 0)
-        total += activity.duration_max
+        # A range longer than the task's deadline can never be used up.
+        longest = activity.duration_max
+        if problem.deadline is not None:
+            longest = max(activity.duration_min, min(longest, problem.deadline))
+        total += longest
     for arc in problem.arcs:
         leaving = from_end if arc.from_end else from_start
         leaving[arc.before] = max(leaving[arc.before], arc.min_lag)

@@ -78,7 +78,11 @@ def retime(
         fixed = problem.activities[i].start
         if fixed is not None and start > fixed:
             raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
+        deadline = problem.effective_deadline(i)
+        if deadline is not None and end > deadline:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot end by its deadline")
         placed.append(Placed(start, end, resources))
+    _require_capacity(problem, placed)
     shrunk = (
         p.resources and p.start == p.end and d.end - d.start > tolerance
         for p, d in zip(placed, decisions, strict=True)
@@ -87,6 +91,25 @@ def retime(
         # What has no length now takes no room, so nobody waits for it any longer.
         return retime(problem, [Decision(p.start, p.end, p.resources) for p in placed])
     return tuple(placed)
+
+
+def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
+    """Raises `AnswerError` where an answer holds more of a resource than there is.
+
+    Order alone does not show it: what overlaps in the answer overlaps in the schedule.
+    """
+    changes: dict[int, list[tuple[int, int]]] = {}
+    for activity, place in zip(problem.activities, placed, strict=True):
+        for use, r in zip(activity.uses, place.resources, strict=True):
+            if place.end > place.start:
+                changes.setdefault(r, []).append((place.start, use.amount))
+                changes[r].append((place.end, -use.amount))
+    for r, steps in changes.items():
+        level = 0
+        for _, amount in sorted(steps):  # At one instant what is freed comes first.
+            level += amount
+            if level > problem.resources[r].capacity:
+                raise AnswerError(f"more of {problem.resources[r].id!r} is held than there is")
 
 
 def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:

@@ -39,6 +39,14 @@ def decode_response(problem: Problem, names: Mapping[str, Any], answer: str) -> 
         raise AnswerError("the response belongs to another model") from None
 
 
+def _taken(literals: Mapping[str, int], value: Callable[[int], int]) -> str:
+    """The alternative that a use takes."""
+    for name, index in literals.items():
+        if value(index):
+            return name
+    raise AnswerError("the response takes none of the alternatives of a use")
+
+
 def _schedule(problem: Problem, names: Mapping[str, Any], value: Callable[[int], int]) -> Schedule:
     decisions = []
     for activity in problem.activities:
@@ -46,7 +54,7 @@ def _schedule(problem: Problem, names: Mapping[str, Any], value: Callable[[int],
         start = value(variables["start"])
         end = value(variables["end"]) if "end" in variables else start + activity.duration_min
         taken = {
-            int(use): next(name for name, index in literals.items() if value(index))
+            int(use): _taken(literals, value)
             for use, literals in variables.get("choices", {}).items()
         }
         chosen: list[int | None] = [None] * len(activity.uses)

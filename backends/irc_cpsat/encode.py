@@ -131,7 +131,9 @@ class _Builder:
             return start, None
         end = self.model.new_int_var(0, max(0, latest_end), f"end {activity.id}")
         size = self.model.new_int_var(
-            activity.duration_min, activity.duration_max, f"duration {activity.id}"
+            activity.duration_min,
+            max(activity.duration_min, min(activity.duration_max, self.horizon)),
+            f"duration {activity.id}",
         )
         self.model.add(start + size == end)
         self.sizes[i] = size
@@ -145,8 +147,10 @@ class _Builder:
         arc = self.problem.arcs[k]
         before = self._end(arc.before) if arc.from_end else self.starts[arc.before]
         after = self._end(arc.after) if arc.to_end else self.starts[arc.after]
-        self.model.add(after - before >= arc.min_lag)
-        if arc.max_lag is not None:
+        # Lags beyond the horizon never bind, and may be beyond 64 bits.
+        if arc.min_lag > -self.horizon:
+            self.model.add(after - before >= arc.min_lag)
+        if arc.max_lag is not None and arc.max_lag < self.horizon:
             self.model.add(after - before <= arc.max_lag)
 
     def _claims(self, i: int, activity: Activity) -> list[list[tuple[int, cp_model.IntVar]]]:

@@ -378,10 +378,17 @@ def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -
     count = 1
     for claim in activity.claims:
         count *= sum(
-            1 if r in by_counter else comb(problem.shared[r].capacity, claim.amount)
+            1 if r in by_counter else _token_sets(problem.shared[r].capacity, claim.amount)
             for r in claim.alternatives
         )
     return count
+
+
+def _token_sets(capacity: int, amount: int) -> int:
+    """How many sets of `amount` tokens there are; just "too many" where that would be huge."""
+    if amount >= capacity:
+        return 1
+    return MAX_VARIANTS + 1 if capacity > MAX_VARIANTS else comb(capacity, amount)
 
 
 def _sort_constraints(

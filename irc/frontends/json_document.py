@@ -25,6 +25,7 @@ MAX_BYTES = 512 * 1024 * 1024
 
 _MAX_ATTEMPTS = 1000
 _BLANK = re.compile(r"\s*")
+_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 _FENCE = re.compile(r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z")
 
 
@@ -118,7 +119,7 @@ def read_document(text: str, name: str) -> RawDocument:
     start, end, content = _only(found, text, name, findings)
     _note_surroundings(text, start, end, findings)
     source = Source(name, text, _locator(start))
-    if _depth(content) > MAX_DEPTH:
+    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
 
@@ -255,6 +256,15 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
         if not faults:
             findings.add(Code.SYNTAX, "the JSON document cannot be read", offset=start)
     return InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+def _has_surrogate(content: Any) -> bool:
+    """Whether a text anywhere holds half a character, which no output could write."""
+    try:
+        json.dumps(content, ensure_ascii=False, default=str).encode()
+    except UnicodeEncodeError:
+        return True
+    return False
 
 
 def _depth(content: Any) -> int:

@@ -193,7 +193,10 @@ class _Scanner:
         match = _STRING.match(self.text, at)
         if match:
             body = match[1]
-            return (_unescape(body) if "\\" in body else body), match.end()
+            text = _unescape(body) if "\\" in body else body
+            if "\ufffd" in text and "\ufffd" not in body:
+                self._fault(Code.SYNTAX, at, "this text holds half a character (a lone surrogate)")
+            return text, match.end()
         partial = _STRING_BODY.match(self.text, at)
         stop = partial.end() if partial else at + 1
         if stop >= len(self.text) or _CUT_ESCAPE.fullmatch(self.text, stop):

@@ -50,6 +50,9 @@ STATEFUL: dict[str, Any] = {
 }
 
 
+posix = pytest.mark.skipif(os.name != "posix", reason="a shell script, or permissions, of POSIX")
+
+
 def run(*arguments: str | Path, stdin: str | bytes | None = None) -> Result:
     """The command in this process; stdout and stderr apart."""
     result = CliRunner().invoke(build_app(), [str(a) for a in arguments], input=stdin)
@@ -207,6 +210,7 @@ def test_an_infeasible_task_is_status_1(tmp_path: Path) -> None:
     assert (result.exit_code, document["status"], document["actions"]) == (1, "infeasible", [])
 
 
+@posix
 def test_no_answer_within_the_limits_is_status_3(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -229,6 +233,7 @@ def test_a_missing_engine_is_status_4(kitchen: Path, monkeypatch: pytest.MonkeyP
     assert (result.exit_code, json.loads(result.stdout)["exit"]) == (4, 4)
 
 
+@posix
 def test_an_engine_that_breaks_down_is_status_4(
     kitchen: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -363,7 +368,7 @@ def test_a_failed_write_leaves_the_old_file_as_it_was(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["schedule.json", "task.json"]
 
 
-@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+@posix
 def test_a_written_file_has_the_permissions_of_any_new_file(kitchen: Path, tmp_path: Path) -> None:
     out, other = tmp_path / "schedule.json", tmp_path / "other"
     run("solve", kitchen, "-o", out)
@@ -509,7 +514,6 @@ def test_a_manifest_that_is_none_or_was_changed_is_status_1(
     assert said in result.stderr
 
 
-@pytest.mark.xfail(strict=True, reason="the names of a manifest are not checked before use")
 @pytest.mark.parametrize(
     ("target", "names"),
     [
@@ -532,7 +536,6 @@ def test_a_manifest_with_damaged_names_is_status_1(
     assert (result.exit_code, result.stdout) == (1, "")
 
 
-@pytest.mark.xfail(strict=True, reason="a response without a choice ends in StopIteration")
 def test_a_response_that_chooses_nothing_is_status_1(kitchen: Path, tmp_path: Path) -> None:
     run("compile", kitchen, "-t", "cpsat", "-o", tmp_path)
     response = "status: FEASIBLE\n" + "solution: 0\n" * 50
@@ -541,7 +544,6 @@ def test_a_response_that_chooses_nothing_is_status_1(kitchen: Path, tmp_path: Pa
     assert "error[IRC602]" in result.stderr
 
 
-@pytest.mark.xfail(strict=True, reason="told as a failed engine, status 4")
 def test_an_answer_that_no_valid_schedule_stands_behind_is_status_1(manifest: Path) -> None:
     actions = json.loads(manifest.read_text("utf-8"))["names"]["actions"]
     first = {entry["action"]: name for name, entry in reversed(actions.items())}

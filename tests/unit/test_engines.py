@@ -103,10 +103,6 @@ def _without_aries(monkeypatch: pytest.MonkeyPatch) -> None:
 
 without_aries = pytest.mark.usefixtures("_without_aries")
 
-unchecked_capacity = pytest.mark.xfail(
-    strict=True, reason="re-timing lets an answer through that overbooks a resource"
-)
-
 
 def running(folder: Path) -> list[int]:
     """The processes with a file of this folder on their command line, once they had time to go."""
@@ -257,13 +253,11 @@ def test_a_plan_against_the_precedence_is_put_in_order(optic) -> None:
     }
 
 
-@unchecked_capacity
 def test_a_plan_beyond_the_capacity_is_not_used(optic) -> None:
     optic(OVERBOOKED, "exits")
     assert outcome_of("optic").schedule is None
 
 
-@unchecked_capacity
 def test_a_plan_beyond_the_capacity_does_not_displace_a_valid_one(optic) -> None:
     optic(POOR + OVERBOOKED, "exits")
     schedule = irc.solve(TASK, "pddl21", engine="optic", time_limit=20)
@@ -397,7 +391,6 @@ def test_auto_goes_on_with_kairos_where_optic_gives_nothing(optic, says: str, th
     assert told(outcome).startswith("optic: ")
 
 
-@unchecked_capacity
 @without_aries
 def test_auto_is_not_taken_in_by_a_plan_beyond_the_capacity(optic) -> None:
     optic(OVERBOOKED, "exits")

@@ -16,7 +16,7 @@ from irc.passes import run_passes
 from irc.passes.critical_path import heads_and_tails
 from irc.problem import Problem
 from irc.retime import Decision, Placed, retime
-from irc.validate import validate
+from irc.validation import validate
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, random_task
 

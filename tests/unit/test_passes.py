@@ -21,7 +21,7 @@ from irc.passes.critical_path import heads_and_tails
 from irc.passes.reduction import reduce_transitively, redundant_arcs
 from irc.problem import Activity, Arc, Claim, Problem
 from irc.schedule import Status
-from irc.validate import validate
+from irc.validation import validate
 from oracles.brute_force import optimal_makespan
 from oracles.generators import contended_task, random_task
 

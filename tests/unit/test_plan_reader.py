@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from irc_pddl21 import plan_reader
 from irc_pddl21.plan_reader import PlanBlock, PlanLog, PlanStep, read_plans
 

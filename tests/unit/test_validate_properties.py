@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from irc.model import Action, DurationRange, StateGoal, Task
 from irc.schedule import Entry, Schedule
 from irc.times import Number
-from irc.validate import validate
+from irc.validation import validate
 
 # The naive validator: for each rule of the design, whether it is broken.
 

@@ -8,8 +8,8 @@ import pytest
 
 from irc.model import Task, Use
 from irc.schedule import Entry, Schedule
-from irc.validate import Violation, validate
-from irc.validate.choices import is_explained
+from irc.validation import Violation, validate
+from irc.validation.choices import is_explained
 
 
 def violations(task: Task, *entries: Entry) -> tuple[Violation, ...]:

@@ -8,7 +8,8 @@ import pytest
 
 from irc.model import Task
 from irc.schedule import Entry, Schedule
-from irc.validate import Violation, validate
+from irc.validation import Violation, validate
+from irc.validation.rank_graph import Budget, RankGraph
 
 
 def violations(task: Task, *entries: Entry) -> tuple[Violation, ...]:
@@ -399,8 +400,8 @@ def test_both_readings_of_what_takes_no_time_are_tried() -> None:
 def test_readings_that_are_not_all_tried_leave_it_undecided(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("irc.validate.state.SEARCH_STEPS", 0)
-    monkeypatch.setattr("irc.validate.state.STEPS_PER_OCCURRENCE", 0)
+    monkeypatch.setattr("irc.validation.state.SEARCH_STEPS", 0)
+    monkeypatch.setattr("irc.validation.state.STEPS_PER_OCCURRENCE", 0)
     flash = action("flash", {"min": 0, "max": 3}, (needs("end"),), (makes("start"),))
     (violation,) = violations(light_task(flash), Entry("flash", 2, 2))
     assert violation.rule == "undecided"
@@ -418,8 +419,8 @@ def test_something_short_may_last_through_a_change_of_its_instant() -> None:
 
 
 def test_a_search_that_gives_up_says_undecided_not_valid(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("irc.validate.state.SEARCH_STEPS", 20)
-    monkeypatch.setattr("irc.validate.state.STEPS_PER_OCCURRENCE", 1)
+    monkeypatch.setattr("irc.validation.state.SEARCH_STEPS", 20)
+    monkeypatch.setattr("irc.validation.state.STEPS_PER_OCCURRENCE", 1)
     task, entries = walk_task("bc", "ab", "cb", "bd", "da", "ac", "ca", goal="a")
     verdict = validate(task, Schedule(tuple(entries)))
     assert not verdict.valid
@@ -457,6 +458,63 @@ def test_many_equal_changes_of_one_instant_are_no_trouble() -> None:
     actions = [action(f"a{i}", 2, (), (makes("start"), makes("end", False))) for i in range(200)]
     entries = [Entry(f"a{i}", 0, 2) for i in range(200)]
     assert rules(light_task(*actions), *entries) == []
+
+
+def test_ranks_that_move_later_take_along_what_must_follow() -> None:
+    # y before x lifts x and, by precedence, w and r with it; r must still follow w.
+    actions = [
+        action("y", 0, (needs("start", False, "door"),), (makes("start", True, "door"),)),
+        action("x", 0, (needs("start", True, "door"),), (makes("start", False, "door"),)),
+        action("w", 0, (), (makes("start"),)),
+        action("r", 0, (needs("start"),)),
+    ]
+    state = [{"id": "light", "initial": True}, {"id": "door"}]
+    pairs = [{"before": a, "after": b, "type": "start-start"} for a, b in ("xw", "wr")]
+    task = Task(actions=actions, state=state, precedence=pairs)
+    assert rules(task, *(Entry(name, 0, 0) for name in "yxwr")) == []
+
+
+def test_a_dead_end_of_the_search_leaves_no_trace() -> None:
+    sets = makes("start", "v", "at")
+    actions = [
+        action("a0", 0, (needs("all"),), (sets, makes("start"))),
+        action("a1", 0, (), (makes("start"),)),
+        action("a2", 0, (needs("all", False),), (sets,)),
+        action("a3", {"min": 0, "max": 1}, (), (makes("start"),)),
+    ]
+    state = [{"id": "light"}, {"id": "at", "values": ["u", "v"], "initial": "u"}]
+    pairs = [{"before": "a3", "after": "a2", "type": "start-start"}]
+    entries = [Entry(f"a{i}", 0, 0) for i in range(4)]
+    assert rules(Task(actions=actions, state=state), *entries) == []
+    assert rules(Task(actions=actions, state=state, precedence=pairs), *entries) == ["rank"]
+
+
+def test_taking_back_edges_restores_the_ranks() -> None:
+    graph = RankGraph([0, 0, 0], [(1, 2, 0)], Budget(100))
+    start = graph.mark()
+    assert graph.add(((0, 1, 1),))
+    assert graph.ranks == [0, 1, 1]
+    assert not graph.allows(((2, 0, 0),))
+    graph.undo(start)
+    assert graph.ranks == [0, 0, 0]
+    assert graph.add(((2, 0, 1),))
+    assert graph.ranks == [1, 0, 0]
+
+
+def test_the_ranks_found_are_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def all_alike(subject: Any, story: Any, budget: Any, violations: Any) -> list[int]:
+        return [0] * story.node_count
+
+    def falling(subject: Any, story: Any, budget: Any, violations: Any) -> list[int]:
+        return list(range(story.node_count, 0, -1))
+
+    monkeypatch.setattr("irc.validation.state.find_ranks", all_alike)
+    entries = [Entry("match", 5, 13), Entry("repair", 5, 10)]
+    assert set(rules(light_task(MATCH, REPAIR), *entries)) == {"interference", "state"}
+    monkeypatch.setattr("irc.validation.state.find_ranks", falling)
+    pair = [{"before": "match", "after": "repair", "type": "start-start"}]
+    task = light_task(MATCH, action("repair", 5, (needs("start", False),)), precedence=pair)
+    assert rules(task, *entries) == ["rank"]
 
 
 # Rule 7

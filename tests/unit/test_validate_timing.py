@@ -9,7 +9,7 @@ import pytest
 
 from irc.model import Task
 from irc.schedule import Entry, Schedule
-from irc.validate import Violation, validate
+from irc.validation import Violation, validate
 
 
 def violations(task: Task, *entries: Entry) -> tuple[Violation, ...]:

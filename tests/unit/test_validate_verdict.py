@@ -8,12 +8,12 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+import irc.validate
 import pytest
 
-import irc.validate
 from irc.model import Task
 from irc.schedule import Entry, ObjectiveValue, Schedule
-from irc.validate import SHOWN_PER_RULE, InexactTimeError, UncheckedTaskError, validate
+from irc.validation import SHOWN_PER_RULE, InexactTimeError, UncheckedTaskError, validate
 
 CUT = {"id": "cut", "duration": 3}
 
@@ -301,4 +301,4 @@ def test_time_grows_about_linearly_with_the_size() -> None:
 
     seconds(100)
     # A quadratic step would take 64 times as long for 8 times the size.
-    assert seconds(8000) < 30 * max(seconds(1000), 0.02)
+    assert seconds(8000) < 40 * max(seconds(1000), 0.02)

@@ -1,7 +1,7 @@
 """The search for ranks where a schedule gives none.
 
 Every demand on ranks is an edge: rank(b) ≥ rank(a) + 0 or 1. Ranks exist iff the edges of some
-order of each knot (see `irc.validate.knots`) close no cycle with a 1 in it.
+order of each knot (see `irc.validation.knots`) close no cycle with a 1 in it.
 
 1. Durations, tight precedences and the knots with one answer give edges at once; a cycle among
    these is final. Where the order of writers is known, slots that these edges rule out are dropped,
@@ -23,9 +23,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from irc.validate.happenings import Edge, Edges, Story, Value, timing_edges
-from irc.validate.knots import OPEN, Knot, Writer, slots, untangle
-from irc.validate.rank_graph import (
+from irc.validation.happenings import Edge, Edges, Story, Value, timing_edges
+from irc.validation.knots import OPEN, Knot, Writer, slots, untangle
+from irc.validation.rank_graph import (
     Budget,
     OutOfSteps,
     RankGraph,
@@ -35,8 +35,8 @@ from irc.validate.rank_graph import (
     strong_components,
     successors,
 )
-from irc.validate.subject import Subject
-from irc.validate.verdict import Violations, listed
+from irc.validation.subject import Subject
+from irc.validation.verdict import Violations, listed
 
 SEARCH_STEPS = 1_000_000
 STEPS_PER_OCCURRENCE = 100

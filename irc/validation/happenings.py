@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from irc.model.base import StateValue
 from irc.times import Number
-from irc.validate.subject import Occurrence, Subject
-from irc.validate.timing import tight_precedences
+from irc.validation.subject import Occurrence, Subject
+from irc.validation.timing import tight_precedences
 
 Value = StateValue | None
 """The value of a state variable; None where nothing has given it one yet."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
-from irc.validate.happenings import Edge, Edges
+from irc.validation.happenings import Edge, Edges
 
 
 class OutOfSteps(Exception):

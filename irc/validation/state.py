@@ -8,7 +8,7 @@ from itertools import combinations
 
 from irc.model import StateGoal, StateVariable
 from irc.times import Number
-from irc.validate.happenings import (
+from irc.validation.happenings import (
     Access,
     Happening,
     Hold,
@@ -17,19 +17,20 @@ from irc.validate.happenings import (
     Value,
     given_ranks,
     tell,
+    timing_edges,
     value_text,
 )
-from irc.validate.rank_graph import Budget
-from irc.validate.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
-from irc.validate.state_messages import (
+from irc.validation.rank_graph import Budget
+from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
+from irc.validation.state_messages import (
     add_broken,
     add_contradiction,
     add_unheld,
     add_unmet,
     add_unmet_goal,
 )
-from irc.validate.subject import Occurrence, Subject
-from irc.validate.verdict import Violations, listed
+from irc.validation.subject import Occurrence, Subject
+from irc.validation.verdict import Violations, listed
 
 _READING_COST = 50
 """What retelling the story costs per occurrence, in steps of the search."""
@@ -136,9 +137,12 @@ def _readings(zero_length: list[int]) -> Iterator[tuple[int, ...]]:
 def _try_reading(subject: Subject, story: Story, budget: Budget) -> Violations:
     violations = Violations(subject.task.time_unit)
     ranks = find_ranks(subject, story, budget, violations)
-    if ranks is not None:
-        # The search is not trusted: what it found is judged like ranks that were given.
-        _follow(subject, story, ranks, violations)
+    if ranks is None:
+        return violations
+    # The search is not trusted: what it found is judged like ranks that were given.
+    _follow(subject, story, ranks, violations)
+    if any(ranks[b] < ranks[a] + least for a, b, least in timing_edges(subject, story)):
+        violations.add("rank", "the ranks found do not keep all durations and precedences")
     return violations
 
 

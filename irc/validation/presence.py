@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from itertools import pairwise
 
-from irc.validate.subject import Occurrence, Subject
-from irc.validate.verdict import Violations, listed
+from irc.validation.subject import Occurrence, Subject
+from irc.validation.verdict import Violations, listed
 
 
 def check_presence(subject: Subject, violations: Violations) -> None:

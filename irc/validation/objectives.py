@@ -6,8 +6,8 @@ from types import MappingProxyType
 
 from irc.schedule import ObjectiveValue
 from irc.times import Number, exact, format_number
-from irc.validate.subject import Subject
-from irc.validate.verdict import Violations
+from irc.validation.subject import Subject
+from irc.validation.verdict import Violations
 
 _UNKNOWABLE = "changes"
 """How much a schedule differs from an earlier one: the entries alone do not say."""

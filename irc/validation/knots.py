@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 from irc.model import StateGoal
 from irc.model.base import StateValue
 from irc.times import Number
-from irc.validate.happenings import (
+from irc.validation.happenings import (
     Access,
     Edge,
     Edges,
@@ -27,15 +27,15 @@ from irc.validate.happenings import (
     Value,
     value_text,
 )
-from irc.validate.state_messages import (
+from irc.validation.state_messages import (
     add_broken,
     add_contradiction,
     add_unheld,
     add_unmet,
     add_unmet_goal,
 )
-from irc.validate.subject import Subject
-from irc.validate.verdict import Violations
+from irc.validation.subject import Subject
+from irc.validation.verdict import Violations
 
 
 class _Open(Enum):

@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 
 from irc.model import Use
-from irc.validate.subject import Subject
-from irc.validate.verdict import Violations
+from irc.validation.subject import Subject
+from irc.validation.verdict import Violations
 
 MAX_PARTIAL_CHOICES = 100_000
 """Choices among *different* amounts are a packing problem; beyond so many partial ones the

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from irc.model.base import StateValue
-from irc.validate.happenings import Access, Hold, Value, moment_text, value_text
-from irc.validate.verdict import Violations, listed
+from irc.validation.happenings import Access, Hold, Value, moment_text, value_text
+from irc.validation.verdict import Violations, listed
 
 
 def add_unmet(variable: str, access: Access, found: str, violations: Violations) -> None:

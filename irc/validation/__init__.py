@@ -2,8 +2,8 @@
 
 It knows the task and the schedule and nothing else: no solver, no compiled form, no re-timing. All
 arithmetic is exact. Cost is near linear in the size of both, but for two questions that are NP-hard
-and therefore bounded: ranks where none are given (`irc.validate.ranks`), and choices among
-different amounts (`irc.validate.choices`). Where a bound is reached the verdict says "undecided".
+and therefore bounded: ranks where none are given (`irc.validation.ranks`), and choices among
+different amounts (`irc.validation.choices`). Where a bound is reached the verdict says "undecided".
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from __future__ import annotations
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.times import TimeError
-from irc.validate.choices import check_choices
-from irc.validate.objectives import check_stated, objective_values
-from irc.validate.presence import check_presence
-from irc.validate.resources import check_capacity, check_reservoirs
-from irc.validate.state import check_goals, check_state
-from irc.validate.subject import InexactTimeError, UncheckedTaskError, resolve
-from irc.validate.timing import check_precedence, check_windows
-from irc.validate.verdict import RULES, SHOWN_PER_RULE, Verdict, Violation, Violations
+from irc.validation.choices import check_choices
+from irc.validation.objectives import check_stated, objective_values
+from irc.validation.presence import check_presence
+from irc.validation.resources import check_capacity, check_reservoirs
+from irc.validation.state import check_goals, check_state
+from irc.validation.subject import InexactTimeError, UncheckedTaskError, resolve
+from irc.validation.timing import check_precedence, check_windows
+from irc.validation.verdict import RULES, SHOWN_PER_RULE, Verdict, Violation, Violations
 
 __all__ = [
     "RULES",

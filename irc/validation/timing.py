@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from types import MappingProxyType
 
 from irc.times import Number, format_number
-from irc.validate.subject import Occurrence, Subject
-from irc.validate.verdict import Violations
+from irc.validation.subject import Occurrence, Subject
+from irc.validation.verdict import Violations
 
 AT_END = MappingProxyType(
     {

@@ -11,8 +11,8 @@ from operator import itemgetter
 
 from irc.model import Resource
 from irc.times import Number
-from irc.validate.subject import Occurrence, Subject, UncheckedTaskError
-from irc.validate.verdict import Violations, listed
+from irc.validation.subject import Occurrence, Subject, UncheckedTaskError
+from irc.validation.verdict import Violations, listed
 
 _Step = tuple[int, int, int]
 """The place of an instant in time, by how much something changes then, and the number of the
