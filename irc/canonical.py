@@ -71,12 +71,13 @@ def _as_written(node: Any) -> Any:
     return write_time(node)
 
 
-def _free_form(data: Any) -> Any:
+def _free_form(data: Any, *, ordered: bool = False) -> Any:
     """Metadata as JSON: a decimal is a number where a binary float's shortest text is equal."""
     if isinstance(data, dict):
-        return {key: _free_form(value) for key, value in data.items()}
+        keys = sorted(data) if ordered else data
+        return {key: _free_form(data[key], ordered=ordered) for key in keys}
     if isinstance(data, (list, tuple)):
-        return [_free_form(value) for value in data]
+        return [_free_form(value, ordered=ordered) for value in data]
     if isinstance(data, Decimal):
         short = float(data)
         return short if isfinite(short) and Decimal(repr(short)) == data else str(data)
@@ -93,7 +94,7 @@ def _object(node: Any, clock: Clock) -> dict[str, Any]:
     shown: dict[str, Any] = {}
     for name in sorted(node.model_fields_set):
         value, default = getattr(node, name), fields[name].default
-        if value == default or value in ((), {}):
+        if value == default or value == {}:
             continue
         written = _value(name, value, clock)
         default = list(default) if isinstance(default, tuple) else default
@@ -118,7 +119,7 @@ def _value(name: str, value: Any, clock: Clock) -> Any:
     if name == "origin":
         return value.isoformat()
     if isinstance(value, dict):
-        return _free_form(value)
+        return _free_form(value, ordered=True)
     return value if isinstance(value, bool) else _number(value, clock)
 
 

@@ -156,7 +156,7 @@ class Report:
                 )
             if offset is not None:
                 line, column = self.source.line_and_column(offset)
-                d = replace(d, line=line, column=column)
+                d = replace(d, line=line, column=column, offset=offset)
             placed.append(d)
         placed.sort(key=lambda d: (d.line or 0, d.column or 0, _ORDER[d.severity]))
         return Report(tuple(placed), self.source)
@@ -186,9 +186,9 @@ class Report:
 
 def _render(d: Diagnostic, source: Source | None) -> str:
     lines = [f"{d.severity}[{d.code.id}]: {d.message}"]
-    if source is not None and d.line is not None and d.column is not None:
+    if source is not None and d.offset is not None and d.column is not None:
         lines.append(f"  --> {source.name}:{d.line}:{d.column}")
-        excerpt, caret = _excerpt(source.line_text(d.line), d.column - 1)
+        excerpt, caret = _excerpt(source.line_at(d.offset), d.column - 1)
         number = str(d.line)
         lines += [f" {number} | {excerpt}", f" {' ' * len(number)} | {' ' * caret}^"]
     elif d.pointer:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 Pointer = tuple[str | int, ...]
 """A path into the document: keys and array indexes, as in RFC 6901."""
@@ -39,24 +37,21 @@ class Source:
     text: str
     locator: Locator | None = None
     _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False)
-
-    @cached_property
-    def _line_starts(self) -> list[int]:
-        starts, at = [0], self.text.find("\n")
-        while at >= 0:
-            starts.append(at + 1)
-            at = self.text.find("\n", at + 1)
-        return starts
+    _counted: list[int] = field(default_factory=lambda: [0, 0], repr=False)
 
     def line_and_column(self, offset: int) -> tuple[int, int]:
         """1-based line and column (in characters) of an offset."""
-        line = bisect_right(self._line_starts, offset)
-        return line, offset - self._line_starts[line - 1] + 1
+        counted, lines = self._counted
+        if offset < counted:
+            counted, lines = 0, 0
+        lines += self.text.count("\n", counted, offset)
+        self._counted[:] = [offset, lines]
+        return lines + 1, offset - self.text.rfind("\n", 0, offset)
 
-    def line_text(self, line: int) -> str:
-        """The text of a 1-based line, without its line end."""
-        start = self._line_starts[line - 1]
-        end = self.text.find("\n", start)
+    def line_at(self, offset: int) -> str:
+        """The text of the line an offset is in, without its line end."""
+        start = self.text.rfind("\n", 0, offset) + 1
+        end = self.text.find("\n", offset)
         return self.text[start : end if end >= 0 else len(self.text)].rstrip("\r")
 
     def locate(self, pointers: Iterable[Pointer]) -> Mapping[Pointer, Range | None]:

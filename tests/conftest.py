@@ -80,14 +80,16 @@ def shuffled() -> Callable[[Any, random.Random], Any]:
 
 
 def _shuffled(document: Any, rng: random.Random, key: str = "") -> Any:
+    free = key == "metadata"
     if isinstance(document, dict):
         members = [
-            (inner, _shuffled(value, rng, "" if key == "metadata" else inner))
+            (inner, _shuffled(value, rng, key if free else inner))
             for inner, value in document.items()
         ]
         return dict(rng.sample(members, len(members)))
     if not isinstance(document, list):
         return document
     # The items of an array stand under no key, so a pair such as ["a", "b"] stays as it is.
-    items = [_shuffled(item, rng) for item in document]
-    return items if key in ("", "objective", "events", "changes") else rng.sample(items, len(items))
+    items = [_shuffled(item, rng, key if free else "") for item in document]
+    ordered = free or key in ("", "objective", "events", "changes")
+    return items if ordered else rng.sample(items, len(items))

@@ -23,6 +23,9 @@ MAX_DEPTH = 64
 MAX_BYTES = 512 * 1024 * 1024
 """Larger inputs are refused before they are read into memory twice."""
 
+_LONGEST_SCANNED = 4_000_000
+"""In longer texts a syntax error gets the decoder's plain words: the scanner takes seconds."""
+
 _MAX_ATTEMPTS = 1000
 _BLANK = re.compile(r"\s*")
 _SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
@@ -247,6 +250,8 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
             hint='expected a task such as {"actions": [{"id": "a", "duration": 3}]}',
             offset=start,
         )
+    elif len(text) > _LONGEST_SCANNED and (error := _decoder_fault(text, start)):
+        findings.add(Code.SYNTAX, f"not valid JSON: {error.msg}", offset=error.pos)
     else:
         from irc.frontends.json_scan import scan
 
@@ -256,6 +261,17 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
         if not faults:
             findings.add(Code.SYNTAX, "the JSON document cannot be read", offset=start)
     return InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:
+    """Where the standard library stops reading, for texts too long to scan for a better word."""
+    try:
+        json.JSONDecoder().raw_decode(text, start)
+    except json.JSONDecodeError as error:
+        return error
+    except (ValueError, RecursionError):
+        return None
+    return None
 
 
 def _has_surrogate(content: Any) -> bool:

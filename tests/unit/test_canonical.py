@@ -10,7 +10,7 @@ from decimal import Decimal
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -22,7 +22,9 @@ from oracles.generators import documents, tasks
 Document = dict[str, Any]
 
 slow_to_draw = settings(
-    max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    max_examples=60,
+    phases=[Phase.generate],  # Whole documents take minutes to shrink.
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 
 EVERYTHING: Document = {
@@ -122,11 +124,11 @@ def small(**document: Any) -> str:
 
 
 @slow_to_draw
-@given(documents(), st.randoms(use_true_random=False))
+@given(documents(), st.integers())
 def test_order_of_arrays_and_keys_does_not_matter(
-    shuffled: Callable[[Document, random.Random], Document], document: Document, rng: random.Random
+    shuffled: Callable[[Document, random.Random], Document], document: Document, seed: int
 ) -> None:
-    assert hash_of(shuffled(document, rng)) == hash_of(document)
+    assert hash_of(shuffled(document, random.Random(seed))) == hash_of(document)
 
 
 def test_order_does_not_matter_in_a_task_with_everything(
@@ -160,11 +162,9 @@ def test_writing_a_task_down_keeps_its_hash(task: Task) -> None:
 
 @pytest.mark.parametrize(
     "duration",
-    [60, 60.0, Decimal("6E+1"), "60", "60.0", "120/2", "60 s", "1 min", "PT1M", "1/60 h"],
+    [60, 60.0, Decimal("6E+1"), "60", "60.0", "120/2", "60 s", "1 min", "PT1M"],
 )
 def test_equal_times_are_equal_however_they_are_written(duration: Any) -> None:
-    if duration == "1/60 h":
-        duration = "0.5 min 30 s"
     assert hash_of({"actions": [{"id": "a", "duration": duration}]}) == small()
 
 
@@ -212,6 +212,12 @@ def test_an_exact_repetition_counts_once() -> None:
         "groups": [{"id": "g", "actions": ["a", "b"]}],
     }
     assert small(**{key: value * 2 for key, value in parts.items()}) == small(**parts)
+
+
+@pytest.mark.parametrize("document", [{"actions": []}, {"groups": [{"id": "g", "actions": []}]}])
+def test_an_array_that_must_be_there_stays_though_it_is_empty(document: Document) -> None:
+    task = Task.model_validate({"actions": [], **document})
+    assert Task.model_validate(canonical_task(task)) == task
 
 
 def test_aliases_do_not_matter() -> None:
@@ -273,14 +279,16 @@ def others(value: Any) -> list[Any]:
     return [words.get(value, value + "x")]
 
 
-ONLY_ONE_VALUE = {
+ONLY_ONE_VALUE = [
     ("irc",),
-    *((("events", e, "changes", c, "op")) for e, c in ((0, 0), (0, 1), (1, 0))),
-}
+    *(("events", e, "changes", c, "op") for e, c in [(0, 0), (0, 1), (1, 0)]),
+]
 
 
 @pytest.mark.parametrize(
-    "path", set(leaves(EVERYTHING)) - ONLY_ONE_VALUE, ids=lambda path: "/".join(map(str, path))
+    "path",
+    [path for path in leaves(EVERYTHING) if path not in ONLY_ONE_VALUE],
+    ids=lambda path: "/".join(map(str, path)),
 )
 def test_every_value_of_a_task_counts(path: tuple[str | int, ...]) -> None:
     changed = []

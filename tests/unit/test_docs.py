@@ -22,6 +22,7 @@ from irc.diagnostics import Code
 from irc.features import Feature
 from irc.model import Event, Task
 from irc.model.base import Node
+from irc.model.lazy import Lazy, adapter
 
 ROOT = Path(__file__).resolve().parents[2]
 README = "README.md"
@@ -204,7 +205,13 @@ def nodes_below(model: type[Node]) -> set[type[Node]]:
         if isinstance(item, type) and issubclass(item, Node):
             if item not in found:
                 found.add(item)
-                waiting += [field.annotation for field in item.model_fields.values()]
+                for field in item.model_fields.values():
+                    waiting.append(field.annotation)
+                    waiting += [
+                        adapter(mark.module, mark.name)._type
+                        for mark in field.metadata
+                        if isinstance(mark, Lazy)
+                    ]
         else:
             waiting += getattr(item, "__args__", ())
     return found

@@ -156,6 +156,13 @@ def test_facts_operators_and_tokens_share_no_name() -> None:
     assert not set(facts) & set(operators(program))
 
 
+def test_a_pddl_name_reads_like_the_original() -> None:
+    names = ("Grill Chicken!", "crème brûlée", "3rd shift", "🤖")
+    assert named(irc.compile(chain(names), "pddl21")) == dict(
+        zip(("grill_chicken", "creme_brulee", "x3rd_shift", "x"), names, strict=True)
+    )
+
+
 def test_planners_read_every_name() -> None:
     kairos = pytest.importorskip("kairos")
     program = irc.compile(chain(NAMES), "pddl21")

@@ -113,7 +113,7 @@ def test_lines_and_columns_count_characters() -> None:
         ("é🤖", 7): (2, 9),
         ("nothing",): (1, 1),
     }
-    assert source.line_text(3) == "\t1,"
+    assert source.line_at(source.text.index("1,")) == "\t1,"
 
 
 def test_a_pointer_is_written_as_in_rfc_6901() -> None:
@@ -161,7 +161,8 @@ def agree(text: str, error: json.JSONDecodeError | None, found: Scan) -> bool:
     A text that ends too soon is told at its last character (within an escape: where its string
     begins), a comma too many at the comma, and a bad escape at its backslash.
     """
-    faults = [fault for fault in found.faults if fault.code is Code.SYNTAX]
+    # The standard library lets half a character pass; the scanner does not.
+    faults = [f for f in found.faults if f.code is Code.SYNTAX and "half a" not in f.message]
     if error is None or not faults:
         return error is None and not faults
     told = faults[0]

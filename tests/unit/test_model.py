@@ -9,20 +9,23 @@ from fractions import Fraction
 from typing import Any, get_args
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from pydantic import BaseModel, ValidationError
 
 from irc.canonical import written_task
-from irc.model import Action, Change, Event, Precedence, StateVariable, Task, events, parts
+from irc.model import Action, Change, Event, Precedence, StateVariable, Task, details, events, parts
 from irc.model import task as task_module
 from irc.model.base import Node
+from irc.model.lazy import Lazy, adapter
 from irc.schedule import dump_json
 from oracles.generators import documents, tasks
 
 Document = dict[str, Any]
 
 slow_to_draw = settings(
-    max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    max_examples=60,
+    phases=[Phase.generate],  # Whole documents take minutes to shrink.
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 
 
@@ -146,6 +149,11 @@ def test_an_alias_beside_its_own_name_is_refused(document: Document, message: st
 # --- nothing is ignored -------------------------------------------------------------------------
 
 
+def loaded(mark: object) -> Any:
+    """The type of a lazily typed field."""
+    return adapter(mark.module, mark.name)._type if isinstance(mark, Lazy) else None
+
+
 def models() -> list[type[BaseModel]]:
     """Every model of the IR, found by walking the fields from `Task` and `Event`."""
     found: dict[type[BaseModel], None] = {}
@@ -155,7 +163,8 @@ def models() -> list[type[BaseModel]]:
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             if kind not in found:
                 found[kind] = None
-                waiting += [field.annotation for field in kind.model_fields.values()]
+                for field in kind.model_fields.values():
+                    waiting += [field.annotation, *map(loaded, field.metadata)]
         else:
             waiting += get_args(kind)
     return list(found)
@@ -164,7 +173,7 @@ def models() -> list[type[BaseModel]]:
 def test_the_walk_over_the_models_finds_them_all() -> None:
     declared = {
         kind
-        for module in (parts, events, task_module)
+        for module in (parts, details, events, task_module)
         for kind in vars(module).values()
         if isinstance(kind, type) and issubclass(kind, Node) and kind is not Node
     }

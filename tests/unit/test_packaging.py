@@ -191,9 +191,6 @@ def test_solving_without_contention_loads_no_solver(tmp_path: Path) -> None:
     assert not loaded_after(script, tmp_path) & {*HEAVY, "lark", "typer", "rich"}
 
 
-@pytest.mark.xfail(
-    strict=True, reason="once irc.validate, the package, is imported it hides irc.validate()"
-)
 def test_public_names_stay_what_they_are_when_their_modules_are_loaded(tmp_path: Path) -> None:
     script = (
         "import irc\n"

@@ -21,17 +21,11 @@ def python_blocks(page: Path) -> list[tuple[int, str]]:
     return [(text.count("\n", 0, m.start(1)) + 1, m[1]) for m in BLOCK.finditer(text)]
 
 
-hidden_function = pytest.mark.xfail(
-    strict=True, reason="irc.validate, the package, hides irc.validate() once it is imported"
-)
-
-
 def pages_with_python() -> Iterator[Any]:
     for page in sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]):
         code = "".join(code for _, code in python_blocks(page))
         if code:
-            marks = [hidden_function] if "irc.validate(" in code else []
-            yield pytest.param(str(page.relative_to(ROOT)), marks=marks)
+            yield pytest.param(str(page.relative_to(ROOT)))
 
 
 @pytest.mark.parametrize("page", list(pages_with_python()))
@@ -43,7 +37,7 @@ def test_python_blocks_of_a_page_run_in_order(page: str, monkeypatch: pytest.Mon
         exec(compile("\n" * (line - 1) + code, page, "exec"), namespace)
 
 
-@pytest.mark.parametrize("module", ["irc", "irc.canonical", "irc.model.task", "irc.validate"])
+@pytest.mark.parametrize("module", ["irc", "irc.canonical", "irc.model.task", "irc.validation"])
 def test_examples_in_docstrings_say_what_happens(module: str) -> None:
     result = doctest.testmod(import_module(module))
     assert result.failed == 0

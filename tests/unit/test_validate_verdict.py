@@ -8,9 +8,9 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-import irc.validate
 import pytest
 
+import irc.validation
 from irc.model import Task
 from irc.schedule import Entry, ObjectiveValue, Schedule
 from irc.validation import SHOWN_PER_RULE, InexactTimeError, UncheckedTaskError, validate
@@ -260,8 +260,8 @@ def test_a_binary_float_is_refused() -> None:
 
 
 def test_the_validator_imports_nothing_it_should_be_independent_of() -> None:
-    allowed = {"irc.model", "irc.schedule", "irc.times", "irc.validate"}
-    for path in Path(irc.validate.__file__).parent.glob("*.py"):
+    allowed = {"irc.model", "irc.schedule", "irc.times", "irc.validation"}
+    for path in Path(irc.validation.__file__).parent.glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom):
