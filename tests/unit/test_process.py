@@ -330,9 +330,26 @@ def test_what_a_grandchild_prints_just_after_the_exit_is_kept(fake) -> None:
     assert result.stdout.endswith("0.000: (grill) [10.000]\n")
 
 
-def test_a_keyboard_interrupt_ends_the_child(fake) -> None:
+@pytest.fixture
+def ctrl_c() -> Iterator[Callable[[float], None]]:
+    """Presses Ctrl-C after some seconds, never after the test, whoever started the tests."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timers: list[threading.Timer] = []
+
+    def press(seconds: float) -> None:
+        timers.append(threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT)))
+        timers[-1].start()
+
+    yield press
+    for timer in timers:
+        timer.cancel()
+        timer.join()
+    signal.signal(signal.SIGINT, before)
+
+
+def test_a_keyboard_interrupt_ends_the_child(fake, ctrl_c) -> None:
     def press_ctrl_c(line: str) -> None:
-        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+        ctrl_c(0.1)
 
     begun = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
@@ -342,12 +359,12 @@ def test_a_keyboard_interrupt_ends_the_child(fake) -> None:
 
 @needs_proc
 @pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning")  # Ctrl-C may hit any line
-def test_a_second_keyboard_interrupt_shortens_only_the_grace(fake, monkeypatch) -> None:
+def test_a_second_keyboard_interrupt_shortens_only_the_grace(fake, monkeypatch, ctrl_c) -> None:
     monkeypatch.setattr(process, "GRACE_SECONDS", 20)
 
     def press_ctrl_c_twice(line: str) -> None:
         for seconds in (0.1, 0.3):
-            threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT)).start()
+            ctrl_c(seconds)
 
     begun = time.monotonic()
     with pytest.raises(KeyboardInterrupt):

@@ -1,0 +1,17 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (free_large_1)
+    (free_large_2)
+    (free_operator_1)
+    (free_small_1)
+    (todo_grill)
+    (todo_roast)
+    (todo_bake)
+    (todo_check))
+  (:goal (and
+    (done_grill)
+    (done_roast)
+    (done_bake)
+    (done_check)))
+  (:metric minimize (total-time)))

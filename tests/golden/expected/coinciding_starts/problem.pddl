@@ -1,0 +1,16 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (todo_keep_film_start_by_record_start)
+    (todo_keep_record_start_by_film_start)
+    (todo_keep_record_start_by_act_start)
+    (todo_keep_act_start_by_record_start)
+    (todo_act)
+    (todo_film)
+    (todo_record)
+    (at 10 (released_1)))
+  (:goal (and
+    (done_act)
+    (done_film)
+    (done_record)))
+  (:metric minimize (total-time)))

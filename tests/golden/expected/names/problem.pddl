@@ -1,0 +1,17 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (free_grill_1)
+    (free_grill_1_2)
+    (todo_not_2)
+    (todo_xdone_not)
+    (todo_step_1)
+    (todo_step_1_2)
+    (todo_x))
+  (:goal (and
+    (done_not_2)
+    (done_xdone_not)
+    (done_step_1)
+    (done_step_1_2)
+    (done_x)))
+  (:metric minimize (total-time)))

@@ -1,0 +1,41 @@
+(define (domain irc_task)
+  (:requirements :durative-actions)
+  (:predicates
+    (free_robot1_robot2_1)
+    (free_robot1_robot2_2)
+    (todo_carry)
+    (done_carry)
+    (todo_place)
+    (done_place)
+    (todo_fetch)
+    (done_fetch))
+  (:durative-action carry__robot1_robot2_1
+    :parameters ()
+    :duration (= ?duration 5)
+    :condition (and (at start (todo_carry)) (at start (free_robot1_robot2_1)))
+    :effect (and (at start (not (todo_carry))) (at start (not (free_robot1_robot2_1))) (at end (done_carry)) (at end (free_robot1_robot2_1))))
+  (:durative-action carry__robot1_robot2_2
+    :parameters ()
+    :duration (= ?duration 5)
+    :condition (and (at start (todo_carry)) (at start (free_robot1_robot2_2)))
+    :effect (and (at start (not (todo_carry))) (at start (not (free_robot1_robot2_2))) (at end (done_carry)) (at end (free_robot1_robot2_2))))
+  (:durative-action place__robot1_robot2_1
+    :parameters ()
+    :duration (= ?duration 4)
+    :condition (and (at start (todo_place)) (at start (free_robot1_robot2_1)))
+    :effect (and (at start (not (todo_place))) (at start (not (free_robot1_robot2_1))) (at end (done_place)) (at end (free_robot1_robot2_1))))
+  (:durative-action place__robot1_robot2_2
+    :parameters ()
+    :duration (= ?duration 4)
+    :condition (and (at start (todo_place)) (at start (free_robot1_robot2_2)))
+    :effect (and (at start (not (todo_place))) (at start (not (free_robot1_robot2_2))) (at end (done_place)) (at end (free_robot1_robot2_2))))
+  (:durative-action fetch__robot1_robot2_1
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_fetch)) (at start (free_robot1_robot2_1)))
+    :effect (and (at start (not (todo_fetch))) (at start (not (free_robot1_robot2_1))) (at end (done_fetch)) (at end (free_robot1_robot2_1))))
+  (:durative-action fetch__robot1_robot2_2
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_fetch)) (at start (free_robot1_robot2_2)))
+    :effect (and (at start (not (todo_fetch))) (at start (not (free_robot1_robot2_2))) (at end (done_fetch)) (at end (free_robot1_robot2_2)))))

@@ -1,0 +1,57 @@
+(define (domain irc_task)
+  (:requirements :durative-actions)
+  (:predicates
+    (free_board_1)
+    (free_board_2)
+    (free_board_3)
+    (todo_dice)
+    (done_dice)
+    (todo_slice)
+    (done_slice)
+    (todo_cut)
+    (done_cut))
+  (:durative-action dice__board_1
+    :parameters ()
+    :duration (= ?duration 5)
+    :condition (and (at start (todo_dice)) (at start (free_board_1)))
+    :effect (and (at start (not (todo_dice))) (at start (not (free_board_1))) (at end (done_dice)) (at end (free_board_1))))
+  (:durative-action dice__board_2
+    :parameters ()
+    :duration (= ?duration 5)
+    :condition (and (at start (todo_dice)) (at start (free_board_2)))
+    :effect (and (at start (not (todo_dice))) (at start (not (free_board_2))) (at end (done_dice)) (at end (free_board_2))))
+  (:durative-action dice__board_3
+    :parameters ()
+    :duration (= ?duration 5)
+    :condition (and (at start (todo_dice)) (at start (free_board_3)))
+    :effect (and (at start (not (todo_dice))) (at start (not (free_board_3))) (at end (done_dice)) (at end (free_board_3))))
+  (:durative-action slice__board_1__board_2
+    :parameters ()
+    :duration (= ?duration 4)
+    :condition (and (at start (todo_slice)) (at start (free_board_1)) (at start (free_board_2)))
+    :effect (and (at start (not (todo_slice))) (at start (not (free_board_1))) (at start (not (free_board_2))) (at end (done_slice)) (at end (free_board_1)) (at end (free_board_2))))
+  (:durative-action slice__board_1__board_3
+    :parameters ()
+    :duration (= ?duration 4)
+    :condition (and (at start (todo_slice)) (at start (free_board_1)) (at start (free_board_3)))
+    :effect (and (at start (not (todo_slice))) (at start (not (free_board_1))) (at start (not (free_board_3))) (at end (done_slice)) (at end (free_board_1)) (at end (free_board_3))))
+  (:durative-action slice__board_2__board_3
+    :parameters ()
+    :duration (= ?duration 4)
+    :condition (and (at start (todo_slice)) (at start (free_board_2)) (at start (free_board_3)))
+    :effect (and (at start (not (todo_slice))) (at start (not (free_board_2))) (at start (not (free_board_3))) (at end (done_slice)) (at end (free_board_2)) (at end (free_board_3))))
+  (:durative-action cut__board_1__board_2
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_cut)) (at start (free_board_1)) (at start (free_board_2)))
+    :effect (and (at start (not (todo_cut))) (at start (not (free_board_1))) (at start (not (free_board_2))) (at end (done_cut)) (at end (free_board_1)) (at end (free_board_2))))
+  (:durative-action cut__board_1__board_3
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_cut)) (at start (free_board_1)) (at start (free_board_3)))
+    :effect (and (at start (not (todo_cut))) (at start (not (free_board_1))) (at start (not (free_board_3))) (at end (done_cut)) (at end (free_board_1)) (at end (free_board_3))))
+  (:durative-action cut__board_2__board_3
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_cut)) (at start (free_board_2)) (at start (free_board_3)))
+    :effect (and (at start (not (todo_cut))) (at start (not (free_board_2))) (at start (not (free_board_3))) (at end (done_cut)) (at end (free_board_2)) (at end (free_board_3)))))

@@ -1,0 +1,26 @@
+(define (domain irc_task)
+  (:requirements :durative-actions :timed-initial-literals)
+  (:predicates
+    (released_6)
+    (free_lab_1)
+    (todo_mix)
+    (done_mix)
+    (todo_age)
+    (done_age)
+    (todo_test)
+    (done_test))
+  (:durative-action mix
+    :parameters ()
+    :duration (= ?duration 9)
+    :condition (and (at start (todo_mix)) (at start (free_lab_1)))
+    :effect (and (at start (not (todo_mix))) (at start (not (free_lab_1))) (at end (done_mix)) (at end (free_lab_1))))
+  (:durative-action age
+    :parameters ()
+    :duration (= ?duration 540)
+    :condition (and (at start (todo_age)) (at start (done_mix)))
+    :effect (and (at start (not (todo_age))) (at end (done_age))))
+  (:durative-action test
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_test)) (at start (released_6)) (at start (free_lab_1)))
+    :effect (and (at start (not (todo_test))) (at start (not (free_lab_1))) (at end (done_test)) (at end (free_lab_1)))))
