@@ -14,7 +14,7 @@ from hypothesis import seed as starting_at
 from hypothesis import strategies as st
 from ortools.sat.python import cp_model
 
-from irc.model import Action, DurationRange, Precedence, Task, events, parts
+from irc.model import Action, DurationRange, Precedence, Task, details, events, parts
 from irc.model.base import Node
 from oracles.brute_force import enough_time, longest_path, optimal_makespan, optimal_schedule
 from oracles.generators import (
@@ -660,5 +660,5 @@ def test_tasks_reach_every_field_of_the_ir() -> None:
 
 
 def nodes() -> Iterable[type[Node]]:
-    declared = [*vars(parts).values(), *vars(events).values(), Task]
+    declared = [*vars(parts).values(), *vars(details).values(), *vars(events).values(), Task]
     return (kind for kind in declared if isinstance(kind, type) and issubclass(kind, Node))
