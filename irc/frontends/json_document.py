@@ -26,6 +26,9 @@ MAX_BYTES = 512 * 1024 * 1024
 _LONGEST_SCANNED = 4_000_000
 """In longer texts a syntax error gets the decoder's plain words: the scanner takes seconds."""
 
+_SCANNED_OF_LONG = 500_000
+"""Of longer texts this much is scanned for other faults all the same."""
+
 _MAX_ATTEMPTS = 1000
 _BLANK = re.compile(r"\s*")
 _SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
@@ -236,6 +239,8 @@ def _note_surroundings(text: str, start: int, end: int, findings: Findings) -> N
 
 def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
     """What the scanner says about a text the decoder did not take."""
+    from irc.frontends.json_scan import scan
+
     if not text[start:].strip():
         findings.add(
             Code.SYNTAX,
@@ -251,10 +256,11 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
             offset=start,
         )
     elif len(text) > _LONGEST_SCANNED and (error := _decoder_fault(text, start)):
+        for found in scan(text[:_SCANNED_OF_LONG], start, max_depth=MAX_DEPTH).faults:
+            if found.offset < _SCANNED_OF_LONG - 1000:  # What follows is due to the cut.
+                findings.add(found.code, found.message, hint=found.hint, offset=found.offset)
         findings.add(Code.SYNTAX, f"not valid JSON: {error.msg}", offset=error.pos)
     else:
-        from irc.frontends.json_scan import scan
-
         faults = scan(text, start, max_depth=MAX_DEPTH).faults
         for fault in faults:
             findings.add(fault.code, fault.message, hint=fault.hint, offset=fault.offset)

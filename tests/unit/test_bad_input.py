@@ -150,7 +150,7 @@ SHAPE = [
     ),
     bad("no objective", '{"actions": [], "objective": []}', ("IRC103", 1, 30)),
     bad("empty id", '{"actions": [{"id": "", "duration": 1}]}', ("IRC103", 1, 21)),
-    bad("half a character", '{"actions": [{"id": "\\ud800", "duration": 1}]}', ("IRC103", 1, 21)),
+    bad("half a character", '{"actions": [{"id": "\\ud800", "duration": 1}]}', ("IRC002", 1, 21)),
     bad("10^400", action(f'"duration": 1{"0" * 400}'), ("IRC104", 2, 27), said="40 digits"),
     bad("1e400", action('"duration": 1e400'), ("IRC104", 2, 27), said="40 digits"),
     bad("1e-400", action('"duration": 1e-400'), ("IRC104", 2, 27)),
