@@ -329,6 +329,21 @@ NAMES = [
         says="there is no action 'c'",
     ),
     case(
+        actions(',\n "dependencies": [["a", "b"],\n {"predecessor": ‸"c", "successor": "a"}]'),
+        "IRC201 /precedence/1/before",
+        says="there is no action 'c'",
+    ),
+    case(
+        actions(',\n "precedence": [["a", "b"],\n [‸"c", "a"]]'),
+        "IRC201 /precedence/1/before",
+        says="there is no action 'c'",
+    ),
+    case(
+        actions(',\n "precedence": [{"before": "a", "after": "b", "lag": ‸"x"}]'),
+        "IRC104 /precedence/0/lag",
+        says="'lag': cannot read 'x' as a time",
+    ),
+    case(
         actions(',\n "precedence": [["a", "b"],\n ["a", ‸"c"]]'),
         "IRC201 /precedence/1/after",
         says="there is no action 'c'",

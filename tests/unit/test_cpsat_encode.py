@@ -140,6 +140,7 @@ LONG = {"duration": 6}
         # A range that may be empty makes room by being empty, on one of two robots too,
         ([{**OVEN, **LONG}, {**OVEN, **MAYBE}], 6),
         ([{**EITHER, **LONG}, {**EITHER, **LONG}, {**EITHER, **MAYBE}], 6),
+        ([{**EITHER, **LONG}, {**EITHER, **LONG}, {**EITHER, "duration": MAYBE["duration"]}], 6),
         ([{**power(2), **LONG}, {**power(2), **MAYBE}], 6),
         ([{**power(3), **LONG}, {**power(9), **MAYBE}], 6),
         # but not where it has a length.
@@ -151,7 +152,10 @@ def test_what_may_have_no_length_takes_no_room_when_it_has_none(
     actions: list[Document], makespan: int, help: bool
 ) -> None:
     problem = plain(task_of(*actions))
-    status, solver = solved(build_model(problem, bounds=help, hints=help).model)
+    model = build_model(problem, bounds=help, hints=help).model
+    hinted = set(model.proto.solution_hint.vars)
+    assert hinted in ({*range(len(model.proto.variables))}, set())
+    status, solver = solved(model)
     assert status == cp_model.OPTIMAL
     assert problem.to_units(round(solver.objective_value)) == makespan
 

@@ -308,6 +308,9 @@ def test_only_few_of_the_pairs_in_order_are_stated_and_the_others_follow() -> No
         everything = nx.DiGraph(
             (i, j) for i, j in sharing(problem, placed) if placed[i].end <= placed[j].start
         )
+        used = {r for resources in chosen for r in resources}
+        most = sum(problem.resources[r].capacity for r in used)
+        assert all(waits <= most for _, waits in stated.in_degree)
         assert set(nx.transitive_closure(stated).edges) == set(
             nx.transitive_closure(everything).edges
         )
@@ -328,6 +331,14 @@ def test_a_long_queue_on_one_resource_needs_one_arc_for_each_that_waits() -> Non
     decisions = [Decision(2 * i, 2 * i + 1) for i in range(n)]
     assert len(resource_orders(problem, decisions, [(0,)] * n, 0)) == n - 1
     assert max(p.end for p in retime(problem, decisions)) == n
+
+
+def test_who_came_before_the_one_before_is_not_waited_for() -> None:
+    lengths = [1, 1, 4, 2]
+    problem = problem_of(*({"duration": n} for n in lengths), capacity=2)
+    decisions = [Decision(0, 1), Decision(2, 3), Decision(0, 4), Decision(5, 7)]
+    orders = resource_orders(problem, decisions, [(0,)] * 4, 0)
+    assert sorted(orders) == [(0, 1), (1, 3), (2, 3)]
 
 
 def test_freed_capacity_can_be_taken_at_the_same_instant() -> None:
