@@ -83,6 +83,12 @@ def list_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | Non
     return (decisions, choices) if _keeps_windows(problem, decisions) else None
 
 
+def quick_makespan(problem: Problem) -> int | None:
+    """The makespan of the quick schedule, in ticks; None where the rule finds none."""
+    quick = list_schedule(problem)
+    return None if quick is None else max((int(d.end) for d in quick[0]), default=0)
+
+
 def _order(problem: Problem) -> list[int] | None:
     """Precedence-consistent, most urgent first; None where arcs form a cycle."""
     waiting = [0] * len(problem.activities)

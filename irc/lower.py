@@ -103,13 +103,12 @@ def _tick(task: Task, kept: Iterable[int], clock: Clock) -> tuple[ToTicks, Fract
                 continue
     if all(type(n) is int for n in numbers.values()):
         whole = gcd(*(int(n) for n in numbers.values())) or 1
-        tick = Fraction(whole)
-    else:
-        tick = common_tick(numbers.values())
-    ticks = {
-        value: int(number / tick) if tick != 1 else int(number) for value, number in numbers.items()
-    }
-    return ticks.__getitem__, tick
+        # Whole numbers all the way: dividing fractions would cost more than all the rest.
+        return {value: int(number) // whole for value, number in numbers.items()}.__getitem__, (
+            Fraction(whole)
+        )
+    tick = common_tick(numbers.values())
+    return {value: int(number / tick) for value, number in numbers.items()}.__getitem__, tick
 
 
 def _times(task: Task, kept: Iterable[int]) -> Iterator[Instant]:

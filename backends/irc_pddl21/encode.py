@@ -41,11 +41,8 @@ MAX_VARIANTS = 256
 _GREATEST_SCALE = 10_000
 
 
-class Point(NamedTuple):
-    """The start or the end of an activity."""
-
-    activity: int
-    is_end: bool
+Point = int
+"""The start (2i) or the end (2i + 1) of activity i."""
 
 
 class AtLeast(NamedTuple):
@@ -63,6 +60,9 @@ class Variant:
     resources: tuple[int, ...]
     tokens: tuple[str, ...]
     takes: tuple[tuple[str, int], ...]
+
+
+_ONLY_ONE = Variant((), (), ())
 
 
 @dataclass
@@ -146,7 +146,7 @@ class _Encoder:
         self.scale, self.slack = self._scale(epsilon)
         self.out = Grounded(self.encoding, self.scale, self.slack)
         self.begun: set[int] = set()
-        self.conditions: dict[Point, list[str]] = {}
+        self.conditions: list[list[str]] = [[] for _ in range(2 * len(order))]
 
     def _scale(self, epsilon: Fraction) -> tuple[int, int]:
         """Planner units per tick, and the slack of each constraint that bounds from above."""
@@ -183,22 +183,22 @@ class _Encoder:
 
     def _require(self, point: Point, fact: str) -> None:
         """Makes a fact a condition of the happening at a point."""
-        self.conditions.setdefault(point, []).append(fact)
+        self.conditions[point].append(fact)
 
     def _reached(self, point: Point) -> str:
         """The fact that says a point has passed."""
-        name = self.base[point.activity]
-        if point.is_end:
-            return f"done_{name}"
-        self.begun.add(point.activity)
-        return f"begun_{name}"
+        i, is_end = divmod(point, 2)
+        if is_end:
+            return f"done_{self.base[i]}"
+        self.begun.add(i)
+        return f"begun_{self.base[i]}"
 
     def _label(self, point: Point) -> str:
-        return self.base[point.activity] + ("" if point.is_end else "_start")
+        return self.base[point // 2] + ("" if point % 2 else "_start")
 
     def _describe(self, point: Point) -> str:
-        end = "end" if point.is_end else "start"
-        return f"the {end} of {self.problem.activities[point.activity].id!r}"
+        end = "end" if point % 2 else "start"
+        return f"the {end} of {self.problem.activities[point // 2].id!r}"
 
     def _precedence(self) -> None:
         for arc in self.fact_arcs:
@@ -252,9 +252,9 @@ class _Encoder:
         for i, activity in enumerate(self.problem.activities):
             release = max(activity.release, activity.start or 0)
             if release:
-                self._require(Point(i, False), self._released(release, opened))
+                self._require(2 * i, self._released(release, opened))
             if activity.start is not None:
-                self._require(Point(i, False), self._open_until(activity.start, closed))
+                self._require(2 * i, self._open_until(activity.start, closed))
             deadline = self.problem.effective_deadline(i)
             if deadline is not None:
                 self.over_all[i] = self._open_until(deadline, closed)
@@ -332,9 +332,9 @@ class _Encoder:
                 Operator(
                     name,
                     self._duration(activity),
-                    at_start=[todo, *self.conditions.get(Point(i, False), ()), *variant.tokens],
+                    at_start=[todo, *self.conditions[2 * i], *variant.tokens],
                     over_all=self._holding(i),
-                    at_end=self.conditions.get(Point(i, True), []),
+                    at_end=self.conditions[2 * i + 1],
                     start_deletes=[todo, *variant.tokens],
                     start_adds=begun,
                     end_adds=[done, *variant.tokens],
@@ -343,7 +343,7 @@ class _Encoder:
             )
             if activity.duration_max == 0 and i in self.over_all:
                 self.encoding.operators[-1].at_end = [
-                    *self.conditions.get(Point(i, True), []),
+                    *self.conditions[2 * i + 1],
                     self.over_all[i],
                 ]
             self.out.actions[name] = (i, variant.resources)
@@ -359,6 +359,9 @@ class _Encoder:
     def _variants(self, activity: Activity, counters: dict[int, str]) -> Iterator[Variant]:
         """Every choice of resources, and of each the tokens; claims on one resource add up."""
         claims = activity.claims
+        if not claims:
+            yield _ONLY_ONE
+            return
         for resources in product(*(claim.alternatives for claim in claims)):
             amounts: dict[int, int] = {}
             for claim, r in zip(claims, resources, strict=True):
@@ -401,7 +404,7 @@ def _sort_constraints(
     """
     facts, waits, envelopes = [], [], []
     for arc in problem.arcs:
-        frm, to = Point(arc.before, arc.from_end), Point(arc.after, arc.to_end)
+        frm, to = 2 * arc.before + arc.from_end, 2 * arc.after + arc.to_end
         directions = [AtLeast(frm, to, arc.min_lag)]
         if arc.max_lag is not None:
             directions.append(AtLeast(to, frm, -arc.max_lag))
@@ -429,18 +432,17 @@ def _coinciding(problem: Problem, facts: list[AtLeast], waits: list[AtLeast]) ->
     leaving: list[list[int]] = [[] for _ in range(2 * count)]
 
     def add(frm: Point, to: Point) -> None:
-        u, v = 2 * frm.activity + frm.is_end, 2 * to.activity + to.is_end
-        leaving[u].append(network.add(u, v, 0))
+        leaving[frm].append(network.add(frm, to, 0))
 
     for i in range(count):
-        add(Point(i, False), Point(i, True))
+        add(2 * i, 2 * i + 1)
     for i, activity in enumerate(problem.activities):
         if activity.duration_max == 0:
-            add(Point(i, True), Point(i, False))
+            add(2 * i + 1, 2 * i)
     for c in (*facts, *waits):
         add(c.frm, c.to)
     found: dict[Point, int] = {}
     for k, component in enumerate(components(network, leaving, range(2 * count))):
         if len({p // 2 for p in component}) > 1:
-            found.update({Point(p // 2, bool(p % 2)): k for p in component})
+            found.update(dict.fromkeys(component, k))
     return found

@@ -37,8 +37,9 @@ class NameTable:
 
     def new(self, text: str) -> str:
         """A free name that reads like `text`: letters, digits and "_", starting with a letter."""
-        plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
-        name = _OUTSIDE.sub("_", plain).strip("_")[:_LONGEST] or "x"
+        if not text.isascii():
+            text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+        name = _OUTSIDE.sub("_", text.lower()).strip("_")[:_LONGEST] or "x"
         if not name[0].isalpha() or name.startswith(_FACTS):
             name = f"x{name}"
         candidate, number = name, self._numbers.get(name, 1)

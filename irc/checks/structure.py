@@ -271,14 +271,10 @@ def _check_action(
         _check_uses(action.uses, (*at, "uses"), owner, names)
     if action.modes:
         _check_modes(action, at, names, times)
-    for field in ("consumes", "produces"):
-        for i, change in enumerate(getattr(action, field)):
-            pointer = (*at, field, i, "resource")
-            if names.require("resource", change.resource, pointer):
-                _require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
-    for field in ("conditions", "effects"):
-        for i, fact in enumerate(getattr(action, field)):
-            _check_value(fact.var, fact.value, (*at, field, i), names)
+    if action.consumes or action.produces:
+        _check_stock(action, at, names)
+    if action.conditions or action.effects:
+        _check_facts(action, at, names)
     if action.weight is not None and action.due is None:
         findings.add(
             Code.WITHOUT_EFFECT,
@@ -288,6 +284,20 @@ def _check_action(
         )
     if action.occurs != "once":
         _check_occurs(action, at, findings)
+
+
+def _check_stock(action: Action, at: Pointer, names: Names) -> None:
+    for field in ("consumes", "produces"):
+        for i, change in enumerate(getattr(action, field)):
+            pointer = (*at, field, i, "resource")
+            if names.require("resource", change.resource, pointer):
+                _require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
+
+
+def _check_facts(action: Action, at: Pointer, names: Names) -> None:
+    for field in ("conditions", "effects"):
+        for i, fact in enumerate(getattr(action, field)):
+            _check_value(fact.var, fact.value, (*at, field, i), names)
 
 
 def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> None:

@@ -14,10 +14,16 @@ def resource_bounds(problem: Problem) -> Problem:
     """Raises the bound by what resources say; without contention there is nothing to say."""
     if not problem.has_contention:
         return problem
-    from irc.passes.destructive import destructive_bound
+    from irc.list_schedule import quick_makespan
     from irc.passes.energy import energy_bound
 
-    return destructive_bound(energy_bound(problem))
+    problem = energy_bound(problem)
+    reached = quick_makespan(problem)
+    if reached == problem.bound.value:
+        return problem
+    from irc.passes.destructive import destructive_bound
+
+    return destructive_bound(problem, reached)
 
 
 Pass = Callable[[Problem], Problem]

@@ -53,8 +53,11 @@ DEPTH_LIMIT = 300
 """So many orders are assumed one inside the other at most."""
 
 
-def destructive_bound(problem: Problem) -> Problem:
+def destructive_bound(problem: Problem, reached: int | None = None) -> Problem:
     """Raises the bound to one more than the greatest makespan that could be refuted.
+
+    `reached` is the makespan of a schedule that is known, in ticks: nothing from there on can be
+    refuted, so nothing is tried.
 
     Deadlines and fixed starts count. Where even the task's deadline is refuted the bound becomes
     deadline + 1: there is no schedule. Where a task without a deadline has none (its actions'
@@ -71,9 +74,10 @@ def destructive_bound(problem: Problem) -> Problem:
     steps = min(MOST_STEPS, BASE_STEPS + STEPS_PER_ACTIVITY * len(problem.activities))
     refuter = _Refuter(model, steps)
     value, reason = problem.bound.value, ""
+    stands = model.limit + 1 if reached is None else min(reached, model.limit + 1)
     for depth in (0, DEPTH_LIMIT):
-        value, reason = _climb(value, reason, refuter, depth)
-        if value > model.limit:
+        value, reason = _climb(value, reason, refuter, depth, stands)
+        if value >= stands:
             break
     if value == problem.bound.value or (value > model.limit and problem.deadline is None):
         return problem
@@ -81,12 +85,12 @@ def destructive_bound(problem: Problem) -> Problem:
     return replace(problem, bound=Bound(value, f"a makespan of {last} {reason}"))
 
 
-def _climb(value: int, reason: str, refuter: _Refuter, depth: int) -> tuple[int, str]:
-    """One more than the greatest D refuted from `value` on, and why that D is.
+def _climb(value: int, reason: str, refuter: _Refuter, depth: int, stands: int) -> tuple[int, str]:
+    """One more than the greatest D refuted from `value` on (below `stands`), and why that D is.
 
     `value` first, then steps that double, then bisection: few trials where times are long.
     """
-    refuted, stands, step = value - 1, refuter.model.limit + 1, 1
+    refuted, step = value - 1, 1
     while stands - refuted > 1:
         tried = min(refuted + step, (refuted + stands) // 2)
         why = refuter.refute(tried, depth)
