@@ -4,7 +4,9 @@
 
 Random job shops, half of them with robots to choose; those are kept that the model written by
 hand proves within the time window with one worker. Each (task, seed) is timed in turn: by hand,
-through irc with bounds and hints off, through irc as it is. Printed are geometric means.
+through irc with bounds and hints off, through irc as it is. Printed are geometric means, of the
+process's own CPU time (one worker, in this process; other work on the machine does not count) and
+of wall-clock time.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import math
 import random
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from ortools.sat.python import cp_model
@@ -114,11 +117,20 @@ def through_irc(task: Task, seed: int, limit: float, helped: bool) -> tuple[bool
     return schedule.status is Status.OPTIMAL, int(schedule.makespan)
 
 
-def timed(call: Callable[[], tuple[bool, int]]) -> tuple[float, bool, int]:
-    """Seconds of wall-clock time, and the call's answer."""
-    began = time.perf_counter()
-    proven, makespan = call()
-    return time.perf_counter() - began, proven, makespan
+@dataclass(frozen=True)
+class Run:
+    """Seconds of CPU and of wall-clock time, and what the call answered."""
+
+    cpu: float
+    wall: float
+    answer: tuple[bool, int]
+
+
+def timed(call: Callable[[], tuple[bool, int]]) -> Run:
+    """Runs and times a call."""
+    cpu, wall = time.process_time(), time.perf_counter()
+    answer = call()
+    return Run(time.process_time() - cpu, time.perf_counter() - wall, answer)
 
 
 def mean(ratios: list[float]) -> float:
@@ -135,34 +147,46 @@ def main() -> None:
     parser.add_argument("--most", type=float, default=60.0, help="seconds by hand, at most")
     parser.add_argument("--first", type=int, default=0, help="first candidate task")
     options = parser.parse_args()
-    plain, helped, kept, number = [], [], 0, options.first - 1
+    rows: list[tuple[Run, Run, Run]] = []
+    kept, number = 0, options.first - 1
     while kept < options.tasks:
         number += 1
         task = job_shop(number)
-        seconds, proven, _ = timed(partial(by_hand, task, 0, options.most))
-        if not proven or seconds < options.least:
+        probe = timed(partial(by_hand, task, 0, options.most))
+        if not probe.answer[0] or probe.cpu < options.least:
             continue
         kept += 1
-        rows = []
+        limit = 4 * options.most
+        runs = []
         for seed in range(options.seeds):
-            limit = 4 * options.most
             hand = timed(partial(by_hand, task, seed, limit))
             off = timed(partial(through_irc, task, seed, limit, False))
             on = timed(partial(through_irc, task, seed, limit, True))
-            if not (hand[1:] == off[1:] == on[1:]):
-                print(f"task {number} seed {seed}: answers differ {hand} {off} {on}")
-            rows.append((hand[0], off[0] / hand[0], on[0] / hand[0]))
-        plain += [r[1] for r in rows]
-        helped += [r[2] for r in rows]
+            if not hand.answer == off.answer == on.answer:
+                print(f"task {number} seed {seed}: answers differ: {hand}, {off}, {on}")
+            runs.append((hand, off, on))
+        rows += runs
         print(
             f"task {number}: {len(task.actions)} actions, "
-            f"by hand {mean([r[0] for r in rows]):.2f} s, "
-            f"irc plain × {mean([r[1] for r in rows]):.2f}, "
-            f"irc × {mean([r[2] for r in rows]):.2f}",
+            f"by hand {mean([hand.cpu for hand, _, _ in runs]):.2f} s, {ratios(runs)}",
             flush=True,
         )
     print(f"{kept} tasks × {options.seeds} seeds, one worker, ratio to the model by hand:")
-    print(f"bounds and hints off: {mean(plain):.3f}; on: {mean(helped):.3f}")
+    print(ratios(rows))
+
+
+def ratios(rows: list[tuple[Run, Run, Run]]) -> str:
+    """Both ways through irc against the model by hand, geometric means."""
+    means = {
+        clock: [
+            mean([getattr(row[k], clock) / getattr(row[0], clock) for row in rows]) for k in (1, 2)
+        ]
+        for clock in ("cpu", "wall")
+    }
+    return "; ".join(
+        f"{clock}: bounds and hints off × {off:.3f}, on × {on:.3f}"
+        for clock, (off, on) in means.items()
+    )
 
 
 if __name__ == "__main__":

@@ -303,15 +303,23 @@ class Optic(Planner):
         return [*found, *first, str(job.domain), str(job.problem_file)]
 
     def refuse(self, problem: Problem, scale: int) -> None:
-        """OPTIC's 32-bit milliseconds must hold at least the shortest conceivable schedule."""
+        """OPTIC's 32-bit milliseconds must hold the shortest conceivable schedule, and each number
+        in the files.
+        """
         needed = problem.bound.value * scale + 2 * len(problem.activities) * EPSILON
-        longest = max((a.duration_min for a in problem.activities), default=0) * scale
-        if needed > OPTIC_LARGEST or longest > OPTIC_LARGEST:
-            raise Refusal(
-                f"the schedule takes at least {problem.bound.value * scale} planner time units, "
-                f"but OPTIC's clock ends at {float(OPTIC_LARGEST)}",
-                hint="use --engine kairos, or target 'cpsat'",
-            )
+        if needed > OPTIC_LARGEST:
+            raise _beyond_optic("the schedule takes at least", problem.bound.value * scale)
+        written = [a.duration_min for a in problem.activities]
+        written += [d for i in range(len(written)) if (d := problem.effective_deadline(i))]
+        if max(written, default=0) * scale > OPTIC_LARGEST:
+            raise _beyond_optic("the task has times of up to", max(written) * scale)
+
+
+def _beyond_optic(what: str, units: int) -> Refusal:
+    return Refusal(
+        f"{what} {units} planner time units, but OPTIC's clock ends at {float(OPTIC_LARGEST)}",
+        hint="use --engine kairos, or target 'cpsat'",
+    )
 
 
 class Kairos(Planner):

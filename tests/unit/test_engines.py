@@ -341,6 +341,13 @@ def test_what_optics_clock_cannot_hold_is_refused_before_it_starts(optic) -> Non
     assert not started.exists()
 
 
+def test_a_deadline_beyond_optics_clock_is_refused_before_it_starts(optic) -> None:
+    started = optic(POOR, "exits")
+    with pytest.raises(irc.InputError, match="the task has times of up to"):
+        irc.solve({**TASK, "deadline": 2_147_484}, "pddl21", engine="optic", time_limit=20)
+    assert not started.exists()
+
+
 def test_what_fits_optics_clock_once_divided_by_the_tick_is_not_refused(optic) -> None:
     started = optic("", "exits")
     whole_days = {
