@@ -8,7 +8,8 @@ from fractions import Fraction
 from math import gcd
 
 from irc.model import Action, DurationRange, Precedence, Task, Use
-from irc.problem import Activity, Arc, Claim, Problem, Renewable, Requirement, Shared
+from irc.problem import Activity, Arc, Claim, Problem, Renewable, Requirement, Shared, Window
+from irc.source import Pointer
 from irc.times import Clock, Instant, Number, TimeError, common_tick
 
 _FROM_END = {"finish-start", "finish-finish"}
@@ -20,31 +21,22 @@ ToTicks = Callable[[Instant], int]
 
 
 def lower(task: Task) -> Problem:
-    """The part of a task that every schedule contains, as integers.
+    """The whole task as integers.
 
-    That is the whole task where it has only "once" actions, no state, no stock and no calendars;
-    of other tasks it is a relaxation (what holds of it holds of every valid schedule), which is
-    what the checks look at. Elements that refer to nothing are left out: the structural checks
-    have told of them.
+    Elements that refer to nothing, and actions whose durations make no sense, are left out: the
+    structural checks have told of them.
     """
     clock = task.clock
-    unsure = {name for group in task.groups if not group.required for name in group.actions}
-    actions = {
-        a.id: i
-        for i, a in reversed(list(enumerate(task.actions)))
-        if a.id not in unsure and _is_sure(a, clock)
-    }
+    actions = {a.id: i for i, a in reversed(list(enumerate(task.actions))) if _has_sense(a, clock)}
     to_ticks, tick = _tick(task, actions.values(), clock)
     ids = sorted(actions, key=natural_order)
+    index = {name: k for k, name in enumerate(ids)}
     resources = {r.id: i for i, r in reversed(list(enumerate(task.resources)))}
     renewable = (r for r in resources if task.resources[resources[r]].kind == "renewable")
     resource_ids = sorted(renewable, key=natural_order)
     resource_index = {name: k for k, name in enumerate(resource_ids)}
-    renewables = tuple(
-        Renewable(name, _greatest_capacity(task, resources[name]), ("resources", resources[name]))
-        for name in resource_ids
-    )
-    return Problem(
+    renewables = tuple(_renewable(task, resources[name], to_ticks) for name in resource_ids)
+    problem = Problem(
         name=task.name,
         time_unit=task.time_unit,
         tick=tick,
@@ -53,9 +45,38 @@ def lower(task: Task) -> Problem:
             for name in ids
         ),
         resources=renewables,
-        shared=tuple(Shared(r.id, r.capacity, (k,)) for k, r in enumerate(renewables)),
-        arcs=_arcs(task, {name: k for k, name in enumerate(ids)}, to_ticks),
-        deadline=None if task.deadline is None else _ticks_or_none(task.deadline, to_ticks),
+        shared=tuple(_shared(r, k) for k, r in enumerate(renewables)),
+        arcs=_arcs(task, index, to_ticks),
+        deadline=None if task.deadline is None else ticks_or_none(task.deadline, to_ticks),
+    )
+    if _is_rich(task):
+        from irc.lower_choices import add_choices
+
+        problem = add_choices(problem, task, index, to_ticks)
+    return problem
+
+
+def _is_rich(task: Task) -> bool:
+    """Whether a task has more than activities that occur once, resources and precedence."""
+    return bool(
+        task.state
+        or task.groups
+        or task.goals
+        or task.objective != ("minimize_makespan",)
+        or any(r.kind == "reservoir" for r in task.resources)
+        or any(_is_rich_action(a) for a in task.actions)
+    )
+
+
+def _is_rich_action(action: Action) -> bool:
+    return bool(
+        action.modes
+        or action.occurs != "once"
+        or action.consumes
+        or action.produces
+        or action.due is not None
+        or action.reward
+        or action.cost
     )
 
 
@@ -65,16 +86,31 @@ def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
     return [(int(p), "") if k % 2 else (-1, p) for k, p in enumerate(parts)], name
 
 
-def _greatest_capacity(task: Task, index: int) -> int:
+def _renewable(task: Task, index: int, to_ticks: ToTicks) -> Renewable:
     resource = task.resources[index]
-    return max((resource.capacity, *(w.capacity for w in resource.availability)))
+    at: Pointer = ("resources", index)
+    if not resource.availability:
+        return Renewable(resource.id, resource.capacity, at)
+    windows = set()
+    for window in resource.availability:
+        start, end = ticks_or_none(window.from_, to_ticks), ticks_or_none(window.to, to_ticks)
+        if start is not None and end is not None and start < end:
+            windows.add(Window(start, end, window.capacity))
+    return Renewable(resource.id, resource.capacity, at, tuple(sorted(windows)))
 
 
-def _is_sure(action: Action, clock: Clock) -> bool:
-    """Whether every schedule contains the action exactly once, with durations that make sense."""
-    if type(action.duration) is int and not action.modes and action.occurs == "once":
+def _shared(resource: Renewable, k: int) -> Shared:
+    if not resource.windows:
+        return Shared(resource.id, resource.capacity, (k,))
+    greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
+    return Shared(resource.id, greatest, (k,), resource.capacity, resource.windows)
+
+
+def _has_sense(action: Action, clock: Clock) -> bool:
+    """Whether the action has durations, none negative, no range empty."""
+    if type(action.duration) is int and not action.modes:
         return action.duration >= 0
-    if action.occurrence_bounds != (1, 1) or not (action.duration is not None or action.modes):
+    if action.duration is None and not action.modes:
         return False
     try:
         return all(0 <= lo <= hi for lo, hi in _duration_numbers(action, clock))
@@ -129,13 +165,24 @@ def _times(task: Task, kept: Iterable[int]) -> Iterator[Instant]:
             yield action.deadline
         if action.start is not None:
             yield action.start
+        if action.due is not None:
+            yield action.due
+    for group in task.groups:
+        if group.deadline is not None:
+            yield group.deadline
+        if group.due is not None:
+            yield group.due
+    for resource in task.resources:
+        for window in resource.availability:
+            yield window.from_
+            yield window.to
     for edge in task.precedence:
         yield edge.min_lag
         if edge.max_lag is not None:
             yield edge.max_lag
 
 
-def _ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
+def ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
     """None for a date-time without meaning here or a time before 0; the checks have told of it."""
     try:
         ticks = to_ticks(value)
@@ -149,32 +196,32 @@ def _activity(
 ) -> Activity:
     duration = action.duration
     if action.modes:
-        spans = [_span(m.duration, to_ticks) for m in action.modes]
+        spans = [span(m.duration, to_ticks) for m in action.modes]
         shortest, longest = min(s[0] for s in spans), max(s[1] for s in spans)
     else:
-        shortest, longest = _span(duration, to_ticks)
-    uses = _requirements(action.uses, resource_index) if action.uses else ()
+        shortest, longest = span(duration, to_ticks)
+    uses = requirements(action.uses, resource_index) if action.uses else ()
     return Activity(
         id=action.id,
         duration_min=shortest,
         duration_max=longest,
-        release=_ticks_or_none(action.release, to_ticks) or 0,
-        deadline=None if action.deadline is None else _ticks_or_none(action.deadline, to_ticks),
-        start=None if action.start is None else _ticks_or_none(action.start, to_ticks),
+        release=ticks_or_none(action.release, to_ticks) or 0,
+        deadline=None if action.deadline is None else ticks_or_none(action.deadline, to_ticks),
+        start=None if action.start is None else ticks_or_none(action.start, to_ticks),
         uses=uses,
-        claims=_claims(uses) if longest else (),
+        claims=claims_of(uses) if longest else (),
         origin=("actions", index),
     )
 
 
-def _span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:
+def span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:
     if isinstance(duration, DurationRange):
         return to_ticks(duration.min), to_ticks(duration.max)
     ticks = to_ticks(duration)  # type: ignore[arg-type]
     return ticks, ticks
 
 
-def _requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple[Requirement, ...]:
+def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple[Requirement, ...]:
     requirements = [
         Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount)
         for use in uses
@@ -183,7 +230,7 @@ def _requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tupl
     return tuple(sorted(requirements))
 
 
-def _claims(uses: tuple[Requirement, ...]) -> tuple[Claim, ...]:
+def claims_of(uses: tuple[Requirement, ...]) -> tuple[Claim, ...]:
     """Every use is open at first. (A zero duration uses nothing, so it claims nothing.)"""
     return tuple(Claim(k, use.alternatives, use.amount) for k, use in enumerate(uses))
 

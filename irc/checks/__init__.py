@@ -10,6 +10,7 @@ from irc.checks.temporal import check_temporal
 from irc.diagnostics import Diagnostic, Findings, Report
 from irc.lower import lower
 from irc.model import Task
+from irc.passes.mandatory import mandatory_part
 from irc.problem import Problem
 
 
@@ -30,9 +31,11 @@ def run_checks(task: Task, earlier: Iterable[Diagnostic] = (), *, lint: bool = T
     findings = Findings(list(earlier))
     check_structure(task, findings)
     problem = lower(task)
-    check_temporal(problem, findings)
+    # What cannot hold of the part that every schedule contains cannot hold at all.
+    core = mandatory_part(problem)
+    check_temporal(core, findings)
     if lint:
         from irc.checks.lint import check_lint
 
-        check_lint(task, problem, findings)
+        check_lint(task, core, findings)
     return Checked(task, problem, Report(tuple(findings.items), task.source))

@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
+from irc.passes.mandatory import mandatory_part
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
+
+
+def order_from_state(problem: Problem) -> Problem:
+    """See `irc.passes.state_order`, which only tasks with state load."""
+    if not problem.variables:
+        return problem
+    from irc.passes import state_order
+
+    return state_order.order_from_state(problem)
 
 
 def resource_bounds(problem: Problem) -> Problem:
     """Raises the bound by what resources say; without contention there is nothing to say."""
     if not problem.has_contention:
         return problem
+    core = mandatory_part(problem)
+    if core is not problem:
+        return replace(problem, bound=resource_bounds(heads_and_tails(core)).bound)
     from irc.list_schedule import quick_makespan
     from irc.passes.energy import energy_bound
 
@@ -29,6 +43,7 @@ def resource_bounds(problem: Problem) -> Problem:
 Pass = Callable[[Problem], Problem]
 
 PASSES: tuple[Pass, ...] = (
+    order_from_state,
     reduce_transitively,
     merge_pools,
     drop_uncontended,

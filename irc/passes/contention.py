@@ -20,7 +20,8 @@ def merge_pools(problem: Problem) -> Problem:
     for activity in problem.activities:
         for claim in activity.claims:
             key = claim.alternatives
-            pools[key] = pools.get(key, True) and claim.amount == 1
+            alike = claim.amount == 1 and not any(problem.shared[r].windows for r in key)
+            pools[key] = pools.get(key, True) and alike
             for r in key:
                 if owner.setdefault(r, key) != key:
                     pools[key] = pools[owner[r]] = False
@@ -64,7 +65,9 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 
 
 def drop_uncontended(problem: Problem) -> Problem:
-    """Drops claims on resources that have enough even if everything ran at once.
+    """Drops claims on resources that have enough, always, even if everything ran at once.
+
+    (Occurrences of one action never overlap: they count once, as do its modes together.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
     settled choice relieves the other alternatives.
@@ -77,7 +80,7 @@ def drop_uncontended(problem: Problem) -> Problem:
             for claim in activity.claims:
                 for r in claim.alternatives:
                     load[r] += claim.amount
-        enough = {r for r, amount in load.items() if amount <= problem.shared[r].capacity}
+        enough = {r for r, amount in load.items() if amount <= problem.shared[r].least_capacity}
         if not enough:
             break
         for i, activity in enumerate(activities):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irc.network import earliest
+from irc.passes.mandatory import mandatory_part, mandatory_places
 from irc.problem import Bound, Problem
 from irc.timing import timing_network
 
@@ -12,8 +13,13 @@ from irc.timing import timing_network
 def heads_and_tails(problem: Problem) -> Problem:
     """Fills `heads` and `tails`, and raises the bound to the critical path.
 
+    Only what every schedule contains counts. Heads of the others are their releases.
+
     Raises `ValueError` where the network has a contradiction; the checks tell of it before.
     """
+    core = mandatory_part(problem)
+    if core is not problem:
+        return _of_core(problem, heads_and_tails(core))
     timing = timing_network(problem)
     points, network = timing.points, timing.network
     forward = earliest(network, timing.floors)
@@ -34,4 +40,19 @@ def heads_and_tails(problem: Problem) -> Problem:
             backward.t[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
         ),
         bound=bound,
+    )
+
+
+def _of_core(problem: Problem, core: Problem) -> Problem:
+    places = mandatory_places(problem)
+    return replace(
+        problem,
+        heads=tuple(
+            core.heads[places[i]] if i in places else max(a.release, a.start or 0)
+            for i, a in enumerate(problem.activities)
+        ),
+        tails=tuple(
+            core.tails[places[i]] if i in places else 0 for i in range(len(problem.activities))
+        ),
+        bound=core.bound,
     )

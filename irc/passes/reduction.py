@@ -1,8 +1,8 @@
 """Transitive reduction: plain precedences that follow from others.
 
 Only finish-start arcs without lags are judged: such an arc a → c follows when another path of
-finish-start arcs with lags of at least 0 leads from a to c. Every activity of a `Problem` is
-present in every schedule, so no path goes through an action that may be absent.
+finish-start arcs with lags of at least 0 leads from a to c, through activities that are present
+in every schedule.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ def _by_reachability(problem: Problem, successors: Successors, order: list[int])
             bit = 1 << v
             if reached & bit and _plain(problem.arcs[k]):
                 redundant.append(k)
-            reached |= bit | reach[v]
+            # A path through what may be absent orders nothing.
+            reached |= bit if problem.activities[v].details.optional else bit | reach[v]
         reach[u] = reached
     return sorted(redundant)
 
@@ -79,7 +80,13 @@ def _by_one_step(problem: Problem, successors: Successors) -> list[int]:
         budget -= len(direct) * len(direct)
         if budget < 0:
             break
-        behind = frozenset().union(*(following[v] for v in direct if following[v] & direct))
+        behind = frozenset().union(
+            *(
+                following[v]
+                for v in direct
+                if following[v] & direct and not problem.activities[v].details.optional
+            )
+        )
         redundant += [k for v, k in successors[u] if v in behind and _plain(problem.arcs[k])]
     return sorted(redundant)
 

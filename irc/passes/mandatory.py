@@ -1,0 +1,87 @@
+"""What every schedule of a problem contains: the part that bounds and checks can count on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irc.problem import PLAIN, Activity, Arc, Problem
+
+
+def mandatory_part(problem: Problem) -> Problem:
+    """A relaxation with plain activities only: what holds of it holds of every valid schedule.
+
+    Optional activities, state, stock, modes (their shortest and longest duration remain) and
+    windows (their greatest capacity remains) are left out. The problem itself where it has none
+    of them. Activities keep their order; of repeated ones the occurrences that must be there
+    stay, one after the other.
+    """
+    if problem.is_plain and not any(r.windows for r in problem.resources):
+        return problem
+    places: dict[int, int] = {}
+    activities: list[Activity] = []
+    chains: list[Arc] = []
+    for i, activity in enumerate(problem.activities):
+        for k in range(_least(activity)):
+            if k:
+                chains.append(Arc(len(activities) - 1, len(activities), origin=-1))
+            else:
+                places[i] = len(activities)
+            activities.append(_plain(activity))
+    return replace(
+        problem,
+        activities=tuple(activities),
+        resources=tuple(
+            replace(r, capacity=max((r.capacity, *(w.capacity for w in r.windows))), windows=())
+            for r in problem.resources
+        ),
+        shared=tuple(replace(s, base=None, windows=()) for s in problem.shared),
+        arcs=(
+            *(
+                arc._replace(before=places[arc.before], after=places[arc.after])
+                for arc in problem.arcs
+                if arc.before in places and arc.after in places
+            ),
+            *chains,
+        ),
+        settled={},
+        heads=(),
+        tails=(),
+        reservoirs=(),
+        variables=(),
+        groups=(),
+        goals=(),
+        wanted=(),
+        sequel=(),
+    )
+
+
+MOST_REPEATED = 1_000
+"""So many occurrences of one action are counted at most; more must not cost more."""
+
+
+def _least(activity: Activity) -> int:
+    if activity.details.repeats is not None:
+        return min(activity.details.repeats[0], MOST_REPEATED)
+    return 0 if activity.details.optional else 1
+
+
+def _plain(activity: Activity) -> Activity:
+    details = activity.details
+    if details is PLAIN:
+        return activity
+    own = [u for k, u in enumerate(activity.uses) if details.use_mode(k) is None]
+    claims = tuple(c for c in activity.claims if details.use_mode(c.use) is None)
+    # (Its own uses come first, so the claims still point to them.)
+    return replace(activity, uses=tuple(own), claims=claims, details=PLAIN)
+
+
+def mandatory_places(problem: Problem) -> dict[int, int]:
+    """Where each activity's (first) occurrence stands in the mandatory part."""
+    places: dict[int, int] = {}
+    size = 0
+    for i, activity in enumerate(problem.activities):
+        least = _least(activity)
+        if least:
+            places[i] = size
+        size += least
+    return places

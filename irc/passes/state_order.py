@@ -1,0 +1,233 @@
+"""State that only says what comes after what becomes precedence.
+
+Where each value of a variable comes from one place and the changes follow from each other, its
+conditions and effects order activities: "cut" gives what "fry" needs, so "fry" starts after "cut"
+has ended. Solvers are far better at precedence than at state.
+
+Ranks stay possible. The orders taken are of the type finish-start alone, and together with the
+problem's own arcs (then finish-start too, without negative lags) they have no cycle: ranks that
+grow along them satisfy every order and every interference at once, whatever the times
+(design, section 3, rule 6).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from irc.problem import PLAIN, Activity, Arc, Problem
+
+ACTIVITY_LIMIT = 4_000
+"""Reachability is kept in bit sets of this size at most (size²/8 bytes)."""
+
+
+def order_from_state(problem: Problem) -> Problem:
+    """The problem without the variables whose changes follow from each other, and with arcs
+    (and `sequel`) in their place."""
+    if not problem.variables or len(problem.activities) > ACTIVITY_LIMIT:
+        return problem
+    if not all(a.from_end and not a.to_end and a.min_lag >= 0 for a in problem.arcs):
+        return problem
+    order = _Order(problem)
+    if not order.is_acyclic():
+        return problem
+    gone: set[int] = set()
+    for v in range(len(problem.variables)):
+        pairs = _orders(problem, v, order)
+        if pairs is not None and order.with_pairs(pairs):
+            gone.add(v)
+    return _without(problem, gone, order.added) if gone else problem
+
+
+@dataclass(frozen=True, slots=True)
+class _Touch:
+    """A condition on a variable, or an effect: whose, which value, at which point."""
+
+    activity: int
+    value: int
+    at: str
+
+
+def _orders(problem: Problem, v: int, order: _Order) -> set[tuple[int, int]] | None:
+    """(a, b): a ends before b starts; all that the variable demands. None where it says more."""
+    effects, conditions = _touches(problem, v)
+    touching = {t.activity for t in (*effects, *conditions)}
+    if not _same_presence(problem, touching):
+        return None
+    if any(e.at == "start" for e in effects):
+        return None
+    if len({e.activity for e in effects}) < len(effects):
+        return None
+    if {t.activity for t in conditions} - {t.activity for t in conditions if t.at != "end"}:
+        return None  # Needed only when it ends, a value may be given while the reader runs.
+    initial = problem.variables[v].initial
+    given = [initial, *(e.value for e in effects)]
+    if len(set(given)) < len(given):
+        return None
+    source: dict[int, int | None] = {e.value: e.activity for e in effects}
+    source[initial] = None
+    line = _line(effects, conditions, source)
+    if line is None:
+        return None
+    return _pairs(problem, v, line, conditions, source)
+
+
+def _touches(problem: Problem, v: int) -> tuple[list[_Touch], list[_Touch]]:
+    effects: list[_Touch] = []
+    conditions: list[_Touch] = []
+    for i, activity in enumerate(problem.activities):
+        details = activity.details
+        effects += [
+            _Touch(i, e.value, "end" if e.at_end else "start")
+            for e in details.effects
+            if e.var == v
+        ]
+        conditions += [_Touch(i, c.value, c.at) for c in details.conditions if c.var == v]
+    return effects, conditions
+
+
+def _same_presence(problem: Problem, touching: set[int]) -> bool:
+    """Whether all of them are there in every schedule, or all by the choice of one group."""
+    details = [problem.activities[i].details for i in touching]
+    if any(d.repeats is not None for d in details):
+        return False
+    optional = {i for i in touching if problem.activities[i].details.optional}
+    if not optional:
+        return True
+    return touching == optional and any(
+        not group.required and touching <= set(group.members) for group in problem.groups
+    )
+
+
+def _line(
+    effects: list[_Touch], conditions: list[_Touch], source: dict[int, int | None]
+) -> list[_Touch] | None:
+    """The effects in the one order in which each changer finds what it needs before it acts.
+
+    Each changer must itself need a value, the one that the effect before it gave.
+    """
+    needs: dict[int, set[int]] = {}
+    for condition in conditions:
+        needs.setdefault(condition.activity, set()).add(condition.value)
+    follower: dict[int | None, _Touch] = {}
+    for effect in effects:
+        needed = needs.get(effect.activity, set())
+        if len(needed) != 1 or (value := next(iter(needed))) not in source:
+            return None
+        if source[value] in follower:
+            return None
+        follower[source[value]] = effect
+    line: list[_Touch] = []
+    at: int | None = None
+    while at in follower:
+        line.append(follower[at])
+        at = line[-1].activity
+    return line if len(line) == len(effects) else None
+
+
+def _pairs(
+    problem: Problem,
+    v: int,
+    line: list[_Touch],
+    conditions: list[_Touch],
+    source: dict[int, int | None],
+) -> set[tuple[int, int]] | None:
+    """What follows the source of a value, and what must have ended before the next change.
+
+    A reader that is not the next changer must have ended before that one starts only where both
+    are so ordered by finish-start; the next change takes effect at its changer's *end*, so a
+    reader may overlap it. Such an order is not finish-start: then the variable stays.
+    """
+    next_changer: dict[int | None, int] = {}
+    before: int | None = None
+    for effect in line:
+        next_changer[before] = effect.activity
+        before = effect.activity
+    if any(
+        goal_var == v and (goal not in source or source[goal] != before)
+        for goal_var, goal in problem.goals
+    ):
+        return None
+    pairs: set[tuple[int, int]] = set()
+    for condition in conditions:
+        if condition.value not in source:
+            return None
+        giver = source[condition.value]
+        reader = condition.activity
+        if giver == reader:
+            return None
+        if giver is not None:
+            pairs.add((giver, reader))
+        changer = next_changer.get(giver)
+        if changer is not None and changer != reader:
+            return None
+    return pairs
+
+
+class _Order:
+    """Which activity ends before which starts, as far as is known."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.size = len(problem.activities)
+        self.following: list[set[int]] = [set() for _ in range(self.size)]
+        for arc in problem.arcs:
+            self.following[arc.before].add(arc.after)
+        self.added: set[tuple[int, int]] = set()
+
+    def is_acyclic(self) -> bool:
+        waiting = [0] * self.size
+        for following in self.following:
+            for b in following:
+                waiting[b] += 1
+        ready = [i for i, count in enumerate(waiting) if not count]
+        settled = 0
+        while ready:
+            settled += 1
+            for b in self.following[ready.pop()]:
+                waiting[b] -= 1
+                if not waiting[b]:
+                    ready.append(b)
+        return settled == self.size
+
+    def with_pairs(self, pairs: set[tuple[int, int]]) -> bool:
+        """Adds pairs if they make no cycle."""
+        fresh = [(a, b) for a, b in pairs if b not in self.following[a]]
+        for a, b in fresh:
+            self.following[a].add(b)
+        if self.is_acyclic():
+            self.added |= pairs
+            return True
+        for a, b in fresh:
+            self.following[a].discard(b)
+        return False
+
+
+def _without(problem: Problem, gone: set[int], pairs: set[tuple[int, int]]) -> Problem:
+    """The problem without some variables; the numbers of the others close up."""
+    kept = [v for v in range(len(problem.variables)) if v not in gone]
+    place = {v: k for k, v in enumerate(kept)}
+    known = {(a.before, a.after) for a in problem.arcs}
+    return replace(
+        problem,
+        variables=tuple(problem.variables[v] for v in kept),
+        activities=tuple(_forget(a, place) for a in problem.activities),
+        goals=tuple((place[v], value) for v, value in problem.goals if v in place),
+        arcs=(
+            *problem.arcs,
+            *(Arc(a, b, origin=-1) for a, b in sorted(pairs) if (a, b) not in known),
+        ),
+        sequel=tuple(sorted(pairs)),
+    )
+
+
+def _forget(activity: Activity, place: dict[int, int]) -> Activity:
+    details = activity.details
+    if not (details.conditions or details.effects):
+        return activity
+    details = replace(
+        details,
+        conditions=tuple(
+            c._replace(var=place[c.var]) for c in details.conditions if c.var in place
+        ),
+        effects=tuple(e._replace(var=place[e.var]) for e in details.effects if e.var in place),
+    )
+    return replace(activity, details=PLAIN if details == PLAIN else details)

@@ -1,0 +1,70 @@
+"""Repeated actions: an activity for each occurrence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irc.problem import Activity, Problem
+
+
+def unroll(problem: Problem, depth: int) -> Problem:
+    """The problem with at most `depth` occurrences of each action that may repeat (and its least).
+
+    The first occurrence keeps its index; the others follow after all activities, each with the
+    one before it as `previous`. Heads and tails are carried over.
+    """
+    if all(a.details.repeats is None for a in problem.activities):
+        return problem
+    activities: list[Activity] = []
+    further: list[tuple[int, Activity]] = []
+    for i, activity in enumerate(problem.activities):
+        repeats = activity.details.repeats
+        if repeats is None:
+            activities.append(activity)
+            continue
+        least = repeats[0]
+        activities.append(_occurrence(activity, 1, None, least))
+        previous = i
+        for k in range(2, slots(activity, depth) + 1):
+            here = len(problem.activities) + len(further)
+            further.append((i, _occurrence(activity, k, previous, least)))
+            previous = here
+    whose = [i for i, _ in further]
+    return replace(
+        problem,
+        activities=(*activities, *(a for _, a in further)),
+        heads=_extended(problem.heads, whose),
+        tails=_extended(problem.tails, whose),
+        settled={
+            **problem.settled,
+            **{
+                (len(problem.activities) + k, use): r
+                for k, i in enumerate(whose)
+                for (j, use), r in problem.settled.items()
+                if j == i
+            },
+        },
+    )
+
+
+def slots(activity: Activity, depth: int) -> int:
+    """How many occurrences of an activity there may be at a depth."""
+    repeats = activity.details.repeats
+    if repeats is None:
+        return 1
+    least, greatest = repeats
+    wanted = max(least, depth, 1)
+    return wanted if greatest is None else min(wanted, greatest)
+
+
+def _occurrence(activity: Activity, k: int, previous: int | None, least: int) -> Activity:
+    return replace(
+        activity,
+        details=replace(
+            activity.details, repeats=None, occurrence=k, previous=previous, optional=k > least
+        ),
+    )
+
+
+def _extended(values: tuple[int, ...], whose: list[int]) -> tuple[int, ...]:
+    return (*values, *(values[i] for i in whose)) if values else ()
