@@ -29,6 +29,7 @@ from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.times import format_number
+from irc.worth import worth
 
 if TYPE_CHECKING:
     from irc.source import Source
@@ -220,17 +221,12 @@ def _entry(problem: Problem, index: int, placed: Placed) -> Entry:
 
 
 def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
-    """The outcome as the schedule that is reported: status, objective and bound filled in."""
+    """The outcome as the schedule that is reported: status, objective and bounds filled in."""
     schedule = outcome.schedule or Schedule(())
-    bound = problem.to_units(max(outcome.bound, problem.bound.value))
     status = outcome.status
     objective: tuple[ObjectiveValue, ...] = ()
     if outcome.schedule is not None:
-        if schedule.makespan == bound and status is Status.FEASIBLE:
-            status = Status.OPTIMAL
-        if status is Status.OPTIMAL:
-            bound = schedule.makespan
-        objective = (ObjectiveValue("makespan", schedule.makespan, bound),)
+        status, objective = _judged(problem, outcome, schedule)
     return replace(
         schedule,
         status=status,
@@ -241,3 +237,22 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
         engine=outcome.engine,
         seconds=round(seconds, 3),
     )
+
+
+def _judged(
+    problem: Problem, outcome: Outcome, schedule: Schedule
+) -> tuple[Status, tuple[ObjectiveValue, ...]]:
+    """What each objective came to, and whether all of them meet proven bounds."""
+    values = worth(problem, schedule)
+    known = {level.name: level.bound for level in outcome.levels}
+    if problem.objectives[0] == "makespan":
+        ours = problem.to_units(max(outcome.bound, problem.bound.value))
+        known["makespan"] = max(ours, known.get("makespan") or 0)
+    optimal = outcome.status is Status.OPTIMAL
+    objective = tuple(
+        ObjectiveValue(name, values[name], values[name] if optimal else known.get(name))
+        for name in problem.objectives
+    )
+    if all(o.bound is not None and o.value == o.bound for o in objective):
+        return Status.OPTIMAL, objective
+    return outcome.status, objective
