@@ -16,6 +16,9 @@ FIRST = 2
 GREATEST = 64
 """Depths that are tried without being asked for by a proof."""
 
+FILE_DEPTH = 4
+"""So many occurrences of an action that may repeat are in a model that is written out."""
+
 SLOTS_LIMIT = 4_000
 """A model has so many occurrences of repeated actions at most."""
 

@@ -15,13 +15,11 @@ from typing import Any
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc_cpsat.builder import Builder, Hint, Model
+from irc_cpsat.depth import FILE_DEPTH
 
 __all__ = ["MODEL_FILE", "Builder", "Hint", "Model", "build_model", "encode_files"]
 
 MODEL_FILE = "model.pbtxt"
-
-FILE_DEPTH = 4
-"""So many occurrences of an action that may repeat are in a model that is written out."""
 
 
 def build_model(problem: Problem, *, bounds: bool = True, hints: bool = True) -> Model:
