@@ -254,10 +254,13 @@ def validate(
 
 
 def convert(
-    file: Annotated[str, typer.Argument(help="What to read; '-' is standard input.")],
+    file: Annotated[
+        str, typer.Argument(help="What to read: a file, a folder of instances, or '-'.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", help="A file, or a folder for many.")],
     source: Annotated[
-        str, typer.Option("--from", help="The format of the input: irc, asyncplan.")
+        str,
+        typer.Option("--from", help="The format of the input: irc, asyncplan, robo."),
     ] = "irc",
     format: FormatOption = Format.text,
 ) -> None:
