@@ -260,7 +260,7 @@ def convert(
     output: Annotated[Path, typer.Option("-o", "--output", help="A file, or a folder for many.")],
     source: Annotated[
         str,
-        typer.Option("--from", help="The format of the input: irc, asyncplan, robo."),
+        typer.Option("--from", help="The format of the input: irc, asyncplan, robo, robotouille."),
     ] = "irc",
     format: FormatOption = Format.text,
 ) -> None:
