@@ -25,22 +25,32 @@ IMPORTERS: Mapping[str, str] = {
 }
 """Formats with many instances in a file, and where their `Importer` is; loaded when asked for."""
 
-FORMATS = ("irc", *IMPORTERS)
+PDDL = "pddl"
+"""The format that is two files, a domain and a problem, and one task."""
+
+FORMATS = ("irc", *IMPORTERS, PDDL)
 
 _UNSAFE = re.compile(r"[^\w.-]+")
 
 
-def convert_file(file: str, source: str, output: Path) -> list[Path]:
+class ConversionUseError(Exception):
+    """The options do not fit the format; the text says what to do."""
+
+
+def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
     """Writes the task (or one task per instance) and returns the files written.
 
     An importer of instances also takes a folder, whose `.json` files it reads in order of name.
-    Raises `InputError`, `WriteError`, or `UnknownTarget` for an unknown format.
+    Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` where an importer
+    needs an extra that is not installed, or `UnknownTarget` for an unknown format.
     """
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
+    if problem is not None and source != PDDL:
+        raise ConversionUseError(f"--problem is for --from {PDDL}")
     if source in IMPORTERS:
         return _convert_instances(file, load_importer(source), output)
-    task = read_task(file).task
+    task = read_task(file).task if source == "irc" else _read_pddl(file, problem)
     write_whole(output, dump_json(written_task(task)))
     return [output]
 
@@ -74,3 +84,11 @@ def _files(file: str) -> list[str]:
         message = f"the folder {file!r} holds no .json files"
         raise InputError(Report((Diagnostic(Code.UNREADABLE, message),)))
     return found
+
+
+def _read_pddl(domain: str, problem: str | None) -> Task:
+    if problem is None:
+        raise ConversionUseError(f"--from {PDDL} needs the problem as well: --problem FILE")
+    from irc.frontends.importers.pddl import import_pddl
+
+    return import_pddl(read_text(domain), read_text(problem))
