@@ -224,6 +224,24 @@ def test_a_duration_that_shrinks_to_nothing_stays_two_happenings() -> None:
     assert found == {"blink": (0, 0, 0, 1)}
 
 
+def test_an_action_of_one_happening_stays_one() -> None:
+    """Were its end a rank later than its start, its own effect would spoil its condition."""
+    turn = action(
+        "turn",
+        {"min": 0, "max": 9},
+        (at("end", "light", False),),
+        (at("start", "light"),),
+    )
+    task = task_of(
+        action("boil", 3, (), (at("end", "boiled"),)),
+        action("wait", 2, (at("start", "boiled"),)),
+        turn,
+        precedence=[{"before": "wait", "after": "turn", "type": "start-finish"}],
+    )
+    found = retimed(task, boil=Decision(0, 3), wait=Decision(4, 6), turn=Decision(5, 5))
+    assert found["turn"] == (3, 3, 1, 1)
+
+
 def test_a_range_lasts_until_what_it_needs_at_its_end_is_there() -> None:
     task = task_of(
         action("bake", 4, (), (at("end", "baked"),)),
