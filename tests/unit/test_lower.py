@@ -223,14 +223,7 @@ def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
     problem = mandatory_part(whole)
     assert [a.id for a in problem.activities] == ["a", "c", "d", "f"]
     assert problem.arcs == (Arc(0, 1, origin=1),)
-    assert [a.details.optional for a in whole.activities] == [
-        False,
-        True,
-        False,
-        False,
-        True,
-        False,
-    ]
+    assert [a.id for a in whole.activities if a.details.optional] == ["b", "e"]
     assert whole.activities[3].details.repeats == (1, 2)
 
 
@@ -244,7 +237,8 @@ def test_any_task_can_be_lowered(task: Task) -> None:
     problem = lower(task)
     names = [a.id for a in problem.activities]
     assert names == sorted(set(names))
-    assert {a.id for a in task.actions} == set(names)
+    sound = {a.id for a in task.actions if type(a.duration) is int and a.duration >= 0}
+    assert sound <= set(names)
     for activity in problem.activities:
         written = task.actions[activity.origin[1]]
         assert written.id == activity.id
