@@ -177,8 +177,8 @@ def _span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:
 
 def _requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple[Requirement, ...]:
     requirements = [
-        Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount)
-        for use in uses
+        Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount, k)
+        for k, use in enumerate(uses)
         if use.alternatives and all(r in resource_index for r in use.alternatives)
     ]
     return tuple(sorted(requirements))

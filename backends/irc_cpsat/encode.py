@@ -62,24 +62,31 @@ def build_model(problem: Problem, *, bounds: bool = True, hints: bool = True) ->
 
     Raises `Refusal` where sums would not fit 64 bits.
     """
-    return _Builder(problem, bounds, hints).build()
+    return Builder(problem, bounds, hints).build()
 
 
-class _Builder:
-    def __init__(self, problem: Problem, bounds: bool, hints: bool) -> None:
+class Builder:
+    """Writes the elements of a problem into a model, one method for each kind of element.
+
+    `horizon` (ticks) replaces the one that the problem would be given.
+    """
+
+    def __init__(
+        self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
+    ) -> None:
         self.problem = problem
         self.bounds = bounds
         self.model = cp_model.CpModel()
         self.users = [_Users() for _ in problem.shared]
         found = list_schedule(problem) if bounds or hints else None
         self.hint = found if hints else None
-        self.horizon = self._horizon(found[0] if bounds and found else None)
+        self.horizon = self._horizon(horizon, found[0] if bounds and found else None)
         self.sizes: dict[int, cp_model.IntVar] = {}
         self.positive: dict[int, cp_model.IntVar] = {}
         self.pairs: list[tuple[cp_model.IntVar, cp_model.IntVar, cp_model.IntVar]] = []
 
-    def _horizon(self, known: Sequence[Any] | None) -> int:
-        horizon = safe_horizon(self.problem)
+    def _horizon(self, given: int | None, known: Sequence[Any] | None) -> int:
+        horizon = safe_horizon(self.problem) if given is None else given
         widest = max((s.capacity for s in self.problem.shared), default=1)
         if (horizon + 1) * max(1, widest) * max(1, len(self.problem.activities)) >= _MAX_SUM:
             raise Refusal(
@@ -91,7 +98,8 @@ class _Builder:
             horizon = min(horizon, max((int(d.end) for d in known), default=0))
         return max(horizon, self.problem.bound.value)
 
-    def build(self) -> Model:
+    def build(self, *, objective: bool = True) -> Model:
+        """The model; without `objective` any schedule will do."""
         model = self.model
         starts, ends = [], []
         for i, activity in enumerate(self.problem.activities):
@@ -109,7 +117,8 @@ class _Builder:
         for i in range(len(starts)):
             tail = self.problem.tails[i] if self.bounds else 0
             model.add(makespan >= self._end(i) + tail)
-        model.minimize(makespan)
+        if objective:
+            model.minimize(makespan)
         built = Model(model, starts, ends, makespan, literals, self.sizes, self.positive)
         if self.hint is not None:
             self._add_hint(built, *self.hint)
@@ -174,7 +183,8 @@ class _Builder:
     ) -> list[tuple[int, cp_model.IntVar]]:
         activity = self.problem.activities[i]
         if len(claim.alternatives) == 1:
-            self._take(claim.alternatives[0], self._interval(i, held), claim.amount)
+            taken = self._all_of(i, claim, claim.alternatives[0], held)
+            self._take(claim.alternatives[0], self._interval(i, taken), claim.amount)
             return []
         literals = []
         for r in claim.alternatives:
@@ -184,10 +194,20 @@ class _Builder:
             if claim.amount > self.problem.shared[r].capacity and activity.duration_min > 0:
                 self.model.add(literal == 0)
                 continue
-            taken = literal if held is None else self._both(literal, held)
+            taken = self._all_of(i, claim, r, held, literal)
             self._take(r, self._interval(i, taken), claim.amount)
         self.model.add_exactly_one(literal for _, literal in literals)
         return literals
+
+    def _all_of(
+        self, i: int, claim: Claim, r: int, *literals: cp_model.IntVar | None
+    ) -> cp_model.IntVar | None:
+        """A literal under which the claim takes shared resource r; None where it always does."""
+        together: cp_model.IntVar | None = None
+        for literal in literals:
+            if literal is not None:
+                together = literal if together is None else self._both(literal, together)
+        return together
 
     def _both(self, a: cp_model.IntVar, b: cp_model.IntVar) -> cp_model.IntVar:
         both = self.model.new_bool_var("")

@@ -62,7 +62,7 @@ class OrTools(Engine):
         # The bound is an integer of ticks; the tolerance only undoes its way through a double.
         bound = int(-(-(solver.best_objective_bound - 1e-6) // 1))
         return Outcome(
-            verdict, self.name, _schedule(program.problem, built, solver), bound, seconds
+            verdict, self.name, schedule_from(program.problem, built, solver), bound, seconds
         )
 
 
@@ -114,7 +114,8 @@ def _members(problem: Problem, i: int, taken: tuple[int, ...]) -> tuple[int | No
     return tuple(chosen)
 
 
-def _schedule(problem: Problem, built: Model, solver: Any) -> Schedule:
+def schedule_from(problem: Problem, built: Model, solver: Any) -> Schedule:
+    """The exact schedule behind the values a solver gave to a model's variables."""
     decisions = []
     for i, activity in enumerate(problem.activities):
         start = solver.value(built.starts[i])

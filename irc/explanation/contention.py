@@ -1,0 +1,206 @@
+"""Conflicts over resources: a solver's core, made minimal by leaving statements out.
+
+The core comes from a model without an objective and with one assumption for each statement
+(google/or-tools#3943: only so is it exact). It is not trusted (google/or-tools#5141): every set
+that is called impossible was refuted again as a problem of its own, without assumptions, and
+every set that is called possible has a schedule that was re-timed exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+from irc.backend import EngineFailed
+from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
+from irc.explanation.refuter import Assumptions, Refuter
+from irc.explanation.statements import (
+    Kind,
+    Statement,
+    all_statements,
+    differences_of,
+    problem_of,
+)
+from irc.horizon import safe_horizon
+from irc.list_schedule import list_schedule
+from irc.passes.contention import drop_uncontended, merge_pools
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.energy import energy_bound
+from irc.problem import Activity, Claim, Problem
+from irc.schedule import Status
+
+_ORDER = (
+    Kind.DURATION,
+    Kind.USE,
+    Kind.PRECEDENCE,
+    Kind.RELEASE,
+    Kind.DEADLINE,
+    Kind.START,
+    Kind.TASK_DEADLINE,
+    Kind.CAPACITY,
+)
+"""What is left out first. So the deadline and the capacities that an author set are kept longest."""
+
+_OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
+
+_LEAST_SECONDS = 0.05
+"""A solver that is asked at all is given at least this."""
+
+
+def resource_conflict(problem: Problem, refuter: Refuter, until: float) -> Conflict | None:
+    """A minimal conflict of a problem that has no schedule, though time alone allows one.
+
+    None where not even the whole could be refuted until `until` (of `time.perf_counter`).
+    """
+    return _Search(problem, refuter, until).conflict()
+
+
+def horizon_without_limits(problem: Problem) -> int:
+    """By then some schedule of any part of the statements has ended, if there is one."""
+    return max(1, safe_horizon(replace(problem, deadline=None)))
+
+
+@dataclass
+class _Search:
+    problem: Problem
+    refuter: Refuter
+    until: float
+    known: dict[frozenset[Statement], Trial] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.horizon = horizon_without_limits(self.problem)
+
+    def conflict(self) -> Conflict | None:
+        found = self._found()
+        if found is None:
+            return None
+        order = sorted(found, key=self._dispensable)
+        conflict = minimise(found, self.attempt, order, self._families(found))
+        return narrow(self.problem, self._rechecked(conflict), self.attempt)
+
+    def _found(self) -> frozenset[Statement] | None:
+        """What is to be made minimal: the solver's core if it has one and that stands up to it."""
+        statements = frozenset(self._relevant())
+        if not self._refuted_by_energy(self._part(statements)):
+            core = self.refuter.core(self._assumptions(statements), self._seconds())
+            if core is not None and self.attempt(core).verdict is Verdict.IMPOSSIBLE:
+                return core
+        return statements if self.attempt(statements).verdict is Verdict.IMPOSSIBLE else None
+
+    def _rechecked(self, conflict: Conflict) -> Conflict:
+        """Called minimal only if the solver by itself, too, finds the whole impossible."""
+        part = self._part(frozenset(conflict.statements))
+        status = self.refuter.decide(part, self.horizon, self._seconds())
+        if status is Status.FEASIBLE:
+            raise EngineFailed("a conflict turned out to have a schedule; this is a defect of irc")
+        return replace(conflict, minimal=conflict.minimal and status is Status.INFEASIBLE)
+
+    def attempt(self, statements: frozenset[Statement]) -> Trial:
+        """Whether these statements can hold together, decided on a problem of their own."""
+        trial = self.known.get(statements)
+        if trial is None:
+            trial = self.known[statements] = Trial(self._verdict(statements))
+        return trial
+
+    def _part(self, statements: frozenset[Statement]) -> Problem:
+        """The problem of some statements, without resources that have room for everything."""
+        part = problem_of(self.problem, statements, self.horizon)
+        return heads_and_tails(drop_uncontended(merge_pools(part)))
+
+    def _verdict(self, statements: frozenset[Statement]) -> Verdict:
+        """Bounds and schedules by rule first: most verdicts need no solver."""
+        if perf_counter() > self.until:
+            return Verdict.UNKNOWN
+        part = self._part(statements)
+        if not part.has_contention:
+            return Verdict.POSSIBLE  # All statements together have no conflict of time.
+        if self._refuted_by_energy(part):
+            return Verdict.IMPOSSIBLE
+        if list_schedule(part) is not None:
+            return Verdict.POSSIBLE
+        status = self.refuter.decide(part, self.horizon, self._seconds())
+        return {Status.FEASIBLE: Verdict.POSSIBLE, Status.INFEASIBLE: Verdict.IMPOSSIBLE}.get(
+            status, Verdict.UNKNOWN
+        )
+
+    @staticmethod
+    def _refuted_by_energy(part: Problem) -> bool:
+        return part.deadline is not None and energy_bound(part).bound.value > part.deadline
+
+    def _seconds(self) -> float:
+        return max(_LEAST_SECONDS, self.until - perf_counter())
+
+    def _relevant(self) -> list[Statement]:
+        """Without what is said of resources that have room for everything at once.
+
+        A conflict of all statements is one of these too: such a resource never decides anything.
+        """
+        settled = drop_uncontended(merge_pools(self.problem))
+        uses = {(i, claim.use) for i, a in enumerate(settled.activities) for claim in a.claims}
+        resources = {
+            r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives
+        }
+        return [
+            s
+            for s in all_statements(self.problem)
+            if (s.kind is not Kind.USE or (s.index, s.use) in uses)
+            and (s.kind is not Kind.CAPACITY or s.index in resources)
+        ]
+
+    def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
+        uses = {(s.index, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
+        claims: dict[int, list[Claim]] = {}
+        for i, u in uses:
+            of = self.problem.activities[i].uses[u]
+            claims.setdefault(i, []).append(Claim(u, of.alternatives, of.amount))
+        bare = replace(
+            self.problem,
+            activities=tuple(
+                Activity(a.id, 0, self.horizon, uses=a.uses, claims=tuple(claims.get(i, ())))
+                for i, a in enumerate(self.problem.activities)
+            ),
+            arcs=(),
+            deadline=None,
+        )
+        return Assumptions(
+            merge_pools(bare),
+            differences_of(self.problem, sorted(statements)),
+            uses,
+            {s.index: s for s in sorted(statements) if s.kind is Kind.CAPACITY},
+            self.horizon,
+        )
+
+    def _dispensable(self, statement: Statement) -> tuple[int, int, Statement]:
+        """Short actions first: of what is left fewer statements make the conflict."""
+        rank = _ORDER.index(statement.kind)
+        if statement.kind in (Kind.DURATION, Kind.USE):
+            return rank, self._length(statement.index), statement
+        return rank, 0, statement
+
+    def _length(self, activity: int) -> int:
+        return self.problem.activities[activity].duration_min
+
+    def _families(self, found: frozenset[Statement]) -> list[list[frozenset[Statement]]]:
+        """What is likely to go together: by resource, precedences, and by action, short ones first.
+
+        (A dictionary keeps its order; sets of statements do not, so `found` is sorted.)
+        """
+        of_resource: dict[int, set[Statement]] = {}
+        of_action: dict[int, set[Statement]] = {}
+        arcs = []
+        for s in sorted(found):
+            if s.kind is Kind.CAPACITY:
+                of_resource.setdefault(s.index, set()).add(s)
+            elif s.kind is Kind.PRECEDENCE:
+                arcs.append(frozenset((s,)))
+            elif s.kind in _OF_ACTION:
+                of_action.setdefault(s.index, set()).add(s)
+            if s.kind is Kind.USE:
+                for r in self.problem.activities[s.index].uses[s.use].alternatives:
+                    of_resource.setdefault(r, set()).add(s)
+        by_length = sorted(of_action, key=lambda i: (self._length(i), i))
+        return [
+            [frozenset(of_resource[r]) for r in sorted(of_resource)],
+            arcs,
+            [frozenset(of_action[i]) for i in by_length],
+        ]
