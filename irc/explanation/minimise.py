@@ -41,10 +41,14 @@ Try = Callable[[frozenset[Statement]], Trial]
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """Statements that cannot hold together, and whether each was proven to be needed."""
+    """Statements that cannot hold together, and whether each was proven to be needed.
+
+    `excess` (ticks) is by how much, where they go round in time: they are then in that order.
+    """
 
     statements: tuple[Statement, ...]
     minimal: bool
+    excess: int | None = None
 
 
 def minimise(

@@ -14,7 +14,14 @@ from irc.explanation.contention import horizon_without_limits, resource_conflict
 from irc.explanation.demand import demand_conflict
 from irc.explanation.minimise import Conflict
 from irc.explanation.result import Explanation, Step, Told, located
-from irc.explanation.statements import Side, Statement, pointer_of, problem_of
+from irc.explanation.statements import (
+    Kind,
+    Side,
+    Statement,
+    in_canonical_order,
+    pointer_of,
+    problem_of,
+)
 from irc.explanation.temporal import temporal_conflict
 from irc.explanation.wording import in_words, units
 from irc.model import Task
@@ -87,7 +94,10 @@ def _left(until: float) -> float | None:
 
 
 def _infeasible(task: Task, problem: Problem, conflict: Conflict, by: str) -> Explanation:
-    told = [_told(problem, statement) for statement in sorted(conflict.statements)]
+    statements = conflict.statements
+    if conflict.excess is None:
+        statements = tuple(in_canonical_order(statements))
+    told = [_told(problem, statement) for statement in statements]
     return Explanation(
         Status.INFEASIBLE,
         task.name,
@@ -95,7 +105,7 @@ def _infeasible(task: Task, problem: Problem, conflict: Conflict, by: str) -> Ex
         conflict=located(told, task.source),
         minimal=conflict.minimal,
         by=by,
-        reason=_reason(problem, conflict) if by == "solver" else None,
+        reason=_reason(problem, conflict),
     )
 
 
@@ -110,13 +120,27 @@ def _told(problem: Problem, statement: Statement) -> Told:
 
 
 def _reason(problem: Problem, conflict: Conflict) -> str | None:
-    """Why the conflict is one, where a bound says so: what of it ends last, against its deadline."""
-    horizon = horizon_without_limits(problem)
-    part = problem_of(problem, conflict.statements, horizon)
+    """By how much time is short, or which bound says it all; None where there is no such number."""
+    if conflict.excess is not None:
+        return _way_round(problem, conflict)
+    part = problem_of(problem, conflict.statements, horizon_without_limits(problem))
+    if part.deadline is None:
+        return None
     bound = run_passes(part).bound
-    if part.deadline is None or bound.value <= part.deadline:
+    if bound.value <= part.deadline:
         return None
     return f"at least {units(problem, bound.value)} are needed: {bound.reason}"
+
+
+def _way_round(problem: Problem, conflict: Conflict) -> str:
+    """What a cycle of demands on time comes to."""
+    excess = units(problem, conflict.excess or 0)
+    kinds = {statement.kind for statement in conflict.statements}
+    if not kinds & {Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.RELEASE}:
+        if any(s.side is Side.MOST for s in conflict.statements):
+            return f"their limits are {excess} apart"
+        return "they go round: each waits for the one before it, and the first for the last"
+    return f"one after another they need {excess} more than there is"
 
 
 def _feasible(task: Task, problem: Problem, answer: Answer) -> Explanation:

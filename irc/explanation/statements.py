@@ -301,6 +301,12 @@ def all_statements(problem: Problem) -> list[Statement]:
     return [statement for kind in KINDS.values() for statement in kind.all(problem)]
 
 
+def in_canonical_order(statements: Iterable[Statement]) -> list[Statement]:
+    """By kind, and in each kind as the problem has them."""
+    rank = {kind: k for k, kind in enumerate(KINDS)}
+    return sorted(statements, key=lambda s: (rank[s.kind], s.index, s.use))
+
+
 def pointer_of(problem: Problem, statement: Statement) -> Pointer:
     """Where a statement stands in the document."""
     return KINDS[statement.kind].pointer(problem, statement)

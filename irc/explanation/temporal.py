@@ -8,7 +8,7 @@ hold together unless some of them form a cycle of positive length. Source: Decht
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
@@ -55,12 +55,17 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
         return Trial(Verdict.IMPOSSIBLE, frozenset(_stated(cycles[0])))
 
     conflict = minimise(found, attempt, sorted(found, key=lambda s: _dispensable(problem, s)))
-    return narrow(problem, conflict, attempt)
+    return _in_order(problem, narrow(problem, conflict, attempt))
 
 
-def holds_in_time(problem: Problem, statements: Iterable[Statement]) -> bool:
-    """Whether time alone lets these statements hold together."""
-    return not _cycles(_graph(problem, statements))
+def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
+    """The statements as they follow each other, from t = 0 where they lead through it."""
+    cycle = _cycles(_graph(problem, conflict.statements))[0]
+    first = next((k for k, d in enumerate(cycle) if d.src == ORIGIN), 0)
+    ordered = tuple(dict.fromkeys(_stated([*cycle[first:], *cycle[:first]])))
+    rest = tuple(s for s in conflict.statements if s not in ordered)
+    excess = sum(d.weight for d in cycle)
+    return replace(conflict, statements=ordered + rest, excess=excess)
 
 
 def _dispensable(problem: Problem, statement: Statement) -> tuple[int, int, Statement]:
