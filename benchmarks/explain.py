@@ -34,9 +34,7 @@ def too_little_time(rng: random.Random) -> Document:
     """Contended jobs, one tick short of what their robots' work takes."""
     document = _contended(rng)
     robots = sum("robot" in r["id"] for r in document["resources"])
-    work = sum(
-        a["duration"] for a in document["actions"] if any("one_of" in u for u in a["uses"])
-    )
+    work = sum(a["duration"] for a in document["actions"] if any("one_of" in u for u in a["uses"]))
     return {**document, "deadline": -(-work // robots) - 1}
 
 

@@ -64,14 +64,13 @@ def _infeasible(explanation: Explanation) -> Iterator[str]:
     count = len(explanation.conflict)
     yield f"{_name(explanation)}: no schedule exists"
     if not count:
-        yield "that is proven, but which statements are to blame was not found within the time limit"
+        yield "that is proven; which statements are to blame was not found within the time limit"
         yield "hint: give it more time with --time-limit"
         return
-    if explanation.minimal:
-        needed = "without any one of them the others can"
-        yield f"these {count} statements cannot hold together; {needed}:"
-    else:
-        yield f"these {count} statements cannot hold together (not proven minimal, for lack of time):"
+    proven = "without any one of them the others can"
+    if not explanation.minimal:
+        proven = "that each is needed was not proven in time"
+    yield f"these {count} statements cannot hold together; {proven}:"
     yield ""
     if explanation.source is not None and all(t.offset is not None for t in explanation.conflict):
         yield from _snippet(explanation.source, explanation.conflict)

@@ -78,9 +78,11 @@ def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | N
     if not schedule.entries:
         return ()
     times = _times(problem, schedule)
+    if times is None:
+        return None
     leaving: dict[int, list[_Edge]] = {}
-    for edge in _tight_edges(problem, schedule, times):
-        leaving.setdefault(edge.difference.src, []).append(edge)
+    for tight in _tight_edges(problem, schedule, times):
+        leaving.setdefault(tight.difference.src, []).append(tight)
     makespan = max(times)
     ends = {end_point(i) for i in range(len(problem.activities))}
     reached: dict[int, _Edge | None] = {}
@@ -107,23 +109,25 @@ def _plus(cost: _Cost, edge: _Edge) -> _Cost:
     return kept + (not edge.hand_over.needed), handed + 1, links + 1
 
 
-def _links(
-    reached: dict[int, _Edge | None], point: int, times: Sequence[int]
-) -> tuple[Link, ...]:
+def _links(reached: dict[int, _Edge | None], point: int, times: Sequence[int]) -> tuple[Link, ...]:
     links = []
-    while (edge := reached[point]) is not None:
-        src = edge.difference.src
-        links.append(Link(times[src], times[point], edge.difference, edge.hand_over))
+    while (last := reached[point]) is not None:
+        src = last.difference.src
+        links.append(Link(times[src], times[point], last.difference, last.hand_over))
         point = src
     return tuple(links[::-1])
 
 
-def _times(problem: Problem, schedule: Schedule) -> list[int]:
+def _times(problem: Problem, schedule: Schedule) -> list[int] | None:
+    """The time of each point; None where some are not whole: then they wait for nothing."""
     by_id = {entry.id: entry for entry in schedule.entries}
     times = [0]
     for activity in problem.activities:
         entry = by_id[activity.id]
-        times += [int(to_ticks(problem, entry.start)), int(to_ticks(problem, entry.end))]
+        for moment in (to_ticks(problem, entry.start), to_ticks(problem, entry.end)):
+            if not isinstance(moment, int):
+                return None
+            times.append(moment)
     return times
 
 
@@ -137,13 +141,10 @@ def _tight_edges(problem: Problem, schedule: Schedule, times: Sequence[int]) -> 
         yield _Edge(d, hand_over)
 
 
-def _hand_overs(
-    problem: Problem, schedule: Schedule, times: Sequence[int]
-) -> Iterator[HandOver]:
+def _hand_overs(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[HandOver]:
     held = _held(problem, schedule)
     decisions = [
-        Decision(times[start_point(i)], times[end_point(i)])
-        for i in range(len(problem.activities))
+        Decision(times[start_point(i)], times[end_point(i)]) for i in range(len(problem.activities))
     ]
     chosen = [tuple(amounts) for amounts in held]
     usage = _Usage(problem, held, decisions)

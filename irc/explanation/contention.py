@@ -39,7 +39,7 @@ _ORDER = (
     Kind.TASK_DEADLINE,
     Kind.CAPACITY,
 )
-"""What is left out first. So the deadline and the capacities that an author set are kept longest."""
+"""What is left out first: so deadlines and capacities, which authors set, are kept longest."""
 
 _OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
 
@@ -137,18 +137,16 @@ class _Search:
         """
         settled = drop_uncontended(merge_pools(self.problem))
         uses = {(i, claim.use) for i, a in enumerate(settled.activities) for claim in a.claims}
-        resources = {
-            r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives
-        }
+        resources = {r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives}
         return [
             s
             for s in all_statements(self.problem)
-            if (s.kind is not Kind.USE or (s.index, s.use) in uses)
-            and (s.kind is not Kind.CAPACITY or s.index in resources)
+            if (s.kind is not Kind.USE or (s.of, s.use) in uses)
+            and (s.kind is not Kind.CAPACITY or s.of in resources)
         ]
 
     def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
-        uses = {(s.index, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
+        uses = {(s.of, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
         claims: dict[int, list[Claim]] = {}
         for i, u in uses:
             of = self.problem.activities[i].uses[u]
@@ -166,7 +164,7 @@ class _Search:
             merge_pools(bare),
             differences_of(self.problem, sorted(statements)),
             uses,
-            {s.index: s for s in sorted(statements) if s.kind is Kind.CAPACITY},
+            {s.of: s for s in sorted(statements) if s.kind is Kind.CAPACITY},
             self.horizon,
         )
 
@@ -174,7 +172,7 @@ class _Search:
         """Short actions first: of what is left fewer statements make the conflict."""
         rank = _ORDER.index(statement.kind)
         if statement.kind in (Kind.DURATION, Kind.USE):
-            return rank, self._length(statement.index), statement
+            return rank, self._length(statement.of), statement
         return rank, 0, statement
 
     def _length(self, activity: int) -> int:
@@ -190,13 +188,13 @@ class _Search:
         arcs = []
         for s in sorted(found):
             if s.kind is Kind.CAPACITY:
-                of_resource.setdefault(s.index, set()).add(s)
+                of_resource.setdefault(s.of, set()).add(s)
             elif s.kind is Kind.PRECEDENCE:
                 arcs.append(frozenset((s,)))
             elif s.kind in _OF_ACTION:
-                of_action.setdefault(s.index, set()).add(s)
+                of_action.setdefault(s.of, set()).add(s)
             if s.kind is Kind.USE:
-                for r in self.problem.activities[s.index].uses[s.use].alternatives:
+                for r in self.problem.activities[s.of].uses[s.use].alternatives:
                     of_resource.setdefault(r, set()).add(s)
         by_length = sorted(of_action, key=lambda i: (self._length(i), i))
         return [

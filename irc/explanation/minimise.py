@@ -15,7 +15,6 @@ from enum import Enum, auto
 from irc.explanation.statements import KINDS, Side, Statement
 from irc.problem import Problem
 
-
 _PARTS = 4
 """Groups that cannot all be left out are tried again in so many parts."""
 
@@ -113,9 +112,7 @@ def _without(
 def narrow(problem: Problem, conflict: Conflict, attempt: Try) -> Conflict:
     """The same conflict, saying which limit of a statement binds where only one of the two does."""
     statements = list(conflict.statements)
-    two_sided = [
-        k for k, s in enumerate(statements) if KINDS[s.kind].has_two_sides(problem, s)
-    ]
+    two_sided = [k for k, s in enumerate(statements) if KINDS[s.kind].has_two_sides(problem, s)]
     for side in (Side.LEAST, Side.MOST):
         all_at_once = list(statements)
         for k in two_sided:

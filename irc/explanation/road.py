@@ -57,9 +57,7 @@ def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
             raise InputError(checked.report)
     else:
         explanation = _with_solver(task, problem, until)
-    return replace(
-        explanation, source=task.source, seconds=round(perf_counter() - began, 3)
-    )
+    return replace(explanation, source=task.source, seconds=round(perf_counter() - began, 3))
 
 
 def _without_solver(task: Task, problem: Problem, until: float) -> Explanation | None:
@@ -82,9 +80,7 @@ def _with_solver(task: Task, problem: Problem, until: float) -> Explanation:
     refuter = get_backend(TARGET).refuter()
     conflict = None if refuter is None else resource_conflict(problem, refuter, until)
     if conflict is None:
-        return Explanation(
-            Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver"
-        )
+        return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
 
 

@@ -45,12 +45,12 @@ class Side(StrEnum):
 class Statement(NamedTuple):
     """One thing that the task says.
 
-    `index` is that of the activity, resource or arc in the `Problem`; `use` that of the entry in
-    the activity's `uses`.
+    `of` is the index of the activity, resource or arc in the `Problem`; `use` that of the entry
+    in the activity's `uses`.
     """
 
     kind: Kind
-    index: int = 0
+    of: int = 0
     use: int = 0
     side: Side = Side.BOTH
 
@@ -141,10 +141,10 @@ class _Capacity(StatementKind):
             yield Statement(self.kind, r)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        return (*problem.resources[statement.index].origin, "capacity")
+        return (*problem.resources[statement.of].origin, "capacity")
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        draft.limited.add(statement.index)
+        draft.limited.add(statement.of)
 
 
 class _Use(StatementKind):
@@ -156,11 +156,11 @@ class _Use(StatementKind):
                 yield Statement(self.kind, i, u)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        activity = problem.activities[statement.index]
+        activity = problem.activities[statement.of]
         return (*activity.origin, "uses", activity.uses[statement.use].origin)
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        draft.use(statement.index, statement.use)
+        draft.use(statement.of, statement.use)
 
 
 class _Precedence(StatementKind):
@@ -171,13 +171,13 @@ class _Precedence(StatementKind):
             yield Statement(self.kind, k)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        return ("precedence", problem.arcs[statement.index].origin)
+        return ("precedence", problem.arcs[statement.of].origin)
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        draft.arc(statement.index, statement.says_least, statement.says_most)
+        draft.arc(statement.of, statement.says_least, statement.says_most)
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
-        arc = problem.arcs[statement.index]
+        arc = problem.arcs[statement.of]
         src = end_point(arc.before) if arc.from_end else start_point(arc.before)
         dst = end_point(arc.after) if arc.to_end else start_point(arc.after)
         if statement.says_least:
@@ -186,7 +186,7 @@ class _Precedence(StatementKind):
             yield Difference(dst, src, -arc.max_lag, statement)
 
     def has_two_sides(self, problem: Problem, statement: Statement) -> bool:
-        return problem.arcs[statement.index].max_lag is not None
+        return problem.arcs[statement.of].max_lag is not None
 
 
 class _Release(StatementKind):
@@ -198,14 +198,14 @@ class _Release(StatementKind):
                 yield Statement(self.kind, i)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        return (*problem.activities[statement.index].origin, "release")
+        return (*problem.activities[statement.of].origin, "release")
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        i = statement.index
+        i = statement.of
         draft.activity(i)["release"] = draft.problem.activities[i].release
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
-        i = statement.index
+        i = statement.of
         yield Difference(ORIGIN, start_point(i), problem.activities[i].release, statement)
 
 
@@ -218,14 +218,14 @@ class _Start(StatementKind):
                 yield Statement(self.kind, i)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        return (*problem.activities[statement.index].origin, "start")
+        return (*problem.activities[statement.of].origin, "start")
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        i = statement.index
+        i = statement.of
         draft.activity(i)["start"] = draft.problem.activities[i].start
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
-        i = statement.index
+        i = statement.of
         fixed = problem.activities[i].start or 0
         yield Difference(ORIGIN, start_point(i), fixed, statement)
         yield Difference(start_point(i), ORIGIN, -fixed, statement)
@@ -240,14 +240,14 @@ class _Deadline(StatementKind):
                 yield Statement(self.kind, i)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        return (*problem.activities[statement.index].origin, "deadline")
+        return (*problem.activities[statement.of].origin, "deadline")
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        i = statement.index
+        i = statement.of
         draft.activity(i)["deadline"] = draft.problem.activities[i].deadline
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
-        i = statement.index
+        i = statement.of
         yield Difference(end_point(i), ORIGIN, -(problem.activities[i].deadline or 0), statement)
 
 
@@ -259,10 +259,10 @@ class _Duration(StatementKind):
             yield Statement(self.kind, i)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        return (*problem.activities[statement.index].origin, "duration")
+        return (*problem.activities[statement.of].origin, "duration")
 
     def state(self, draft: Draft, statement: Statement) -> None:
-        i = statement.index
+        i = statement.of
         fields = draft.activity(i)
         if statement.says_least:
             fields["duration_min"] = draft.problem.activities[i].duration_min
@@ -270,7 +270,7 @@ class _Duration(StatementKind):
             fields["duration_max"] = draft.problem.activities[i].duration_max
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
-        i = statement.index
+        i = statement.of
         activity, start, end = problem.activities[i], start_point(i), end_point(i)
         if statement.says_least:
             yield Difference(start, end, activity.duration_min, statement)
@@ -278,7 +278,7 @@ class _Duration(StatementKind):
             yield Difference(end, start, -activity.duration_max, statement)
 
     def has_two_sides(self, problem: Problem, statement: Statement) -> bool:
-        return not problem.activities[statement.index].is_fixed
+        return not problem.activities[statement.of].is_fixed
 
 
 KINDS: Mapping[Kind, StatementKind] = {
@@ -304,7 +304,7 @@ def all_statements(problem: Problem) -> list[Statement]:
 def in_canonical_order(statements: Iterable[Statement]) -> list[Statement]:
     """By kind, and in each kind as the problem has them."""
     rank = {kind: k for k, kind in enumerate(KINDS)}
-    return sorted(statements, key=lambda s: (rank[s.kind], s.index, s.use))
+    return sorted(statements, key=lambda s: (rank[s.kind], s.of, s.use))
 
 
 def pointer_of(problem: Problem, statement: Statement) -> Pointer:

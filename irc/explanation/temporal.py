@@ -71,7 +71,7 @@ def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
 def _dispensable(problem: Problem, statement: Statement) -> tuple[int, int, Statement]:
     """Short durations first: of what is left fewer statements make the conflict."""
     if statement.kind is Kind.DURATION:
-        return 0, problem.activities[statement.index].duration_min, statement
+        return 0, problem.activities[statement.of].duration_min, statement
     return 1, 0, statement
 
 
@@ -151,9 +151,7 @@ class _FewestStatements:
                 return _way(latest[root])
         return None
 
-    def _freely(
-        self, found: dict[int, _Reached], best: dict[int, _Reached]
-    ) -> dict[int, _Reached]:
+    def _freely(self, found: dict[int, _Reached], best: dict[int, _Reached]) -> dict[int, _Reached]:
         waiting = list(found)
         while waiting:
             point = waiting.pop()

@@ -24,12 +24,12 @@ def _task_deadline(problem: Problem, statement: Statement) -> str:
 
 
 def _capacity(problem: Problem, statement: Statement) -> str:
-    resource = problem.resources[statement.index]
+    resource = problem.resources[statement.of]
     return f"{resource.id!r} has a capacity of {resource.capacity}"
 
 
 def _use(problem: Problem, statement: Statement) -> str:
-    activity = problem.activities[statement.index]
+    activity = problem.activities[statement.of]
     use = activity.uses[statement.use]
     names = [repr(problem.resources[r].id) for r in use.alternatives]
     where = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
@@ -40,7 +40,7 @@ def _use(problem: Problem, statement: Statement) -> str:
 
 
 def _precedence(problem: Problem, statement: Statement) -> str:
-    return arc_in_words(problem, problem.arcs[statement.index], statement.side)
+    return arc_in_words(problem, problem.arcs[statement.of], statement.side)
 
 
 def arc_in_words(problem: Problem, arc: Arc, side: Side) -> str:
@@ -70,22 +70,22 @@ def _distance(problem: Problem, lag: int, later: str, earlier: str) -> str:
 
 
 def _release(problem: Problem, statement: Statement) -> str:
-    activity = problem.activities[statement.index]
+    activity = problem.activities[statement.of]
     return f"{activity.id!r} is released at {units(problem, activity.release)}"
 
 
 def _start(problem: Problem, statement: Statement) -> str:
-    activity = problem.activities[statement.index]
+    activity = problem.activities[statement.of]
     return f"{activity.id!r} starts at {units(problem, activity.start or 0)}"
 
 
 def _deadline(problem: Problem, statement: Statement) -> str:
-    activity = problem.activities[statement.index]
+    activity = problem.activities[statement.of]
     return f"{activity.id!r} ends by {units(problem, activity.deadline or 0)}"
 
 
 def _duration(problem: Problem, statement: Statement) -> str:
-    activity = problem.activities[statement.index]
+    activity = problem.activities[statement.of]
     low, high = activity.duration_min, activity.duration_max
     if low == high:
         return f"{activity.id!r} takes {units(problem, low)}"
