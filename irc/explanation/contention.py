@@ -19,6 +19,7 @@ from irc.explanation.statements import (
     Statement,
     all_statements,
     differences_of,
+    end_point,
     problem_of,
 )
 from irc.horizon import safe_horizon
@@ -30,8 +31,8 @@ from irc.problem import Activity, Claim, Problem
 from irc.schedule import Status
 
 _ORDER = (
-    Kind.DURATION,
     Kind.USE,
+    Kind.DURATION,
     Kind.PRECEDENCE,
     Kind.RELEASE,
     Kind.DEADLINE,
@@ -75,7 +76,8 @@ class _Search:
         if found is None:
             return None
         order = sorted(found, key=self._dispensable)
-        conflict = minimise(found, self.attempt, order, self._families(found))
+        implied = self._implied(found)
+        conflict = minimise(found, self.attempt, order, self._families(found), implied)
         return narrow(self.problem, self._rechecked(conflict), self.attempt)
 
     def _found(self) -> frozenset[Statement] | None:
@@ -177,6 +179,25 @@ class _Search:
 
     def _length(self, activity: int) -> int:
         return self.problem.activities[activity].duration_min
+
+    def _implied(self, found: frozenset[Statement]) -> dict[Statement, Statement]:
+        """Uses, each with a duration that is needed where the use is.
+
+        Take a schedule that is possible without the use, and let the action take no time: it uses
+        nothing then, and nobody minds its earlier end, unless some statement keeps the end late.
+        """
+        kept_late = {
+            d.dst
+            for d in differences_of(self.problem, found)
+            if d.statement is not None and d.statement.kind is not Kind.DURATION
+        }
+        return {
+            s: duration
+            for s in found
+            if s.kind is Kind.USE and end_point(s.of) not in kept_late
+            for duration in (Statement(Kind.DURATION, s.of),)
+            if duration in found
+        }
 
     def _families(self, found: frozenset[Statement]) -> list[list[frozenset[Statement]]]:
         """What is likely to go together: by resource, precedences, and by action, short ones first.

@@ -8,8 +8,8 @@ constraint sets in linear programs", 1991.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 
 from irc.explanation.statements import KINDS, Side, Statement
@@ -17,6 +17,9 @@ from irc.problem import Problem
 
 _PARTS = 4
 """Groups that cannot all be left out are tried again in so many parts."""
+
+_FEW = 8
+"""So many groups are few to be left out together, and so many trials are enough."""
 
 
 class Verdict(Enum):
@@ -50,63 +53,71 @@ class Conflict:
     excess: int | None = None
 
 
+@dataclass
+class _Deletion:
+    """The statements still kept, and those of them that are known to be needed."""
+
+    kept: frozenset[Statement]
+    attempt: Try
+    implied: Mapping[Statement, Statement]
+    needed: set[Statement] = field(default_factory=set)
+
+    def leave_out(self, statements: frozenset[Statement]) -> Verdict:
+        """Leaves statements out for good where the others still cannot hold together."""
+        rest = self.kept - statements
+        trial = self.attempt(rest) if rest else Trial(Verdict.POSSIBLE)
+        if trial.verdict is Verdict.IMPOSSIBLE:
+            self.kept = rest if trial.core is None else rest & trial.core
+        elif trial.verdict is Verdict.POSSIBLE and len(statements) == 1:
+            (statement,) = statements
+            self.needed |= {statement, self.implied.get(statement, statement)}
+        return trial.verdict
+
+    def leave_out_groups(self, groups: Sequence[frozenset[Statement]]) -> None:
+        """Leaves out whole groups: many together, and where that is too much, fewer.
+
+        Where few together never go either, nearly all are needed, and one by one is next.
+        """
+        parts = [groups]
+        size = len(groups)
+        while parts and size:
+            too_much = [part for part in parts if not self._goes(part)]
+            if size == 1 or (size <= _FEW <= len(parts) == len(too_much)):
+                return
+            size = -(-size // _PARTS)
+            parts = [part[k : k + size] for part in too_much for k in range(0, len(part), size)]
+
+    def _goes(self, groups: Sequence[frozenset[Statement]]) -> bool:
+        statements = frozenset().union(*groups) & self.kept
+        if not statements:
+            return True
+        if statements & self.needed:
+            return False
+        return self.leave_out(statements) is Verdict.IMPOSSIBLE
+
+
 def minimise(
     found: Iterable[Statement],
     attempt: Try,
     order: Sequence[Statement],
     families: Iterable[Sequence[frozenset[Statement]]] = (),
+    implied: Mapping[Statement, Statement] | None = None,
 ) -> Conflict:
     """A minimal subset of `found`, which cannot hold together.
 
     `order` says what is left out first, so what an author would rather not hear of comes first.
-    `families` are groups of statements that are left out before that, as many at a time as
-    possible: it saves trials.
+    Two things save trials: `families` are groups of statements that are left out before that, as
+    many at a time as possible; and where a statement is needed, so is the one `implied` by it.
     """
-    kept, needed = frozenset(found), frozenset[Statement]()
+    deletion = _Deletion(frozenset(found), attempt, implied or {})
     for groups in families:
-        kept, needed = _without_groups(kept, needed, attempt, groups)
+        deletion.leave_out_groups(groups)
     minimal = True
     for statement in order:
-        if statement in kept and statement not in needed:
-            kept, verdict = _without(kept, frozenset((statement,)), attempt)
+        if statement in deletion.kept and statement not in deletion.needed:
+            verdict = deletion.leave_out(frozenset((statement,)))
             minimal = minimal and verdict is not Verdict.UNKNOWN
-    return Conflict(tuple(s for s in order if s in kept), minimal)
-
-
-def _without_groups(
-    kept: frozenset[Statement],
-    needed: frozenset[Statement],
-    attempt: Try,
-    groups: Sequence[frozenset[Statement]],
-) -> tuple[frozenset[Statement], frozenset[Statement]]:
-    """Leaves out whole groups: many together, and where that is too much, fewer."""
-    waiting = [groups] if groups else []
-    while waiting:
-        together = waiting.pop()
-        left_out = frozenset().union(*together) & kept
-        if not left_out or left_out & needed:
-            verdict = Verdict.POSSIBLE
-        else:
-            kept, verdict = _without(kept, left_out, attempt)
-            if verdict is Verdict.POSSIBLE and len(left_out) == 1:
-                needed |= left_out
-        if left_out and verdict is not Verdict.IMPOSSIBLE and len(together) > 1:
-            size = -(-len(together) // _PARTS)
-            parts = [together[k : k + size] for k in range(0, len(together), size)]
-            waiting += parts[::-1]
-    return kept, needed
-
-
-def _without(
-    kept: frozenset[Statement], left_out: frozenset[Statement], attempt: Try
-) -> tuple[frozenset[Statement], Verdict]:
-    rest = kept - left_out
-    if not rest:
-        return kept, Verdict.POSSIBLE
-    trial = attempt(rest)
-    if trial.verdict is Verdict.IMPOSSIBLE:
-        return (rest if trial.core is None else rest & trial.core), trial.verdict
-    return kept, trial.verdict
+    return Conflict(tuple(s for s in order if s in deletion.kept), minimal)
 
 
 def narrow(problem: Problem, conflict: Conflict, attempt: Try) -> Conflict:
