@@ -13,9 +13,11 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
+from irc.backend import EngineFailed
 from irc.explanation.refuter import Assumptions
 from irc.explanation.statements import ORIGIN, Statement
 from irc.problem import Claim, Problem
+from irc.retime import AnswerError
 from irc.schedule import Status
 from irc_cpsat.encode import Builder
 from irc_cpsat.engines import schedule_from
@@ -51,7 +53,10 @@ class CpSatRefuter:
         if status == cp_model.INFEASIBLE:
             return Status.INFEASIBLE
         if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            schedule_from(problem, built, solver)
+            try:
+                schedule_from(problem, built, solver)
+            except AnswerError as error:
+                raise EngineFailed(f"CP-SAT's answer is no schedule: {error}") from None
             return Status.FEASIBLE
         return Status.UNKNOWN
 

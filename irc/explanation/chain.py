@@ -15,8 +15,11 @@ from heapq import heappop, heappush
 from typing import NamedTuple
 
 from irc.explanation.statements import (
+    KINDS,
     ORIGIN,
     Difference,
+    Side,
+    Statement,
     all_statements,
     differences_of,
     end_point,
@@ -132,13 +135,23 @@ def _times(problem: Problem, schedule: Schedule) -> list[int] | None:
 
 
 def _tight_edges(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[_Edge]:
-    stated = differences_of(problem, all_statements(problem))
+    stated = differences_of(problem, _one_sided(problem))
     for d in (*stated, *how_time_is(range(len(problem.activities)))):
         if times[d.dst] - times[d.src] == d.weight and d.dst != ORIGIN:
             yield _Edge(d, None)
     for hand_over in _hand_overs(problem, schedule, times):
         d = Difference(end_point(hand_over.before), start_point(hand_over.after), 0)
         yield _Edge(d, hand_over)
+
+
+def _one_sided(problem: Problem) -> Iterator[Statement]:
+    """All statements, those with a least and a greatest value one limit at a time."""
+    for statement in all_statements(problem):
+        if KINDS[statement.kind].has_two_sides(problem, statement):
+            yield statement._replace(side=Side.LEAST)
+            yield statement._replace(side=Side.MOST)
+        else:
+            yield statement
 
 
 def _hand_overs(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[HandOver]:

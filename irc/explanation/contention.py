@@ -1,9 +1,10 @@
 """Conflicts over resources: a solver's core, made minimal by leaving statements out.
 
 The core comes from a model without an objective and with one assumption for each statement
-(google/or-tools#3943: only so is it exact). It is not trusted (google/or-tools#5141): every set
-that is called impossible was refuted again as a problem of its own, without assumptions, and
-every set that is called possible has a schedule that was re-timed exactly.
+(google/or-tools#3943: only so is it exact). It is not believed (google/or-tools#5141): a set is
+called impossible where a bound or the solver, without assumptions, refutes it as a problem of its
+own, and possible where there is a schedule, by rule or by the solver and then re-timed exactly.
+What is left in the end is refuted once more by the solver alone.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ _LEAST_SECONDS = 0.05
 def resource_conflict(problem: Problem, refuter: Refuter, until: float) -> Conflict | None:
     """A minimal conflict of a problem that has no schedule, though time alone allows one.
 
-    None where not even the whole could be refuted until `until` (of `time.perf_counter`).
+    None where it is later than `until` (of `time.perf_counter`) at once; later on, what is found
+    may not be minimal. That the whole has no schedule must have been proven before.
     """
     return _Search(problem, refuter, until).conflict()
 
@@ -81,13 +83,15 @@ class _Search:
         return narrow(self.problem, self._rechecked(conflict), self.attempt)
 
     def _found(self) -> frozenset[Statement] | None:
-        """What is to be made minimal: the solver's core if it has one and that stands up to it."""
+        """What is to be made minimal: the solver's core if it has one that stands, else all."""
+        if perf_counter() > self.until:
+            return None
         statements = frozenset(self._relevant())
-        if not self._refuted_by_energy(self._part(statements)):
+        if not _refuted_by_energy(self._part(statements)):
             core = self.refuter.core(self._assumptions(statements), self._seconds())
             if core is not None and self.attempt(core).verdict is Verdict.IMPOSSIBLE:
                 return core
-        return statements if self.attempt(statements).verdict is Verdict.IMPOSSIBLE else None
+        return statements
 
     def _rechecked(self, conflict: Conflict) -> Conflict:
         """Called minimal only if the solver by itself, too, finds the whole impossible."""
@@ -116,18 +120,16 @@ class _Search:
         part = self._part(statements)
         if not part.has_contention:
             return Verdict.POSSIBLE  # All statements together have no conflict of time.
-        if self._refuted_by_energy(part):
+        if _refuted_by_energy(part):
             return Verdict.IMPOSSIBLE
         if list_schedule(part) is not None:
             return Verdict.POSSIBLE
         status = self.refuter.decide(part, self.horizon, self._seconds())
+        if status is Status.UNKNOWN and _refuted_by_cases(part):
+            return Verdict.IMPOSSIBLE
         return {Status.FEASIBLE: Verdict.POSSIBLE, Status.INFEASIBLE: Verdict.IMPOSSIBLE}.get(
             status, Verdict.UNKNOWN
         )
-
-    @staticmethod
-    def _refuted_by_energy(part: Problem) -> bool:
-        return part.deadline is not None and energy_bound(part).bound.value > part.deadline
 
     def _seconds(self) -> float:
         return max(_LEAST_SECONDS, self.until - perf_counter())
@@ -223,3 +225,16 @@ class _Search:
             arcs,
             [frozenset(of_action[i]) for i in by_length],
         ]
+
+
+def _refuted_by_energy(part: Problem) -> bool:
+    return part.deadline is not None and energy_bound(part).bound.value > part.deadline
+
+
+def _refuted_by_cases(part: Problem) -> bool:
+    """What a solver left open the destructive bound may settle; it takes longer than energy."""
+    if part.deadline is None:
+        return False
+    from irc.passes.destructive import destructive_bound
+
+    return destructive_bound(energy_bound(part)).bound.value > part.deadline

@@ -26,6 +26,7 @@ from irc.explanation.temporal import temporal_conflict
 from irc.explanation.wording import in_words, units
 from irc.model import Task
 from irc.passes import run_passes
+from irc.pipeline import refusals_told
 from irc.problem import Problem
 from irc.schedule import Schedule, Status
 from irc.slack import slacks
@@ -78,7 +79,8 @@ def _with_solver(task: Task, problem: Problem, until: float) -> Explanation:
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = get_backend(TARGET).refuter()
-    conflict = None if refuter is None else resource_conflict(problem, refuter, until)
+    with refusals_told(task):
+        conflict = None if refuter is None else resource_conflict(problem, refuter, until)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
