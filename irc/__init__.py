@@ -17,20 +17,23 @@ from typing import TYPE_CHECKING, Any
 from irc._version import __version__
 
 if TYPE_CHECKING:
-    from irc.api import check, compile, extract, load, loads, solve, validate
+    from irc.api import check, compile, explain, extract, load, loads, solve, validate
     from irc.diagnostics import Diagnostic, InputError, Report
+    from irc.explanation import Explanation
     from irc.model import Task
     from irc.schedule import Schedule, Status
 
 _HOMES = {
     "check": "irc.api",
     "compile": "irc.api",
+    "explain": "irc.api",
     "extract": "irc.api",
     "load": "irc.api",
     "loads": "irc.api",
     "solve": "irc.api",
     "validate": "irc.api",
     "Diagnostic": "irc.diagnostics",
+    "Explanation": "irc.explanation",
     "InputError": "irc.diagnostics",
     "Report": "irc.diagnostics",
     "Task": "irc.model",
@@ -40,6 +43,7 @@ _HOMES = {
 
 __all__ = [
     "Diagnostic",
+    "Explanation",
     "InputError",
     "Report",
     "Schedule",
@@ -48,6 +52,7 @@ __all__ = [
     "__version__",
     "check",
     "compile",
+    "explain",
     "extract",
     "load",
     "loads",

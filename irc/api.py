@@ -1,10 +1,10 @@
-"""The Python API: `irc.load`, `check`, `compile`, `solve`, `extract`, `validate`."""
+"""The Python API: `irc.load`, `check`, `compile`, `solve`, `explain`, `extract`, `validate`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irc.backend import Limits, OnProgress, Program
 from irc.compiler import (
@@ -21,7 +21,10 @@ from irc.model import Task
 from irc.schedule import Schedule
 from irc.validation import Verdict
 
-__all__ = ["check", "compile", "extract", "load", "loads", "solve", "validate"]
+if TYPE_CHECKING:
+    from irc.explanation import Explanation
+
+__all__ = ["check", "compile", "explain", "extract", "load", "loads", "solve", "validate"]
 
 
 def load(path: str | Path) -> Task:
@@ -97,6 +100,23 @@ def solve(
     return solve_task(
         _task(task), target, engine, limits, shortcut=shortcut, on_progress=on_progress
     ).schedule
+
+
+def explain(
+    task: Task | str | Path | Mapping[str, Any], *, time_limit: float | None = None
+) -> Explanation:
+    """Why a task has no schedule, or what makes its schedule as long as it is.
+
+    Of an infeasible task: a minimal set of statements that cannot hold together. Of a feasible
+    one: a critical chain, the slack of each action, and what proves that nothing is shorter.
+    `time_limit` in seconds of wall-clock time. Raises `InputError` for a task with other faults
+    than that it cannot be scheduled, or that the solver's target refuses.
+    """
+    from irc.explanation import explain_task
+
+    if time_limit is not None and not time_limit > 0:
+        raise ValueError(f"time_limit must be more than 0 seconds, not {time_limit}")
+    return explain_task(_task(task), time_limit)
 
 
 def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:

@@ -22,6 +22,7 @@ from irc.problem import Problem
 from irc.times import Number, format_number
 
 if TYPE_CHECKING:
+    from irc.explanation.refuter import Refuter
     from irc.schedule import Schedule, Status
 
 MANIFEST_VERSION = "1"
@@ -196,6 +197,10 @@ class Backend(ABC):
     @abstractmethod
     def engines(self) -> Mapping[str, Engine]:
         """The engines by name; the one called "auto" is the default."""
+
+    def refuter(self) -> Refuter | None:
+        """What can say why a problem of this target has no schedule, for `irc explain`, if any."""
+        return None
 
 
 class Refusal(Exception):

@@ -223,8 +223,8 @@ def span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:
 
 def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple[Requirement, ...]:
     requirements = [
-        Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount)
-        for use in uses
+        Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount, k)
+        for k, use in enumerate(uses)
         if use.alternatives and all(r in resource_index for r in use.alternatives)
     ]
     return tuple(sorted(requirements))

@@ -18,10 +18,14 @@ from irc.times import Number, exact
 
 
 class Requirement(NamedTuple):
-    """Holds `amount` units of one of the `alternatives` (indexes into `Problem.resources`)."""
+    """Holds `amount` units of one of the `alternatives` (indexes into `Problem.resources`).
+
+    `origin` is the index of the entry in the source's `uses`.
+    """
 
     alternatives: tuple[int, ...]
     amount: int
+    origin: int = 0
 
 
 class Claim(NamedTuple):

@@ -10,6 +10,7 @@ from irc.features import Feature
 from irc.problem import Problem
 
 if TYPE_CHECKING:
+    from irc.explanation.refuter import Refuter
     from irc.schedule import Schedule
 
 
@@ -72,3 +73,9 @@ class CpSat(Backend):
 
         engine = OrTools()
         return {"auto": engine, engine.name: engine}
+
+    def refuter(self) -> Refuter:
+        """CP-SAT says which statements cannot hold together."""
+        from irc_cpsat.conflict import CpSatRefuter
+
+        return CpSatRefuter()

@@ -47,7 +47,9 @@ def build_app(only: str | None = None) -> typer.Typer:
     app.callback(invoke_without_command=False)(_root)
     commands = {
         function.__name__.rstrip("_"): function
-        for function in (check, compile_, solve, extract, validate, convert, targets, schema)
+        for function in (
+            *(check, compile_, solve, explain, extract, validate, convert, targets, schema),
+        )
     }
     for name, function in commands.items():
         if only not in commands or name == only:
@@ -177,7 +179,29 @@ def solve(
                 reading.task, target, engine, limits, shortcut=shortcut, on_progress=on_progress
             )
         _tell_reading(reading, format)
+        if answer.schedule.status == "infeasible" and format is Format.text:
+            from irc.cli.explain import hint_for
+
+            say(hint_for(file))
         _show_answer(answer, output, format)
+
+
+def explain(
+    file: FileArgument,
+    time_limit: Annotated[
+        float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for all of it.")
+    ] = 60.0,
+    format: FormatOption = Format.text,
+) -> None:
+    """Show why a task has no schedule, or what makes its schedule as long as it is."""
+    from irc.cli.explain import put_explanation
+    from irc.explanation import explain_task
+
+    with errors_told(format):
+        reading = _read(file)
+        explanation = explain_task(reading.task, time_limit)
+        _tell_reading(reading, format)
+        put_explanation(explanation, format)
 
 
 def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:

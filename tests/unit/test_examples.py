@@ -45,11 +45,25 @@ TABLE = [
     Promised(file, parse_number(makespan), unit)
     for file, makespan, unit in ROW.findall((EXAMPLES / "README.md").read_text("utf-8"))
 ]
+INFEASIBLE = re.findall(
+    r"^\| \[([\w.]+)\]\(\1\) \| .* \| none: (\d+) statements \|$",
+    (EXAMPLES / "README.md").read_text("utf-8"),
+    re.MULTILINE,
+)
 each_example = pytest.mark.parametrize("promised", TABLE, ids=[row.file for row in TABLE])
 
 
 def test_the_table_lists_every_example() -> None:
-    assert sorted(row.file for row in TABLE) == sorted(p.name for p in EXAMPLES.glob("*.json"))
+    listed = [row.file for row in TABLE] + [file for file, _ in INFEASIBLE]
+    assert sorted(listed) == sorted(p.name for p in EXAMPLES.glob("*.json"))
+
+
+@pytest.mark.parametrize(("file", "count"), INFEASIBLE)
+def test_an_example_without_a_schedule_has_the_promised_conflict(file: str, count: str) -> None:
+    assert list(irc.check(EXAMPLES / file)) == []
+    explanation = irc.explain(EXAMPLES / file)
+    assert (explanation.feasible, explanation.minimal) == (False, True)
+    assert len(explanation.conflict) == int(count)
 
 
 @each_example

@@ -148,7 +148,7 @@ def test_everything_is_in_the_order_of_names() -> None:
     )
     assert [a.id for a in problem.activities] == ["a", "b"]
     assert [(r.id, r.capacity) for r in problem.resources] == [("k", 3), ("z", 1)]
-    assert problem.activities[0].uses == (Requirement((0, 1), 2), Requirement((1,), 1))
+    assert problem.activities[0].uses == (Requirement((0, 1), 2, origin=1), Requirement((1,), 1))
     assert problem.arcs == (
         Arc(1, 0, origin=1),
         Arc(0, 1, min_lag=-9, origin=2),

@@ -1,0 +1,150 @@
+"""What `irc explain` shows a person: the conflicting lines of the file, or the critical chain."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+
+from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER
+from irc.cli.output import Format, put, put_json
+from irc.diagnostics import excerpt
+from irc.explanation import Explanation
+from irc.explanation.result import Step, Told
+from irc.schedule import Status
+from irc.source import Source, pointer_text
+from irc.times import Number, format_number
+
+SLACK_ROWS = 60
+"""A longer list of slacks is cut; JSON has all of it."""
+
+
+def hint_for(file: str) -> str:
+    """What `irc solve` says under an infeasible task."""
+    name = "FILE" if file == "-" else shlex.quote(file)
+    return f"hint: `irc explain {name}` shows which statements cannot hold together"
+
+
+def put_explanation(explanation: Explanation, format: Format) -> None:
+    """Prints an explanation and ends with the status of what it found."""
+    if format is Format.json:
+        put_json(explanation.as_json())
+    else:
+        put("\n".join(_lines(explanation)))
+    if explanation.status is Status.INFEASIBLE:
+        sys.exit(EXIT_INPUT)
+    if explanation.feasible is None:
+        sys.exit(EXIT_NO_ANSWER)
+
+
+def _lines(explanation: Explanation) -> Iterator[str]:
+    if explanation.status is Status.INFEASIBLE:
+        yield from _infeasible(explanation)
+    elif explanation.schedule is None:
+        yield f"{_name(explanation)}: it is not known whether there is a schedule"
+        yield "hint: give it more time with --time-limit"
+    else:
+        yield from _feasible(explanation)
+
+
+def _name(explanation: Explanation) -> str:
+    return _visible(explanation.task or "unnamed task")
+
+
+def _visible(text: str) -> str:
+    """Names are quoted as Python does, which shows control characters; a task's name is not."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+# --- no schedule --------------------------------------------------------------------------------
+
+
+def _infeasible(explanation: Explanation) -> Iterator[str]:
+    count = len(explanation.conflict)
+    yield f"{_name(explanation)}: no schedule exists"
+    if not count:
+        yield "that is proven; which statements are to blame was not found within the time limit"
+        yield "hint: give it more time with --time-limit"
+        return
+    proven = "without any one of them the others can"
+    if not explanation.minimal:
+        proven = "that each is needed was not proven in time"
+    yield f"these {count} statements cannot hold together; {proven}:"
+    yield ""
+    if explanation.source is not None and all(t.offset is not None for t in explanation.conflict):
+        yield from _snippet(explanation.source, explanation.conflict)
+    else:
+        yield from (_listed(told) for told in explanation.conflict)
+    if explanation.reason is not None:
+        yield ""
+        yield f"because {explanation.reason}"
+
+
+def _listed(told: Told) -> str:
+    return f"  {told.text}  ({pointer_text(told.pointer)})"
+
+
+def _snippet(source: Source, conflict: Iterable[Told]) -> Iterator[str]:
+    """The lines of the text, each with what it states under its place."""
+    placed = sorted(conflict, key=lambda t: (t.line or 0, t.column or 0))
+    width = len(str(placed[-1].line))
+    yield f"{'':{width}}--> {_visible(source.name)}"
+    for line, on_line in groupby(placed, key=lambda t: t.line):
+        told = list(on_line)
+        text, first = excerpt(source.line_at(told[0].offset or 0), (told[0].column or 1) - 1)
+        shift = first - ((told[0].column or 1) - 1)
+        yield f"{line:>{width}} | {text}"
+        for t in told:
+            column = min((t.column or 1) - 1 + shift, len(text))
+            yield f"{'':{width}} | {'':{column}}^ {t.text}"
+
+
+# --- a schedule ---------------------------------------------------------------------------------
+
+
+def _feasible(explanation: Explanation) -> Iterator[str]:
+    assert explanation.schedule is not None
+    unit = explanation.time_unit
+    makespan = format_number(explanation.schedule.makespan)
+    optimal = "optimal" if explanation.status is Status.OPTIMAL else "not proven optimal"
+    yield f"{_name(explanation)}: makespan {makespan} {unit}, {optimal}"
+    if explanation.chain is None:
+        yield "no chain takes up all of it: the schedule could end earlier as it stands"
+    elif explanation.chain:
+        yield "it is as long as this chain:"
+        yield ""
+        yield from _chain(explanation.chain)
+    yield ""
+    yield _visible(explanation.proof or "")
+    if explanation.slack:
+        yield ""
+        yield from _slack(explanation, unit)
+
+
+def _chain(chain: Sequence[Step]) -> Iterator[str]:
+    times = [_span(step.start, step.end) for step in chain]
+    width = max(map(len, times))
+    for time, step in zip(times, chain, strict=True):
+        line = "" if step.told.line is None else f"  (line {step.told.line})"
+        yield f"  {time:>{width}}  {step.told.text}{line}"
+
+
+def _span(start: Number, end: Number) -> str:
+    if start == end:
+        return format_number(start)
+    return f"{format_number(start)} – {format_number(end)}"
+
+
+def _slack(explanation: Explanation, unit: str) -> Iterator[str]:
+    """Those that can wait, by how long; the others are named together."""
+    slack = explanation.slack
+    critical = [repr(name) for name, value in slack.items() if not value]
+    yield f"critical, so none can start later: {', '.join(critical) or 'none'}"
+    waiting = sorted(
+        ((value, name) for name, value in slack.items() if value), key=lambda item: item[0]
+    )
+    for value, name in waiting[:SLACK_ROWS]:
+        yield f"  {name!r} can start up to {format_number(value)} {unit} later"
+    if len(waiting) > SLACK_ROWS:
+        yield f"  … and {len(waiting) - SLACK_ROWS} more"

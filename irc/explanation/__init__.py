@@ -1,0 +1,12 @@
+"""Why a task has no schedule, or why its schedule is as long as it is.
+
+`statements` says what a statement of the IR is, `road` is the way from a task to an explanation.
+(The package is not called `explain`: that is the name of the function, `irc.explain`.)
+"""
+
+from __future__ import annotations
+
+from irc.explanation.result import Explanation
+from irc.explanation.road import explain_task
+
+__all__ = ["Explanation", "explain_task"]

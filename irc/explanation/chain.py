@@ -1,0 +1,207 @@
+"""The critical chain of a schedule: what, one after another, takes up all of its makespan.
+
+A link is a demand on time that the schedule meets with nothing to spare, or a hand-over: an
+action takes at once what another has just freed. From t = 0 to the makespan their lengths add up
+exactly. Of several chains one of the fewest hand-overs is shown, and of those one of the fewest
+links; a chain without hand-overs is a proof that no schedule is shorter.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from typing import NamedTuple
+
+from irc.explanation.statements import (
+    KINDS,
+    ORIGIN,
+    Difference,
+    Side,
+    Statement,
+    all_statements,
+    differences_of,
+    end_point,
+    how_time_is,
+    start_point,
+)
+from irc.problem import Problem
+from irc.retime import Decision, resource_orders
+from irc.schedule import Schedule
+from irc.slack import to_ticks
+
+
+@dataclass(frozen=True, slots=True)
+class HandOver:
+    """`after` starts when `before` frees the resource (all indexes).
+
+    `needed` says whether there was too little of the resource until then; otherwise the order of
+    the two was merely kept.
+    """
+
+    before: int
+    after: int
+    resource: int
+    needed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """One step of the chain, from one time (ticks) to another; what makes it so long.
+
+    Without a statement and a hand-over it is how time is: from t = 0, or no time at all.
+    """
+
+    start: int
+    end: int
+    difference: Difference
+    hand_over: HandOver | None = None
+
+    @property
+    def length(self) -> int:
+        """In ticks; a maximum lag can lead back in time."""
+        return self.end - self.start
+
+
+class _Edge(NamedTuple):
+    difference: Difference
+    hand_over: HandOver | None
+
+
+_Cost = tuple[int, int, int]
+"""Orders merely kept, hand-overs, links."""
+
+
+def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | None:
+    """The links in order of time; None for a schedule that could end earlier as it stands.
+
+    `schedule` must be a valid one of exactly the problem's activities.
+    """
+    if not schedule.entries:
+        return ()
+    times = _times(problem, schedule)
+    if times is None:
+        return None
+    leaving: dict[int, list[_Edge]] = {}
+    for tight in _tight_edges(problem, schedule, times):
+        leaving.setdefault(tight.difference.src, []).append(tight)
+    makespan = max(times)
+    ends = {end_point(i) for i in range(len(problem.activities))}
+    reached: dict[int, _Edge | None] = {}
+    heap: list[tuple[_Cost, int, int, _Edge | None]] = [((0, 0, 0), 0, ORIGIN, None)]
+    pushed = 0
+    while heap:
+        cost, _, point, edge = heappop(heap)
+        if point in reached:
+            continue
+        reached[point] = edge
+        if point in ends and times[point] == makespan:
+            return _links(reached, point, times)
+        for onward in leaving.get(point, ()):
+            if onward.difference.dst not in reached:
+                pushed += 1
+                heappush(heap, (_plus(cost, onward), pushed, onward.difference.dst, onward))
+    return None
+
+
+def _plus(cost: _Cost, edge: _Edge) -> _Cost:
+    kept, handed, links = cost
+    if edge.hand_over is None:
+        return kept, handed, links + 1
+    return kept + (not edge.hand_over.needed), handed + 1, links + 1
+
+
+def _links(reached: dict[int, _Edge | None], point: int, times: Sequence[int]) -> tuple[Link, ...]:
+    links = []
+    while (last := reached[point]) is not None:
+        src = last.difference.src
+        links.append(Link(times[src], times[point], last.difference, last.hand_over))
+        point = src
+    return tuple(links[::-1])
+
+
+def _times(problem: Problem, schedule: Schedule) -> list[int] | None:
+    """The time of each point; None where some are not whole: then they wait for nothing."""
+    by_id = {entry.id: entry for entry in schedule.entries}
+    times = [0]
+    for activity in problem.activities:
+        entry = by_id[activity.id]
+        for moment in (to_ticks(problem, entry.start), to_ticks(problem, entry.end)):
+            if not isinstance(moment, int):
+                return None
+            times.append(moment)
+    return times
+
+
+def _tight_edges(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[_Edge]:
+    stated = differences_of(problem, _one_sided(problem))
+    for d in (*stated, *how_time_is(range(len(problem.activities)))):
+        if times[d.dst] - times[d.src] == d.weight and d.dst != ORIGIN:
+            yield _Edge(d, None)
+    for hand_over in _hand_overs(problem, schedule, times):
+        d = Difference(end_point(hand_over.before), start_point(hand_over.after), 0)
+        yield _Edge(d, hand_over)
+
+
+def _one_sided(problem: Problem) -> Iterator[Statement]:
+    """All statements, those with a least and a greatest value one limit at a time."""
+    for statement in all_statements(problem):
+        if KINDS[statement.kind].has_two_sides(problem, statement):
+            yield statement._replace(side=Side.LEAST)
+            yield statement._replace(side=Side.MOST)
+        else:
+            yield statement
+
+
+def _hand_overs(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[HandOver]:
+    held = _held(problem, schedule)
+    decisions = [
+        Decision(times[start_point(i)], times[end_point(i)]) for i in range(len(problem.activities))
+    ]
+    chosen = [tuple(amounts) for amounts in held]
+    usage = _Usage(problem, held, decisions)
+    for before, after in sorted(resource_orders(problem, decisions, chosen, 0)):
+        if decisions[before].end != decisions[after].start:
+            continue
+        common = sorted(held[before].keys() & held[after].keys())
+        if common:
+            short = [r for r in common if usage.is_short(r, after, held[after][r])]
+            yield HandOver(before, after, (short or common)[0], bool(short))
+
+
+def _held(problem: Problem, schedule: Schedule) -> list[dict[int, int]]:
+    index = {resource.id: r for r, resource in enumerate(problem.resources)}
+    by_id = {entry.id: entry for entry in schedule.entries}
+    return [
+        {index[name]: amount for name, amount in by_id[a.id].resources.items()}
+        for a in problem.activities
+    ]
+
+
+class _Usage:
+    """How much of each resource is in use just before an activity starts."""
+
+    def __init__(
+        self, problem: Problem, held: Sequence[dict[int, int]], decisions: Sequence[Decision]
+    ) -> None:
+        self.problem = problem
+        self.decisions = decisions
+        changes: dict[int, Counter[int]] = {}
+        for amounts, decision in zip(held, decisions, strict=True):
+            for r, amount in amounts.items():
+                changes.setdefault(r, Counter())[int(decision.start)] += amount
+                changes[r][int(decision.end)] -= amount
+        self.before = {r: dict(_levels_before(of)) for r, of in changes.items()}
+
+    def is_short(self, resource: int, activity: int, amount: int) -> bool:
+        """Whether `amount` more would not have fitted just before the activity starts."""
+        level = self.before[resource][int(self.decisions[activity].start)]
+        return level + amount > self.problem.resources[resource].capacity
+
+
+def _levels_before(changes: Counter[int]) -> Iterable[tuple[int, int]]:
+    level = 0
+    for time in sorted(changes):
+        yield time, level
+        level += changes[time]

@@ -1,0 +1,240 @@
+"""Conflicts over resources: a solver's core, made minimal by leaving statements out.
+
+The core comes from a model without an objective and with one assumption for each statement
+(google/or-tools#3943: only so is it exact). It is not believed (google/or-tools#5141): a set is
+called impossible where a bound or the solver, without assumptions, refutes it as a problem of its
+own, and possible where there is a schedule, by rule or by the solver and then re-timed exactly.
+What is left in the end is refuted once more by the solver alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+from irc.backend import EngineFailed
+from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
+from irc.explanation.refuter import Assumptions, Refuter
+from irc.explanation.statements import (
+    Kind,
+    Statement,
+    all_statements,
+    differences_of,
+    end_point,
+    problem_of,
+)
+from irc.horizon import safe_horizon
+from irc.list_schedule import list_schedule
+from irc.passes.contention import drop_uncontended, merge_pools
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.energy import energy_bound
+from irc.problem import Activity, Claim, Problem
+from irc.schedule import Status
+
+_ORDER = (
+    Kind.USE,
+    Kind.DURATION,
+    Kind.PRECEDENCE,
+    Kind.RELEASE,
+    Kind.DEADLINE,
+    Kind.START,
+    Kind.TASK_DEADLINE,
+    Kind.CAPACITY,
+)
+"""What is left out first: so deadlines and capacities, which authors set, are kept longest."""
+
+_OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
+
+_LEAST_SECONDS = 0.05
+"""A solver that is asked at all is given at least this."""
+
+
+def resource_conflict(problem: Problem, refuter: Refuter, until: float) -> Conflict | None:
+    """A minimal conflict of a problem that has no schedule, though time alone allows one.
+
+    None where it is later than `until` (of `time.perf_counter`) at once; later on, what is found
+    may not be minimal. That the whole has no schedule must have been proven before.
+    """
+    return _Search(problem, refuter, until).conflict()
+
+
+def horizon_without_limits(problem: Problem) -> int:
+    """By then some schedule of any part of the statements has ended, if there is one."""
+    return max(1, safe_horizon(replace(problem, deadline=None)))
+
+
+@dataclass
+class _Search:
+    problem: Problem
+    refuter: Refuter
+    until: float
+    known: dict[frozenset[Statement], Trial] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.horizon = horizon_without_limits(self.problem)
+
+    def conflict(self) -> Conflict | None:
+        found = self._found()
+        if found is None:
+            return None
+        order = sorted(found, key=self._dispensable)
+        implied = self._implied(found)
+        conflict = minimise(found, self.attempt, order, self._families(found), implied)
+        return narrow(self.problem, self._rechecked(conflict), self.attempt)
+
+    def _found(self) -> frozenset[Statement] | None:
+        """What is to be made minimal: the solver's core if it has one that stands, else all."""
+        if perf_counter() > self.until:
+            return None
+        statements = frozenset(self._relevant())
+        if not _refuted_by_energy(self._part(statements)):
+            core = self.refuter.core(self._assumptions(statements), self._seconds())
+            if core is not None and self.attempt(core).verdict is Verdict.IMPOSSIBLE:
+                return core
+        return statements
+
+    def _rechecked(self, conflict: Conflict) -> Conflict:
+        """Called minimal only if the solver by itself, too, finds the whole impossible."""
+        part = self._part(frozenset(conflict.statements))
+        status = self.refuter.decide(part, self.horizon, self._seconds())
+        if status is Status.FEASIBLE:
+            raise EngineFailed("a conflict turned out to have a schedule; this is a defect of irc")
+        return replace(conflict, minimal=conflict.minimal and status is Status.INFEASIBLE)
+
+    def attempt(self, statements: frozenset[Statement]) -> Trial:
+        """Whether these statements can hold together, decided on a problem of their own."""
+        trial = self.known.get(statements)
+        if trial is None:
+            trial = self.known[statements] = Trial(self._verdict(statements))
+        return trial
+
+    def _part(self, statements: frozenset[Statement]) -> Problem:
+        """The problem of some statements, without resources that have room for everything."""
+        part = problem_of(self.problem, statements, self.horizon)
+        return heads_and_tails(drop_uncontended(merge_pools(part)))
+
+    def _verdict(self, statements: frozenset[Statement]) -> Verdict:
+        """Bounds and schedules by rule first: most verdicts need no solver."""
+        if perf_counter() > self.until:
+            return Verdict.UNKNOWN
+        part = self._part(statements)
+        if not part.has_contention:
+            return Verdict.POSSIBLE  # All statements together have no conflict of time.
+        if _refuted_by_energy(part):
+            return Verdict.IMPOSSIBLE
+        if list_schedule(part) is not None:
+            return Verdict.POSSIBLE
+        status = self.refuter.decide(part, self.horizon, self._seconds())
+        if status is Status.UNKNOWN and _refuted_by_cases(part):
+            return Verdict.IMPOSSIBLE
+        return {Status.FEASIBLE: Verdict.POSSIBLE, Status.INFEASIBLE: Verdict.IMPOSSIBLE}.get(
+            status, Verdict.UNKNOWN
+        )
+
+    def _seconds(self) -> float:
+        return max(_LEAST_SECONDS, self.until - perf_counter())
+
+    def _relevant(self) -> list[Statement]:
+        """Without what is said of resources that have room for everything at once.
+
+        A conflict of all statements is one of these too: such a resource never decides anything.
+        """
+        settled = drop_uncontended(merge_pools(self.problem))
+        uses = {(i, claim.use) for i, a in enumerate(settled.activities) for claim in a.claims}
+        resources = {r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives}
+        return [
+            s
+            for s in all_statements(self.problem)
+            if (s.kind is not Kind.USE or (s.of, s.use) in uses)
+            and (s.kind is not Kind.CAPACITY or s.of in resources)
+        ]
+
+    def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
+        uses = {(s.of, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
+        claims: dict[int, list[Claim]] = {}
+        for i, u in uses:
+            of = self.problem.activities[i].uses[u]
+            claims.setdefault(i, []).append(Claim(u, of.alternatives, of.amount))
+        bare = replace(
+            self.problem,
+            activities=tuple(
+                Activity(a.id, 0, self.horizon, uses=a.uses, claims=tuple(claims.get(i, ())))
+                for i, a in enumerate(self.problem.activities)
+            ),
+            arcs=(),
+            deadline=None,
+        )
+        return Assumptions(
+            merge_pools(bare),
+            differences_of(self.problem, sorted(statements)),
+            uses,
+            {s.of: s for s in sorted(statements) if s.kind is Kind.CAPACITY},
+            self.horizon,
+        )
+
+    def _dispensable(self, statement: Statement) -> tuple[int, int, Statement]:
+        """Short actions first: of what is left fewer statements make the conflict."""
+        rank = _ORDER.index(statement.kind)
+        if statement.kind in (Kind.DURATION, Kind.USE):
+            return rank, self._length(statement.of), statement
+        return rank, 0, statement
+
+    def _length(self, activity: int) -> int:
+        return self.problem.activities[activity].duration_min
+
+    def _implied(self, found: frozenset[Statement]) -> dict[Statement, Statement]:
+        """Uses, each with a duration that is needed where the use is.
+
+        Take a schedule that is possible without the use, and let the action take no time: it uses
+        nothing then, and nobody minds its earlier end, unless some statement keeps the end late.
+        """
+        kept_late = {
+            d.dst
+            for d in differences_of(self.problem, found)
+            if d.statement is not None and d.statement.kind is not Kind.DURATION
+        }
+        return {
+            s: duration
+            for s in found
+            if s.kind is Kind.USE and end_point(s.of) not in kept_late
+            for duration in (Statement(Kind.DURATION, s.of),)
+            if duration in found
+        }
+
+    def _families(self, found: frozenset[Statement]) -> list[list[frozenset[Statement]]]:
+        """What is likely to go together: by resource, precedences, and by action, short ones first.
+
+        (A dictionary keeps its order; sets of statements do not, so `found` is sorted.)
+        """
+        of_resource: dict[int, set[Statement]] = {}
+        of_action: dict[int, set[Statement]] = {}
+        arcs = []
+        for s in sorted(found):
+            if s.kind is Kind.CAPACITY:
+                of_resource.setdefault(s.of, set()).add(s)
+            elif s.kind is Kind.PRECEDENCE:
+                arcs.append(frozenset((s,)))
+            elif s.kind in _OF_ACTION:
+                of_action.setdefault(s.of, set()).add(s)
+            if s.kind is Kind.USE:
+                for r in self.problem.activities[s.of].uses[s.use].alternatives:
+                    of_resource.setdefault(r, set()).add(s)
+        by_length = sorted(of_action, key=lambda i: (self._length(i), i))
+        return [
+            [frozenset(of_resource[r]) for r in sorted(of_resource)],
+            arcs,
+            [frozenset(of_action[i]) for i in by_length],
+        ]
+
+
+def _refuted_by_energy(part: Problem) -> bool:
+    return part.deadline is not None and energy_bound(part).bound.value > part.deadline
+
+
+def _refuted_by_cases(part: Problem) -> bool:
+    """What a solver left open the destructive bound may settle; it takes longer than energy."""
+    if part.deadline is None:
+        return False
+    from irc.passes.destructive import destructive_bound
+
+    return destructive_bound(energy_bound(part)).bound.value > part.deadline

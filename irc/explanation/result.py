@@ -1,0 +1,151 @@
+"""An explanation: why there is no schedule, or why the schedule is as long as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from irc.schedule import Schedule, Status
+from irc.source import Pointer, Source, pointer_text
+from irc.times import Number, format_number, json_number
+
+EXPLANATION_VERSION = "1"
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """A statement of the task in words, with its place in the document and in its text.
+
+    `kind` is that of the statement, `side` ("min" or "max") the limit that binds where the
+    statement has two and only one does.
+    """
+
+    kind: str
+    text: str
+    pointer: Pointer
+    side: str | None = None
+    line: int | None = None
+    column: int | None = None
+    offset: int | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """The object in `conflict`."""
+        shown: dict[str, Any] = {
+            "kind": self.kind,
+            "text": self.text,
+            "pointer": pointer_text(self.pointer),
+            "line": self.line,
+            "column": self.column,
+        }
+        return shown if self.side is None else {**shown, "side": self.side}
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A link of the critical chain, in the task's time unit.
+
+    Its `told.kind` is that of a statement, "hand_over" (something is freed and taken at once),
+    "order" (an order of two that was kept, though there was room) or "time" (t = 0).
+    """
+
+    told: Told
+    start: Number
+    end: Number
+
+    def as_json(self) -> dict[str, Any]:
+        """The object in `chain`."""
+        return {
+            **self.told.as_json(),
+            "from": json_number(self.start),
+            "to": json_number(self.end),
+            "length": json_number(self.end - self.start),
+        }
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What `irc.explain` finds.
+
+    - No schedule exists: `conflict` are statements that cannot hold together; where `minimal`,
+      without any one of them the others can. `reason` is a bound in words, if one says it all.
+    - A schedule exists: `chain` says what takes up its makespan (None: it could end earlier as it
+      stands), `slack` how much later each action could start, and `proof` why nothing is shorter,
+      or how far that is known.
+    - Neither is known within the limits: `status` is "unknown".
+    """
+
+    status: Status
+    task: str | None
+    time_unit: str
+    conflict: tuple[Told, ...] = ()
+    minimal: bool = True
+    by: str | None = None
+    reason: str | None = None
+    schedule: Schedule | None = None
+    chain: tuple[Step, ...] | None = ()
+    slack: dict[str, Number] = field(default_factory=dict)
+    bound: Number | None = None
+    proof: str | None = None
+    seconds: float | None = None
+    source: Source | None = None
+
+    @property
+    def feasible(self) -> bool | None:
+        """Whether the task has a schedule; None where that is not known."""
+        if self.status is Status.UNKNOWN:
+            return None
+        return self.status is not Status.INFEASIBLE
+
+    def as_json(self) -> dict[str, Any]:
+        """The document that `irc explain --format json` prints."""
+        shown: dict[str, Any] = {
+            "irc_explanation": EXPLANATION_VERSION,
+            "task": self.task,
+            "feasible": self.feasible,
+            "status": str(self.status),
+        }
+        if self.status is Status.INFEASIBLE:
+            shown |= {
+                "conflict": [told.as_json() for told in self.conflict],
+                "minimal": self.minimal,
+                "by": self.by,
+                "reason": self.reason,
+            }
+        elif self.schedule is not None:
+            shown |= {
+                "makespan": json_number(self.schedule.makespan),
+                "bound": None if self.bound is None else json_number(self.bound),
+                "proof": self.proof,
+                "chain": None if self.chain is None else [step.as_json() for step in self.chain],
+                "slack": {name: json_number(value) for name, value in self.slack.items()},
+            }
+        return {**shown, "seconds": self.seconds}
+
+    def __str__(self) -> str:
+        """The headline and one line for each statement or link."""
+        if self.status is Status.INFEASIBLE:
+            head = f"{self.task or 'task'}: infeasible, these cannot hold together"
+            return "\n".join([head, *(f"  {told.text}" for told in self.conflict)])
+        if self.schedule is None:
+            return f"{self.task or 'task'}: unknown"
+        head = f"{self.task or 'task'}: makespan {format_number(self.schedule.makespan)}"
+        return "\n".join(
+            [head, *(f"  {format_number(s.start)}  {s.told.text}" for s in self.chain or ())]
+        )
+
+
+def located(told: Iterable[Told], source: Source | None) -> tuple[Told, ...]:
+    """The same with line and column, where there is a text; in the order given."""
+    listed = tuple(told)
+    if source is None:
+        return listed
+    places = source.locate([t.pointer for t in listed])
+    found = []
+    for t in listed:
+        place = places.get(t.pointer)
+        if place is not None:
+            line, column = source.line_and_column(place.start)
+            t = replace(t, line=line, column=column, offset=place.start)
+        found.append(t)
+    return tuple(found)

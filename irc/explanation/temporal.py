@@ -1,0 +1,182 @@
+"""Conflicts of time alone: positive cycles of the temporal network, found without a solver.
+
+Every demand on time is a difference of two time points (`irc.explanation.statements`); they can
+hold together unless some of them form a cycle of positive length. Source: Dechter, Meiri, Pearl,
+"Temporal constraint networks", AIJ 49 (1991).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
+from irc.explanation.statements import (
+    ORIGIN,
+    Difference,
+    Kind,
+    Statement,
+    all_statements,
+    differences_of,
+    how_time_is,
+)
+from irc.network import Network, earliest
+from irc.problem import Problem
+
+STEPS = 2_000_000
+"""So many constraints are looked at in search of a cycle of few statements."""
+
+ROOTS = 40
+"""A cycle is started at so many of its points."""
+
+
+def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
+    """A minimal set of statements that time alone rules out; None where there is none.
+
+    Of several it is one of few statements, as far as `STEPS` go. After `until` (of
+    `time.perf_counter`) nothing more is left out, and what is found may not be minimal.
+    """
+    differences = _graph(problem, all_statements(problem))
+    cycles = _cycles(differences)
+    if not cycles:
+        return None
+    found = min(
+        (frozenset(_stated(cycle)) for cycle in _candidates(differences, cycles)),
+        key=lambda statements: (len(statements), sorted(statements)),
+    )
+
+    def attempt(statements: frozenset[Statement]) -> Trial:
+        if perf_counter() > until:
+            return Trial(Verdict.UNKNOWN)
+        cycles = _cycles(_graph(problem, statements))
+        if not cycles:
+            return Trial(Verdict.POSSIBLE)
+        return Trial(Verdict.IMPOSSIBLE, frozenset(_stated(cycles[0])))
+
+    conflict = minimise(found, attempt, sorted(found, key=lambda s: _dispensable(problem, s)))
+    return _in_order(problem, narrow(problem, conflict, attempt))
+
+
+def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
+    """The statements as they follow each other, from t = 0 where they lead through it."""
+    cycle = _cycles(_graph(problem, conflict.statements))[0]
+    first = next((k for k, d in enumerate(cycle) if d.src == ORIGIN), 0)
+    ordered = tuple(dict.fromkeys(_stated([*cycle[first:], *cycle[:first]])))
+    rest = tuple(s for s in conflict.statements if s not in ordered)
+    excess = sum(d.weight for d in cycle)
+    return replace(conflict, statements=ordered + rest, excess=excess)
+
+
+def _dispensable(problem: Problem, statement: Statement) -> tuple[int, int, Statement]:
+    """Short durations first: of what is left fewer statements make the conflict."""
+    if statement.kind is Kind.DURATION:
+        return 0, problem.activities[statement.of].duration_min, statement
+    return 1, 0, statement
+
+
+def _graph(problem: Problem, statements: Iterable[Statement]) -> list[Difference]:
+    stated = differences_of(problem, sorted(statements))
+    points = {p for d in stated for p in (d.src, d.dst) if p != ORIGIN}
+    return [*stated, *how_time_is(sorted({(p - 1) // 2 for p in points}))]
+
+
+def _cycles(differences: Sequence[Difference]) -> list[list[Difference]]:
+    """One positive cycle for each part of the network that has one."""
+    points = sorted({ORIGIN, *(p for d in differences for p in (d.src, d.dst))})
+    place = {p: k for k, p in enumerate(points)}
+    network = Network(len(points))
+    for src, dst, weight, _ in differences:
+        network.add(place[src], place[dst], weight)
+    times = earliest(network, [0] * len(points))
+    return [[differences[edge] for edge in cycle] for cycle in times.cycles]
+
+
+def _stated(cycle: Iterable[Difference]) -> Iterator[Statement]:
+    return (d.statement for d in cycle if d.statement is not None)
+
+
+def _candidates(
+    differences: Sequence[Difference], cycles: list[list[Difference]]
+) -> Iterator[list[Difference]]:
+    """The cycles, and for points on them the positive way round with the fewest statements."""
+    search = _FewestStatements(differences)
+    for cycle in cycles:
+        yield cycle
+        on_cycle = dict.fromkeys(d.src for d in cycle)
+        roots = [ORIGIN] if ORIGIN in on_cycle else list(on_cycle)[:ROOTS]
+        for root in roots:
+            shorter = search.cycle(root)
+            if shorter is not None:
+                yield shorter
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Reached:
+    """A longest way to a point with so many statements: its length and its last step."""
+
+    length: int
+    point: int
+    step: Difference | None = None
+    before: _Reached | None = None
+
+
+@dataclass
+class _FewestStatements:
+    """Longest ways in rounds, each of one statement more (Bellman 1958); what is free is free."""
+
+    differences: Sequence[Difference]
+    steps: int = STEPS
+    leaving: dict[int, list[Difference]] = field(default_factory=dict)
+    free: dict[int, list[Difference]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for d in self.differences:
+            where = self.free if d.statement is None else self.leaving
+            where.setdefault(d.src, []).append(d)
+
+    def cycle(self, root: int) -> list[Difference] | None:
+        """The positive closed way from `root` with the fewest statements; None if none is found."""
+        best = {root: _Reached(0, root)}
+        latest = self._freely(dict(best), best)
+        while latest and self.steps > 0:
+            found: dict[int, _Reached] = {}
+            for reached in latest.values():
+                for d in self.leaving.get(reached.point, ()):
+                    self.steps -= 1
+                    _improve(found, best, reached, d)
+            best.update(found)
+            latest = self._freely(found, best)
+            if root in latest:
+                return _way(latest[root])
+        return None
+
+    def _freely(self, found: dict[int, _Reached], best: dict[int, _Reached]) -> dict[int, _Reached]:
+        waiting = list(found)
+        while waiting:
+            point = waiting.pop()
+            for d in self.free.get(point, ()):
+                self.steps -= 1
+                if _improve(found, best, found[point], d):
+                    best[d.dst] = found[d.dst]
+                    waiting.append(d.dst)
+        return found
+
+
+def _improve(
+    found: dict[int, _Reached], best: dict[int, _Reached], reached: _Reached, d: Difference
+) -> bool:
+    length = reached.length + d.weight
+    for known in (found.get(d.dst), best.get(d.dst)):
+        if known is not None and known.length >= length:
+            return False
+    found[d.dst] = _Reached(length, d.dst, d, reached)
+    return True
+
+
+def _way(reached: _Reached) -> list[Difference]:
+    steps: list[Difference] = []
+    while reached.step is not None and reached.before is not None:
+        steps.append(reached.step)
+        reached = reached.before
+    return steps[::-1]
