@@ -108,8 +108,10 @@ def _number(values: list[Any], place: _Place) -> Ref:
     return Ref("label", (_number_of(values[0]),), start, end)
 
 
-def _ref(values: list[Any], place: _Place) -> Ref:
+def _ref(values: list[Any], place: _Place) -> Any:
     (inner,) = values
+    if isinstance(inner, tuple):
+        return inner
     start, end = place.range
     return Ref(inner.kind, inner.value, start, end)
 
@@ -433,6 +435,7 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     "opener": _nothing,
     "note": _as_is,
     "note_part": _as_is,
+    "told": _as_is,
     "field": _as_is,
     "when": _nothing,
     # references
@@ -456,7 +459,6 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     "span": _span,
     "spans": _between,
     "amounts": _amounts,
-    "same_duration": _only,
     "unit_and_a_half": _plus_half,
     "units_and_a_half": _plus_half,
     "number_amount": _amount(None),

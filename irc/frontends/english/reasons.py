@@ -159,7 +159,7 @@ _CONDITION = re.compile(
     re.IGNORECASE,
 )
 _LIMITED = re.compile(
-    r"\b(?:person|people|cooks?|chefs?|workers?|helpers?|friends?|alone|yourself|oneself|resources?|"
+    r"\b(?:person|people|(?:one|two|three|single|\d|each|same) (?:cook|chef)s?|workers?|helpers?|friends?|alone|yourself|oneself|resources?|"
     r"capacity|robots?|machines?|ovens?|stoves?|burners?|pans?|pots?|tools?|hands?|available|shares?|"
     r"shared|staff|crews?|teams?|employees|single|one at a time|by himself|by herself)\b",
     re.IGNORECASE,

@@ -22,11 +22,18 @@ _HEADS = frozenset("TO FOR OF COLON HASH MUST YOU_MUST CAN".split())
 _TAILS = frozenset("COMMA REQUIRE INVOLVE HAVE HERE_ARE THE_FOLLOWING THESE YOU_MUST COLON".split())
 _MOST_ENDS = 5
 
-_FRAMES_ONLY = frozenset("TOGETHER AT_A_TIME AT_MOST AT_LEAST NO_TWO OVERLAP CANNOT".split())
-_ONLY = re.compile(r"\bonly (?:one|two|a|\d)\b|\b(?:one|single|two) (?:person|cook|worker)", re.I)
+_LIMITS = frozenset("AT_A_TIME AT_MOST NO_TWO OVERLAP CANNOT".split())
+"""Words that no goal has: free text with one of them limits how the steps are done."""
+
+_ANNOUNCING = frozenset(["HERE_ARE", "THE_FOLLOWING", "THESE"])
+_ONLY = re.compile(
+    r"\bonly (?:one|two|three|a|\d+)\b|\b(?:one|single|two|\d+) (?:person|people|cooks?|workers?|ovens?|"
+    r"stoves?|burners?|machines?)\b",
+    re.IGNORECASE,
+)
 _CONDITIONAL = re.compile(
     r"\b(?:if|when|assuming|provided|given that|unless|without|only|alone|limited|single|except|"
-    r"but|while|once|after|before|until)\b",
+    r"but|while|once|after|before|until|by|within|using|by yourself|deadline)\b",
     re.IGNORECASE,
 )
 
@@ -117,34 +124,32 @@ class Reader:
         for first, last in _free_parts(words):
             start, end = words[first].start, words[last - 1].end
             free = self.text[start:end]
-            if not self._harmless(words[first:last], free):
+            if not self._harmless(words, first, last, free):
                 continue
             hidden = Word("FREE", free, start, end, free)
             found = self._readings([*words[:first], hidden, *words[last:]], "sentence", piece)
             if found and all(isinstance(statement, Frame) for statement in found):
                 return tuple(
-                    replace(s, text=self._title_in(piece, s)) if s.text else s
+                    replace(s, text=" ".join(s.text.split())) if s.text else s
                     for s in found
                     if isinstance(s, Frame)
                 )
         return None
 
-    def _title_in(self, piece: Sentence, frame: Frame) -> str:
-        return " ".join(frame.text.split())
-
-    def _harmless(self, words: Sequence[Word], free: str) -> bool:
+    def _harmless(self, words: Sequence[Word], first: int, last: int, free: str) -> bool:
         """Whether free text is a goal and nothing else: no steps, no limits, no conditions."""
-        kinds = [word.kind for word in words]
-        if any(
-            kind in ("STEP", "STEPS") and following in ("NUM", "NUMS", "LABEL")
-            for kind, following in zip(kinds, kinds[1:], strict=False)
-        ):
-            return False
         if self.title is not None and _plain(free) == _plain(self.title):
             return True
-        if not _FRAMES_ONLY.isdisjoint(kinds) or _ONLY.search(free):
+        kinds = [word.kind for word in words[first:last]]
+        numbered = any(
+            kind in ("STEP", "STEPS") and following in ("NUM", "NUMS", "LABEL")
+            for kind, following in zip(kinds, kinds[1:], strict=False)
+        )
+        if numbered or not _LIMITS.isdisjoint(kinds) or _ONLY.search(free):
             return False
-        return self.title is None or not _CONDITIONAL.search(free)
+        if any(word.kind in _ANNOUNCING for word in words[last:]):
+            return True  # "To know if you are ill, here are the steps needed."
+        return "UNIT" not in kinds and not _CONDITIONAL.search(free)
 
 
 def _plain(text: str) -> str:

@@ -162,6 +162,8 @@ def _kind(
     raw, text = raws[at], texts[at]
     if raw.group in ("num", "vulgar"):
         return _number(raws, at, labels)
+    if raw.group == "hash":
+        return _hash(raws, at)
     if raw.group == "tag":
         return 1, "TAG", None
     if raw.group == "quote":
@@ -177,6 +179,14 @@ def _kind(
     if text in _NUMBER_WORDS:
         return _number_words(texts, at)
     return 1, (WORD if raw.group in ("word", "label") else OTHER), None
+
+
+def _hash(raws: Sequence[_Raw], at: int) -> tuple[int, str, object]:
+    """A heading's "#", or that of "#3", which is left out."""
+    following = raws[at + 1] if at + 1 < len(raws) else None
+    if following is None or following.start > raws[at].end:
+        return 1, ("HASH" if at == 0 else OTHER), None
+    return 1, ("" if following.group == "num" else OTHER), None
 
 
 def _is_unit(texts: Sequence[str], at: int, before: str, vocabulary: Vocabulary) -> bool:
