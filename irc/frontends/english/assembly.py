@@ -103,6 +103,10 @@ class Assembly:
             elif all(s.label is None for s in self.steps[: position + 1]):
                 self._by_label[position + 1] = position
 
+    def position(self, label: int | str | None) -> int | None:
+        """The step with a label."""
+        return None if label is None else self._by_label.get(label)
+
     def take(self, statements: Sequence[Statement], said: Said) -> None:
         """Takes up what a sentence says; its faults become problems."""
         for statement in statements:
@@ -128,8 +132,7 @@ class Assembly:
             case EachAfterPrevious():
                 self._chain([[p] for p in range(len(self.steps))], said)
             case Free():
-                self.free.append((statement, self._positions(statement.refs, said), said))
-                self._tell()
+                self._free(statement, said)
             case Apart():
                 self._apart(statement, said)
             case AtATime():
@@ -367,6 +370,13 @@ class Assembly:
             raise self._too_many(said)
         self._order(order, said)
 
+    def _free(self, free: Free, said: Said) -> None:
+        self._tell()
+        if any(ref.kind == "all" for ref in free.refs):
+            self.ordered, self.none_ordered = True, said
+            return
+        self.free.append((free, self._positions(free.refs, said), said))
+
     # Limits
 
     def _at_a_time(self, most: int, said: Said) -> None:
@@ -410,10 +420,7 @@ class Assembly:
 
     def _takes(self, takes: Takes, said: Said) -> None:
         positions = self._positions(takes.refs, said)
-        plural = len(positions) > 1 and not takes.each
-        if plural and not all(ref.kind == "all" for ref in takes.refs):
-            raise Unclear(self._because("each", said))
-        if plural:
+        if len(positions) > 1 and not takes.each:
             raise Unclear(self._because("each", said))
         for position in positions:
             step = self.steps[position]

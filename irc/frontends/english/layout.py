@@ -20,6 +20,8 @@ _MARKER = re.compile(
     rf"[ \t>]*(?:(?P<bullet>{_BULLET}))?(?:{_NAMED}|{_NUMBERED}|{_CODED})?", re.IGNORECASE
 )
 _INLINE = re.compile(rf"(?<=[.!?;,)\]:])[ \t]+(?={_NOUN}[ \t]*\#?[ \t]*[0-9]{{1,9}}[.:)][ \t])", re.I)
+_FIRST_OF_MANY = re.compile(r"[ \t]*[0-9]{1,9}[.)][ \t]")
+_INLINE_NUMBER = re.compile(r"(?<=[.;)])[ \t]+(?=[0-9]{1,9}[.)][ \t])")
 _RULE = re.compile(r"[ \t]*(?:[-*_=~]{3,}|```\w*|~~~\w*)[ \t]*")
 _EMPHASIS = re.compile(r"\*\*|__|(?<!\S)\*(?=\S)|(?<=[^\s*])\*(?!\S)")
 _UNFINISHED = frozenset(
@@ -81,6 +83,8 @@ def _lines(text: str) -> Iterator[Span]:
 
 def _inline_items(text: str, start: int, end: int) -> list[Span]:
     cuts = [m.end() for m in _INLINE.finditer(text, start, end)]
+    if not cuts and _FIRST_OF_MANY.match(text, start, end):
+        cuts = [m.end() for m in _INLINE_NUMBER.finditer(text, start, end)]
     return list(zip([start, *cuts], [*cuts, end], strict=True))
 
 

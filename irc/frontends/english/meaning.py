@@ -394,6 +394,10 @@ def _lasts(values: list[Any], place: _Place) -> Takes:
     return Takes(values[0], values[1], place.has("EACH"))
 
 
+def _each_step_lasts(values: list[Any], place: _Place) -> Takes:
+    return Takes((Ref("all", (), *place.range),), values[0], True)
+
+
 def _this(place: _Place) -> Refs:
     return (Ref("this", (), *place.range),)
 
@@ -522,6 +526,7 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     # durations
     "lasts": _lasts,
     "lasts_each": lambda values, _place: Takes(values[0], values[1], True),
+    "each_step_lasts": _each_step_lasts,
     "it_takes": lambda values, _place: Takes(values[1], values[0], False),
     "note_lasts": _note_lasts,
     "note_after": _note_after,

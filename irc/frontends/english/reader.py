@@ -83,7 +83,8 @@ class _Text:
         self.reader = Reader(
             without_emphasis(text), frozenset(x for x in labels if isinstance(x, str))
         )
-        self.problems: list[Problem] = []
+        self.own: dict[int, int] = {}
+        """How many of an item's lines are its own text."""
 
     def assembled(self) -> Assembly:
         """All statements of the text, taken up in order."""
@@ -103,6 +104,7 @@ class _Text:
             self._take(block, position, told_of.get(id(block)), assembly)
             if len(assembly.problems) > _MOST_PROBLEMS:
                 return assembly
+        self._judge_labels(assembly)
         self._judge(items, assembly)
         assembly.finish()
         return assembly
@@ -111,7 +113,7 @@ class _Text:
 
     def _step_items(self) -> list[tuple[Item, StepText]]:
         items = [b for b in self.blocks if isinstance(b, Item)]
-        kind = _kind_of_steps(items)
+        kind = _kind_of_steps([i for i in items if not self._is_bare_note(i)] or items)
         chosen: list[tuple[Item, StepText]] = []
         listing = True
         indent: int | None = None
@@ -123,12 +125,21 @@ class _Text:
                 continue
             if indent is None:
                 indent = block.indent
-            told = read_step(self.reader, self._own_lines(block))
+            lines = self._own_lines(block)
+            told = read_step(self.reader, lines)
+            self.own[id(block)] = len(lines)
             if not told.timed and (not listing or block.indent > indent or self._is_said(block)):
                 if self._is_said(block) or block.indent > indent or not block.named:
                     continue
             chosen.append((block, told))
         return chosen
+
+    def _is_bare_note(self, item: Item) -> bool:
+        """Whether an item has no text but a note: "Step 3: 5 minutes"."""
+        try:
+            return self.reader.note(*item.body) is not None
+        except Unclear:
+            return True
 
     def _own_lines(self, item: Item) -> list[Span]:
         """The lines of an item's own text: those below it only as far as it goes on there."""
@@ -172,7 +183,7 @@ class _Text:
 
     def _step(self, item: Item, told: StepText) -> Step:
         start, end = told.title
-        title = " ".join(self.text[start:end].split()).rstrip(" .,;:-–—")
+        title = " ".join(self.reader.text[start:end].split()).rstrip(" .,;:-–—")
         return Step(_label(item), title, Range(item.line[0], item.line[1]))
 
     # What is said
@@ -182,7 +193,11 @@ class _Text:
     ) -> None:
         text = self.reader.text
         if isinstance(block, Paragraph):
-            self._take_sentences(sentences_of(text, block.lines), None, assembly)
+            lines = block.lines
+            if block is self.blocks[0] and assembly.name is None and self._is_heading(lines[0]):
+                assembly.name = self.reader.title = text[slice(*lines[0])].rstrip(" :")
+                lines = lines[1:]
+            self._take_sentences(sentences_of(text, lines), None, assembly)
             return
         if told is None:
             self._take_item(block, assembly)
@@ -190,14 +205,34 @@ class _Text:
         assembly.problems += told.problems
         for statements, (start, end) in told.notes:
             assembly.take(statements, Said(start, end, position))
-        below = block.more[len(self._own_lines(block)) - 1 :]
+        below = block.more[self.own[id(block)] - 1 :]
         for sentence in told.rest:
             self._take_remark(sentence, position, assembly)
         self._take_sentences(sentences_of(text, below), position, assembly)
 
+    def _is_heading(self, line: Span) -> bool:
+        """Whether the first line is but a title: "Baking a cake"."""
+        sentences = sentences_of(self.reader.text, [line])
+        if len(sentences) != 1 or self.text[line[1] - 1] in ".!?":
+            return False
+        try:
+            understood = self.reader.sentence(sentences[0]) is not None
+        except Unclear:
+            return False
+        return not understood and self.reader.heading(sentences[0].start, sentences[0].end)
+
     def _take_item(self, item: Item, assembly: Assembly) -> None:
         """An item that is no step: a sentence of the list, with or without its marker."""
         text = self.reader.text
+        labelled = assembly.position(_label(item))
+        if labelled is not None and not item.more and self._is_bare_note(item):
+            try:
+                said = self.reader.note(*item.body) or ()
+            except Unclear as unclear:
+                assembly.problems.append(unclear.problem)
+                return
+            assembly.take(said, Said(item.line[0], item.line[1], labelled))
+            return
         position = self._step_above(item, assembly)
         for span in (item.body, item.line):
             sentences = sentences_of(text, [span, *item.more])
@@ -287,6 +322,24 @@ class _Text:
 
     # The whole
 
+    def _judge_labels(self, assembly: Assembly) -> None:
+        """Two steps of one number that differ; word for word the same is left to the checks."""
+        first: dict[int | str, Step] = {}
+        for step in assembly.steps:
+            if step.label is None:
+                continue
+            earlier = first.setdefault(step.label, step)
+            if (earlier.title, earlier.time) != (step.title, step.time):
+                line = self.text.count("\n", 0, earlier.place.start) + 1
+                assembly.problems.append(
+                    Problem(
+                        Code.DUPLICATE_ID,
+                        f"step {step.label} is listed twice with different contents",
+                        step.place.start,
+                        f"it is listed first in line {line}; give one of the two another number",
+                    )
+                )
+
     def _judge(self, items: Sequence[tuple[Item, StepText]], assembly: Assembly) -> None:
         for step, (item, told) in zip(assembly.steps, items, strict=True):
             quoted = shown(self.text[item.line[0] : item.line[1]])
@@ -296,7 +349,7 @@ class _Text:
                         Code.NO_DURATION,
                         f"a step without a duration: {quoted}",
                         item.line[0],
-                        'add it in parentheses: "(10 minutes)"',
+                        'write it in parentheses at the end: "(10 minutes)"',
                     )
                 )
             if not assembly.listed_orders and (cue := order_cue(self.text, told.title)):
@@ -317,7 +370,7 @@ class _Text:
                         'say "All steps must be executed.", or take the step out',
                     )
                 )
-        if not assembly.ordered and len(assembly.steps) > 1 and not assembly.problems:
+        if not assembly.ordered and len({s.label for s in assembly.steps}) > 1 and not assembly.problems:
             assembly.problems.append(
                 Problem(
                     Code.NO_ORDER,

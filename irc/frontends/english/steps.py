@@ -17,7 +17,7 @@ from irc.frontends.english.units import UNITS
 _LONGEST_NOTE = 300
 _MOST_TAILS = 8
 
-_SEPARATOR = re.compile(r"\s[-–—]\s*|[:,;=–—]\s+|\s[|]\s")
+_SEPARATOR = re.compile(r"\s[-–—]\s+|[:,;=–—]\s+|\s[|]\s")
 _TRIGGER = re.compile(
     r"\b(?:which takes|that takes|it takes|and takes|takes?|taking|lasts?|lasting|for|requires?|needs?|"
     r"duration|time needed|time required|depends?|after|before|once|when)\b",
@@ -30,6 +30,7 @@ _AMOUNT = (
     r"twenty|thirty|forty|fifty|sixty|ninety|half|few|couple|several|some))"
 )
 _DURATION = re.compile(rf"{_AMOUNT}[\s-]*(?:an?\s+|of\s+)?(?:{_UNIT})\b", re.IGNORECASE)
+_BOUND = re.compile(r"\b(?:at least|at most|minimum|maximum|min\.? of|max\.? of)\b", re.IGNORECASE)
 _UNIT_WORD = re.compile(rf"\b(?:{_UNIT})\b|[0-9]\s*[hmsd]\b|\btime\b", re.IGNORECASE)
 _STEP_NUMBER = re.compile(
     r"\b(?:steps?|tasks?|activity|activities|stages?|phases?|jobs?|operations?)\s*#?\s*[0-9]",
@@ -81,6 +82,8 @@ def read_step(reader: Reader, lines: list[Span]) -> StepText:
     if not step.timed:
         _take_leading(reader, step)
     _take_tails(reader, step)
+    if not step.timed:
+        _take_parenthesised(reader, step)
     _judge_title(text, step)
     return step
 
@@ -142,7 +145,8 @@ def _take_tails(reader: Reader, step: StepText) -> None:
     stop = _without_stop(reader.text, start, end)
     for first, last in _tails(reader.text, start, stop):
         ordered = _ORDER_TRIGGER.match(reader.text, last) is not None
-        if ordered and not _STEP_NUMBER.search(reader.text, last, stop):
+        beside = reader.text[max(start, first - 1) : first] in (")", "]")
+        if ordered and not beside and not _STEP_NUMBER.search(reader.text, last, stop):
             continue  # "Wash the hands before boarding" is the step's own text.
         if not ordered and step.timed:
             continue
@@ -192,6 +196,9 @@ def _looks_like_note(text: str, start: int, end: int) -> bool:
 
 def _unreadable_note(text: str, start: int, end: int) -> Problem:
     problem = not_understood(text, start, end)
+    if bound := _BOUND.search(text, start, end):
+        message = f"vague: {shown(bound[0])} in {shown(text[start:end])}"
+        return Problem(Code.VAGUE, message, bound.start(), 'write one time, or a range: "(5 to 10 minutes)"')
     if problem.code is not Code.NOT_UNDERSTOOD:
         return problem
     return Problem(

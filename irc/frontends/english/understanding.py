@@ -10,9 +10,9 @@ from irc.diagnostics import Code
 from irc.frontends.english.meaning import Inexact, meaning
 from irc.frontends.english.names import Names
 from irc.frontends.english.parsing import LONGEST, TooManyReadings, sentence_parser
-from irc.frontends.english.reasons import Problem, Unclear, because, shown
+from irc.frontends.english.reasons import Problem, Unclear, because, not_understood, shown
 from irc.frontends.english.sentences import Sentence
-from irc.frontends.english.statements import Frame, Refused, Statement, Takes
+from irc.frontends.english.statements import EachAfterPrevious, Frame, Refused, Statement, Takes
 from irc.frontends.english.words import Word, words_of
 
 _LONGEST_TEXT = 20_000
@@ -21,6 +21,7 @@ _LONGEST_TEXT = 20_000
 _HEADS = frozenset("TO FOR OF COLON HASH MUST YOU_MUST CAN".split())
 _TAILS = frozenset("COMMA REQUIRE INVOLVE HAVE HERE_ARE THE_FOLLOWING THESE YOU_MUST COLON".split())
 _MOST_ENDS = 5
+_LONGEST_TITLE = 8
 
 _LIMITS = frozenset("AT_A_TIME AT_MOST NO_TWO OVERLAP CANNOT".split())
 """Words that no goal has: free text with one of them limits how the steps are done."""
@@ -54,13 +55,12 @@ class Reader:
         if piece.end - piece.start > _LONGEST_TEXT:
             raise self._too_long(piece.start, piece.end)
         words = self._words(piece)
-        if found := self._readings(words, "sentence", piece):
-            return found
-        if self.names:
+        found = self._readings(words, "sentence", piece)
+        if found is None and self.names:
             named = self._words(piece, self.names)
             if any(word.kind == "NAME" for word in named):
                 found = self._readings(named, "sentence", piece)
-        return found or self._framed(words, piece)
+        return self._framed(words, piece) if found is None else found
 
     def note(self, start: int, end: int) -> tuple[Statement, ...] | None:
         """What a note beside a step's text says: its duration, its order. Raises `Unclear`."""
@@ -118,6 +118,15 @@ class Reader:
             raise Unclear(_ambiguous(quoted, piece.start))
         return said[0] if said else None
 
+    def heading(self, start: int, end: int) -> bool:
+        """Whether a line is a title: a few plain words, nothing that limits or orders."""
+        piece = Sentence(start, end)
+        words = self._words(piece)
+        if not 0 < len(words) <= _LONGEST_TITLE or any(w.kind == "NUM" for w in words):
+            return False
+        harmless = self._harmless(words, 0, len(words), self.text[start:end])
+        return harmless and not_understood(self.text, start, end).code is Code.NOT_UNDERSTOOD
+
     # Sentences of the frame hold free text: the goal of the task.
 
     def _framed(self, words: Sequence[Word], piece: Sentence) -> tuple[Statement, ...] | None:
@@ -166,7 +175,11 @@ def _ambiguous(quoted: str, offset: int) -> Problem:
 
 
 def _sensible(meanings: list[tuple[Statement, ...]]) -> list[tuple[Statement, ...]]:
-    """Without the readings of "2 hours, 30 minutes" as two durations of one step."""
+    """Without readings that no one means: of "2 hours, 30 minutes" as two durations of one step,
+    of "each step … the previous one" as one step before all.
+    """
+    if following := [m for m in meanings if any(isinstance(s, EachAfterPrevious) for s in m)]:
+        return following
     single = [m for m in meanings if sum(isinstance(s, Takes) for s in m) <= 1]
     return single or meanings
 
