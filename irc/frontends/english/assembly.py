@@ -97,11 +97,11 @@ class Assembly:
     _by_label: dict[int | str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        unlabelled = all(step.label is None for step in self.steps)
         for position, step in enumerate(self.steps):
-            if step.label is not None:
-                self._by_label.setdefault(step.label, position)
-            elif all(s.label is None for s in self.steps[: position + 1]):
-                self._by_label[position + 1] = position
+            label = position + 1 if unlabelled else step.label
+            if label is not None:
+                self._by_label.setdefault(label, position)
 
     def position(self, label: int | str | None) -> int | None:
         """The step with a label."""

@@ -10,8 +10,8 @@ SUFFIXES = frozenset([".txt", ".md", ".text", ".markdown"])
 _LOOKED_AT = 200_000
 _JSON_OBJECT = re.compile(r"\{\s*[\"'}]|\"actions\"")
 _STEP = re.compile(
-    r"^[ \t>*•+-]*(?:(?:step|task)[ \t]*#?[ \t]*[0-9a-z]{1,6}[ \t]*[.:)]|[0-9]{1,6}[.)][ \t])"
-    r"|\bstep [0-9]{1,6}\b"
+    r"^[ \t>*•+-]*(?:(?:step|task)[ \t]*#?[ \t]*[0-9a-z]{1,6}[ \t]*[.:)(]|[0-9]{1,6}[.)][ \t])"
+    r"|\b(?:step|task) [0-9]{1,6}\b"
     r"|^[ \t>]*(?:[*•+–-]|\(?[A-Z]?[0-9]{0,4}[.):])[ \t].{0,300}?"
     r"(?:[0-9]|\ban?|\bhalf an) ?(?:s|sec|secs|seconds?|min|mins|minutes?|h|hrs?|hours?|days?|weeks?|"
     r"months?|years?)\b",

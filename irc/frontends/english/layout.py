@@ -11,7 +11,7 @@ Span = tuple[int, int]
 
 _NOUN = r"(?:step|task|activity|action|stage|phase|job|operation|subtask)"
 _LABEL = r"(?:[0-9]{1,9}[a-z]?|[A-Za-z]{1,2}[0-9]{1,5}|[A-Za-z])"
-_NAMED = rf"(?P<named>{_NOUN})[ \t]*\#?[ \t]*(?P<label>{_LABEL})[ \t]*(?:[.:)\]](?![0-9])|[-–—](?=[ \t]))"
+_NAMED = rf"(?P<named>{_NOUN})(?:[ \t]*\#?[ \t]*(?=[0-9])|[ \t]+)(?P<label>{_LABEL})[ \t]*(?:[.:)\]](?![0-9])|[-–—](?=[ \t])|(?=\([^()]*\)[ \t]*[:–—-]))"
 _NUMBERED = r"[(\[]?(?P<bare>[0-9]{1,9}|[A-Z][0-9]{0,5})[.)\]](?=[ \t]|[^\W\d])"
 _CODED = r"(?P<coded>[A-Z][0-9]{1,5}):(?=[ \t])"
 _BULLET = r"[*+•‣◦▪●–—-][ \t]+(?:\[[ xX]?\][ \t]+)?"

@@ -75,9 +75,13 @@ class _Place:
     @property
     def range(self) -> tuple[int, int]:
         """[start, end) in the text."""
-        leaves = list(self._node.scan_values(lambda v: isinstance(v, Token)))
-        indexes = [int(leaf.start_pos or 0) for leaf in leaves]
-        return self._words[min(indexes)].start, self._words[max(indexes)].end
+        first: Derivation | Token = self._node
+        last: Derivation | Token = self._node
+        while not isinstance(first, Token):
+            first = first.children[0]
+        while not isinstance(last, Token):
+            last = last.children[-1]
+        return self._words[first.start_pos or 0].start, self._words[last.start_pos or 0].end
 
 
 def _flat(value: Any) -> tuple[Any, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +31,8 @@ MAX_CHARACTERS = 20_000_000
 
 _MOST_PROBLEMS = 200
 _MOST_JOINED = 4
+_KINDS = ("named", "numbered", "bullet")
+"""Kinds of markers, the most telling first: the steps are the items that have it."""
 
 
 def read_english(text: str, name: str) -> RawDocument:
@@ -83,6 +86,8 @@ class _Text:
         self.reader = Reader(
             without_emphasis(text), frozenset(x for x in labels if isinstance(x, str))
         )
+        self.starts: list[int] = []
+        """Where the steps stand, once they are known."""
         self.own: dict[int, int] = {}
         """How many of an item's lines are its own text."""
 
@@ -113,13 +118,18 @@ class _Text:
 
     def _step_items(self) -> list[tuple[Item, StepText]]:
         items = [b for b in self.blocks if isinstance(b, Item)]
-        kind = _kind_of_steps([i for i in items if not self._is_bare_note(i)] or items)
+        kinds = {_item_kind(item) for item in items}
+        if len(kinds) > 1:
+            kinds = {_item_kind(i) for i in items if not self._is_bare_note(i)} or kinds
+        kind = next((kind for kind in _KINDS if kind in kinds), _KINDS[0])
         chosen: list[tuple[Item, StepText]] = []
         listing = True
         indent: int | None = None
         for block in self.blocks:
             if isinstance(block, Paragraph):
-                listing = not self._heads_orders(block) and (listing or self._heads_steps(block))
+                listing = not self._heads_orders(block.lines) and (
+                    listing or self._heads_steps(block.lines)
+                )
                 continue
             if _item_kind(block) != kind:
                 continue
@@ -132,6 +142,7 @@ class _Text:
                 if self._is_said(block) or block.indent > indent or not block.named:
                     continue
             chosen.append((block, told))
+            listing = listing and not self._heads_orders(block.more)
         return chosen
 
     def _is_bare_note(self, item: Item) -> bool:
@@ -150,12 +161,12 @@ class _Text:
             lines.append(line)
         return lines
 
-    def _heads_orders(self, block: Paragraph) -> bool:
-        said = self._statements(sentences_of(self.reader.text, block.lines))
+    def _heads_orders(self, lines: list[Span]) -> bool:
+        said = self._statements(sentences_of(self.reader.text, lines[-1:]))
         return any(isinstance(s, Frame) and s.kind == "orders" for s in said)
 
-    def _heads_steps(self, block: Paragraph) -> bool:
-        said = self._statements(sentences_of(self.reader.text, block.lines))
+    def _heads_steps(self, lines: list[Span]) -> bool:
+        said = self._statements(sentences_of(self.reader.text, lines[-1:]))
         return any(isinstance(s, Frame) and s.kind in ("plain", "titled") for s in said)
 
     def _is_said(self, item: Item) -> bool:
@@ -225,13 +236,14 @@ class _Text:
         """An item that is no step: a sentence of the list, with or without its marker."""
         text = self.reader.text
         labelled = assembly.position(_label(item))
-        if labelled is not None and not item.more and self._is_bare_note(item):
+        if labelled is not None and self._is_bare_note(item):
             try:
                 said = self.reader.note(*item.body) or ()
             except Unclear as unclear:
                 assembly.problems.append(unclear.problem)
-                return
-            assembly.take(said, Said(item.line[0], item.line[1], labelled))
+            else:
+                assembly.take(said, Said(item.line[0], item.line[1], labelled))
+            self._take_sentences(sentences_of(text, item.more), labelled, assembly)
             return
         position = self._step_above(item, assembly)
         for span in (item.body, item.line):
@@ -243,16 +255,15 @@ class _Text:
 
     def _step_above(self, item: Item, assembly: Assembly) -> int | None:
         """The step under which an item is indented."""
-        above = [
-            (position, step)
-            for position, step in enumerate(assembly.steps)
-            if step.place.start < item.line[0]
-        ]
-        if not above or item.indent == 0:
+        if item.indent == 0:
             return None
-        position, step = above[-1]
-        start = self.text.rfind("\n", 0, step.place.start) + 1
-        return position if item.indent > step.place.start - start else None
+        starts = [step.place.start for step in assembly.steps] if not self.starts else self.starts
+        self.starts = starts
+        position = bisect_left(starts, item.line[0]) - 1
+        if position < 0:
+            return None
+        above = starts[position]
+        return position if item.indent > above - (self.text.rfind("\n", 0, above) + 1) else None
 
     def _take_remark(self, sentence: Sentence, position: int | None, assembly: Assembly) -> None:
         """A sentence behind a step's own: understood, or a harmless part of the description."""
@@ -405,9 +416,3 @@ def _item_kind(item: Item) -> str:
     if item.named:
         return "named"
     return "bullet" if item.label is None else "numbered"
-
-
-def _kind_of_steps(items: Sequence[Item]) -> str:
-    """Steps are the items with the most telling markers that the text has."""
-    kinds = {_item_kind(item) for item in items}
-    return next((kind for kind in ("named", "numbered", "bullet") if kind in kinds), "named")

@@ -60,11 +60,13 @@ class StepText:
     rest: list[Sentence] = field(default_factory=list)
     """Sentences after the step's own."""
     problems: list[Problem] = field(default_factory=list)
+    unreadable: bool = False
+    """A note stands here that is not understood."""
 
     @property
     def timed(self) -> bool:
         """Whether a duration stands here, be it one that is not understood."""
-        return bool(self.problems) or any(
+        return self.unreadable or any(
             isinstance(s, Takes) for statements, _ in self.notes for s in statements
         )
 
@@ -176,12 +178,14 @@ def _note(reader: Reader, step: StepText, span: Span, *, explicit: bool = False)
         statements = reader.note(*span)
     except Unclear as unclear:
         step.problems.append(unclear.problem)
+        step.unreadable = True
         return True
     if statements is not None and (statements or reader.text[slice(*span)].strip()):
         step.notes.append((statements, span))
         return True
     if explicit and _looks_like_note(reader.text, *span):
         step.problems.append(_unreadable_note(reader.text, *span))
+        step.unreadable = True
         return True
     return False
 

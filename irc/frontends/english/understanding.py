@@ -18,7 +18,7 @@ from irc.frontends.english.words import Word, words_of
 _LONGEST_TEXT = 20_000
 """Longer sentences are refused before they are taken apart."""
 
-_HEADS = frozenset("TO FOR OF COLON HASH MUST YOU_MUST CAN".split())
+_HEADS = frozenset("TO FOR OF COLON HASH MUST YOU_MUST WANT_TO CAN".split())
 _TAILS = frozenset("COMMA REQUIRE INVOLVE HAVE HERE_ARE THE_FOLLOWING THESE YOU_MUST COLON".split())
 _MOST_ENDS = 5
 _LONGEST_TITLE = 8

@@ -9,6 +9,7 @@ from fractions import Fraction
 
 from irc.frontends.english.names import Names
 from irc.frontends.english.units import UNITS
+from irc.times import MAX_DIGITS
 
 WORD, OTHER = "WORD", "OTHER"
 """Kinds that no rule of the grammar has: unknown words, and signs that are no part of it."""
@@ -200,13 +201,16 @@ def _is_unit(texts: Sequence[str], at: int, before: str, vocabulary: Vocabulary)
 
 def _number(raws: Sequence[_Raw], at: int, labels: Collection[str]) -> tuple[int, str, object]:
     raw = raws[at]
+    if len(raw.text) > MAX_DIGITS:
+        return 1, OTHER, None
     following = raws[at + 1] if at + 1 < len(raws) else None
     if following is not None and following.start == raw.end and raw.text + following.text in labels:
         return 2, "LABEL", raw.text + following.text
     fraction = _fraction(raws, at)
     if fraction is not None:
         return fraction[0], "NUM", fraction[1]
-    whole = Fraction(raw.text.replace(",", ""))
+    digits = raw.text.replace(",", "")
+    whole = Fraction(int(digits) if digits.isdigit() else digits)
     if raw.text.isdigit() and (mixed := _fraction(raws, at + 1)) and mixed[1] < 1:
         return 1 + mixed[0], "NUM", whole + mixed[1]
     if following is not None and following.text in "/:" and following.start == raw.end:
@@ -224,11 +228,12 @@ def _fraction(raws: Sequence[_Raw], at: int) -> tuple[int, Fraction] | None:
         and parts[1].text in ("/", "⁄")
         and parts[0].text.isdigit()
         and parts[2].text.isdigit()
-        and int(parts[2].text[:40]) > 0
-        and len(parts[0].text) < 40
+        and len(parts[0].text) <= MAX_DIGITS
+        and len(parts[2].text) <= MAX_DIGITS
+        and int(parts[2].text) > 0
         and not (at + 3 < len(raws) and raws[at + 3].text == "/")
     ):
-        return 3, Fraction(int(parts[0].text), int(parts[2].text[:40]))
+        return 3, Fraction(int(parts[0].text), int(parts[2].text))
     return None
 
 
