@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -322,7 +323,7 @@ class Assembly:
     def _chain(self, groups: Sequence[Sequence[int]], said: Said) -> None:
         self.ordered = True
         self._unopen()
-        for earlier, later in zip(groups, groups[1:], strict=False):
+        for earlier, later in itertools.pairwise(groups):
             if not set(earlier).isdisjoint(later):
                 raise Unclear(self._because("nested", said))
             for first in earlier:
@@ -359,7 +360,9 @@ class Assembly:
         if len(positions) > 1:
             raise Unclear(self._because("nested", said))
         for other in range(len(self.steps)):
-            first, second = (positions[0], other) if place.where == "first" else (other, positions[0])
+            first, second = (
+                (positions[0], other) if place.where == "first" else (other, positions[0])
+            )
             self._imply(first, second, said)
 
     def _others_after(self, statement: OthersAfter, said: Said) -> None:
@@ -383,7 +386,9 @@ class Assembly:
         name = "steps at a time"
         resource = {"id": name, "capacity": most}
         if any(known["id"] == name for known, _ in self.resources):
-            raise Unclear(self._contradiction("how many steps may run at a time is said twice", said))
+            raise Unclear(
+                self._contradiction("how many steps may run at a time is said twice", said)
+            )
         self.resources.append((resource, Range(said.start, said.end)))
         for position in range(len(self.steps)):
             self.uses.setdefault(position, []).append(name)

@@ -13,7 +13,7 @@ _STEP = re.compile(
     r"^[ \t>*•+-]*(?:(?:step|task)[ \t]*#?[ \t]*[0-9a-z]{1,6}[ \t]*[.:)(]|[0-9]{1,6}[.)][ \t])"
     r"|\b(?:step|task) [0-9]{1,6}\b"
     r"|^[ \t>]*(?:[*•+–-]|\(?[A-Z]?[0-9]{0,4}[.):])[ \t].{0,300}?"
-    r"(?:[0-9]|\ban?|\bhalf an) ?(?:s|sec|secs|seconds?|min|mins|minutes?|h|hrs?|hours?|days?|weeks?|"
+    r"(?:[0-9]|\ban?|\bhalf an) ?(?:s|secs?|seconds?|mins?|minutes?|h|hrs?|hours?|days?|weeks?|"
     r"months?|years?)\b",
     re.IGNORECASE | re.MULTILINE,
 )

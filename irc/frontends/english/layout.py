@@ -11,7 +11,10 @@ Span = tuple[int, int]
 
 _NOUN = r"(?:step|task|activity|action|stage|phase|job|operation|subtask)"
 _LABEL = r"(?:[0-9]{1,9}[a-z]?|[A-Za-z]{1,2}[0-9]{1,5}|[A-Za-z])"
-_NAMED = rf"(?P<named>{_NOUN})(?:[ \t]*\#?[ \t]*(?=[0-9])|[ \t]+)(?P<label>{_LABEL})[ \t]*(?:[.:)\]](?![0-9])|[-–—](?=[ \t])|(?=\([^()]*\)[ \t]*[:–—-]))"
+_NAMED = (
+    rf"(?P<named>{_NOUN})(?:[ \t]*\#?[ \t]*(?=[0-9])|[ \t]+)(?P<label>{_LABEL})"
+    r"[ \t]*(?:[.:)\]](?![0-9])|[-–—](?=[ \t])|(?=\([^()]*\)[ \t]*[:–—-]))"
+)
 _NUMBERED = r"[(\[]?(?P<bare>[0-9]{1,9}|[A-Z][0-9]{0,5})[.)\]](?=[ \t]|[^\W\d])"
 _CODED = r"(?P<coded>[A-Z][0-9]{1,5}):(?=[ \t])"
 _BULLET = r"[*+•‣◦▪●–—-][ \t]+(?:\[[ xX]?\][ \t]+)?"
@@ -19,14 +22,47 @@ _BULLET = r"[*+•‣◦▪●–—-][ \t]+(?:\[[ xX]?\][ \t]+)?"
 _MARKER = re.compile(
     rf"[ \t>]*(?:(?P<bullet>{_BULLET}))?(?:{_NAMED}|{_NUMBERED}|{_CODED})?", re.IGNORECASE
 )
-_INLINE = re.compile(rf"(?<=[.!?;,)\]:])[ \t]+(?={_NOUN}[ \t]*\#?[ \t]*[0-9]{{1,9}}[.:)][ \t])", re.I)
+_INLINE = re.compile(
+    rf"(?<=[.!?;,)\]:])[ \t]+(?={_NOUN}[ \t]*\#?[ \t]*[0-9]{{1,9}}[.:)][ \t])", re.I
+)
 _FIRST_OF_MANY = re.compile(r"[ \t]*[0-9]{1,9}[.)][ \t]")
 _INLINE_NUMBER = re.compile(r"(?<=[.;)])[ \t]+(?=[0-9]{1,9}[.)][ \t])")
 _RULE = re.compile(r"[ \t]*(?:[-*_=~]{3,}|```\w*|~~~\w*)[ \t]*")
 _EMPHASIS = re.compile(r"\*\*|__|(?<!\S)\*(?=\S)|(?<=[^\s*])\*(?!\S)")
 _UNFINISHED = frozenset(
-    "step steps task tasks and or precede precedes before after than to by until follow follows of "
-    "on for the is are must be from with when once as that in".split()
+    [
+        "step",
+        "steps",
+        "task",
+        "tasks",
+        "and",
+        "or",
+        "precede",
+        "precedes",
+        "before",
+        "after",
+        "than",
+        "to",
+        "by",
+        "until",
+        "follow",
+        "follows",
+        "of",
+        "on",
+        "for",
+        "the",
+        "is",
+        "are",
+        "must",
+        "be",
+        "from",
+        "with",
+        "when",
+        "once",
+        "as",
+        "that",
+        "in",
+    ]
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, cast
@@ -35,7 +36,7 @@ from irc.frontends.english.words import Word
 from irc.times import exact, format_number
 
 _VALUED = frozenset(["NUM", "NUMS", "LABEL", "NAME", "QUOTE", "UNIT", "FREE", "ONE", "ORDINAL"])
-_ORDINALS = "second third fourth fifth sixth seventh eighth ninth tenth".split()
+_ORDINALS = ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"]
 
 
 class Inexact(Exception):
@@ -168,7 +169,7 @@ def _length(parts: Sequence[tuple[Fraction, str]]) -> Length:
         months += amount * count * size_in_months
         texts.append(f"{format_number(exact(amount * count))} {unit}")
         sizes.append(size + size_in_months * 30 * 86_400)
-    if any(later >= earlier for earlier, later in zip(sizes, sizes[1:], strict=False)):
+    if any(later >= earlier for earlier, later in itertools.pairwise(sizes)):
         raise Inexact("units")
     return Length(" ".join(texts), seconds, months, UNITS[parts[-1][1]][1])
 
@@ -346,7 +347,7 @@ def _same(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], list[O
             raise Inexact("alone")
         return [
             Order(edge((first,)), edge((second,)), None, _ZERO)
-            for first, second in zip(members, members[1:], strict=False)
+            for first, second in itertools.pairwise(members)
         ]
 
     return make

@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 
 _WORD = re.compile(r"[^\W_]+(?:['’][^\W_]+)*")
 _ARTICLES = frozenset(["the", "a", "an"])
+_SIGNS = frozenset(",-'/&;:")
+"""Signs inside of a name that do not count."""
+
 _LONGEST = 40
 _VOWELS = "aeiou"
 
@@ -76,9 +79,7 @@ def _matches(key: Key, texts: Sequence[str], at: int) -> int:
             return 0
         if texts[at] == key[index]:
             index += 1
-        elif texts[at] not in _ARTICLES and texts[at].isalnum():
-            return 0
-        elif not texts[at].isalnum() and texts[at] not in (",", "-", "'", "/", "&", ";", ":"):
+        elif texts[at] not in _ARTICLES and texts[at] not in _SIGNS:
             return 0
         at += 1
     return at - first

@@ -21,7 +21,7 @@ from irc.frontends.english.names import Names
 from irc.frontends.english.reasons import Problem, Unclear, not_understood, shown
 from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Frame, Statement
-from irc.frontends.english.steps import StepText, is_optional, order_cue, read_step
+from irc.frontends.english.steps import StepText, hidden_order, is_optional, order_cue, read_step
 from irc.frontends.english.understanding import Reader
 from irc.frontends.json_document import RawDocument
 from irc.source import Locator, Pointer, Range, Source
@@ -48,7 +48,8 @@ def read_english(text: str, name: str) -> RawDocument:
     if len(text) > MAX_CHARACTERS:
         findings.add(
             Code.TOO_LARGE,
-            f"the text has {len(text):,} characters; at most {MAX_CHARACTERS:,} are read as English",
+            f"the text has {len(text):,} characters; at most {MAX_CHARACTERS:,} are read "
+            "as English",
         )
         raise InputError(Report(tuple(findings.items), source))
     assembly = _Text(text).assembled()
@@ -100,6 +101,7 @@ class _Text:
         assembly = Assembly(self.text, steps, names)
         if not steps:
             assembly.problems.append(self._no_steps())
+        self.reader.steps_at = steps[0].place.start if steps else len(self.text)
         position_of = {id(item): position for position, (item, _) in enumerate(items)}
         told_of = {id(item): told for item, told in items}
         if not steps:
@@ -138,9 +140,10 @@ class _Text:
             lines = self._own_lines(block)
             told = read_step(self.reader, lines)
             self.own[id(block)] = len(lines)
-            if not told.timed and (not listing or block.indent > indent or self._is_said(block)):
-                if self._is_said(block) or block.indent > indent or not block.named:
-                    continue
+            if not told.timed and (
+                self._is_said(block) or block.indent > indent or not (listing or block.named)
+            ):
+                continue
             chosen.append((block, told))
             listing = listing and not self._heads_orders(block.more)
         return chosen
@@ -372,6 +375,16 @@ class _Text:
                         'say the order in a sentence: "Step 2 must precede step 3."',
                     )
                 )
+            if not assembly.listed_orders and (hidden := hidden_order(self.reader, told.title)):
+                assembly.problems.append(
+                    Problem(
+                        Code.AMBIGUOUS,
+                        f"the text of a step speaks of another step or of the order: {quoted}",
+                        hidden,
+                        'say the order in a sentence: "Step 2 must precede step 3.", or announce '
+                        'all orders with "These ordering constraints must be obeyed:"',
+                    )
+                )
             if not assembly.all_needed and is_optional(self.text, told.title):
                 assembly.problems.append(
                     Problem(
@@ -381,7 +394,11 @@ class _Text:
                         'say "All steps must be executed.", or take the step out',
                     )
                 )
-        if not assembly.ordered and len({s.label for s in assembly.steps}) > 1 and not assembly.problems:
+        if (
+            not assembly.ordered
+            and len({s.label for s in assembly.steps}) > 1
+            and not assembly.problems
+        ):
             assembly.problems.append(
                 Problem(
                     Code.NO_ORDER,

@@ -39,7 +39,7 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
     "start_before": (
         Code.AMBIGUOUS,
         "before the start or before the end of the other step?",
-        'say "before step 4 starts" or "before step 4 is finished"; for a plain order "must precede"',
+        'say "before step 4 starts" or "before step 4 is finished"; or "must precede"',
     ),
     "end_after": (
         Code.AMBIGUOUS,
@@ -159,9 +159,10 @@ _CONDITION = re.compile(
     re.IGNORECASE,
 )
 _LIMITED = re.compile(
-    r"\b(?:person|people|(?:one|two|three|single|\d|each|same) (?:cook|chef)s?|workers?|helpers?|friends?|alone|yourself|oneself|resources?|"
-    r"capacity|robots?|machines?|ovens?|stoves?|burners?|pans?|pots?|tools?|hands?|available|shares?|"
-    r"shared|staff|crews?|teams?|employees|single|one at a time|by himself|by herself)\b",
+    r"\b(?:person|people|(?:one|two|three|single|\d|each|same) (?:cook|chef)s?|workers?|helpers?|"
+    r"friends?|alone|yourself|oneself|resources?|capacity|robots?|machines?|ovens?|stoves?|burners?|"
+    r"pans?|pots?|tools?|hands?|available|shares?|shared|staff|crews?|teams?|employees|single|"
+    r"one at a time|by himself|by herself)\b",
     re.IGNORECASE,
 )
 _LIMIT_HINT = (

@@ -11,9 +11,47 @@ from irc.frontends.english.layout import Span
 _STOP = re.compile(r"[.!?]+[\"”’)\]]*(?=\s|$)")
 _LAST_WORD = re.compile(r"([^\W_][\w.]*)$")
 _ABBREVIATIONS = frozenset(
-    "vs e.g i.e approx st mr mrs ms dr prof jr sr inc ltd fig no etc al mt".split()
+    [
+        "vs",
+        "e.g",
+        "i.e",
+        "approx",
+        "st",
+        "mr",
+        "mrs",
+        "ms",
+        "dr",
+        "prof",
+        "jr",
+        "sr",
+        "inc",
+        "ltd",
+        "fig",
+        "no",
+        "etc",
+        "al",
+        "mt",
+    ]
 )
-_SHORT_UNITS = frozenset("min mins sec secs hr hrs h m s wk wks yr yrs mo mos".split())
+_SHORT_UNITS = frozenset(
+    [
+        "min",
+        "mins",
+        "sec",
+        "secs",
+        "hr",
+        "hrs",
+        "h",
+        "m",
+        "s",
+        "wk",
+        "wks",
+        "yr",
+        "yrs",
+        "mo",
+        "mos",
+    ]
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +102,6 @@ def _ends_here(text: str, start: int, stop: re.Match[str], end: int) -> bool:
         return False
     word = _LAST_WORD.search(text, max(start, stop.start() - 20), stop.start())
     last = word[1].lower() if word else ""
-    if last in _ABBREVIATIONS or (len(last) == 1 and last.isalpha()):
+    if last in _ABBREVIATIONS:
         return False
     return not (last in _SHORT_UNITS and following.isdigit())

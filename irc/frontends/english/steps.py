@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from irc.diagnostics import Code
 from irc.frontends.english.layout import Span
-from irc.frontends.english.reasons import UNDERSTOOD, Problem, Unclear, not_understood, shown
+from irc.frontends.english.reasons import Problem, Unclear, not_understood, shown
 from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Statement, Takes
 from irc.frontends.english.understanding import Reader
@@ -19,11 +19,13 @@ _MOST_TAILS = 8
 
 _SEPARATOR = re.compile(r"\s[-–—]\s+|[:,;=–—]\s+|\s[|]\s")
 _TRIGGER = re.compile(
-    r"\b(?:which takes|that takes|it takes|and takes|takes?|taking|lasts?|lasting|for|requires?|needs?|"
-    r"duration|time needed|time required|depends?|after|before|once|when)\b",
+    r"\b(?:which takes|that takes|it takes|and takes|takes?|taking|lasts?|lasting|for|requires?|"
+    r"needs?|duration|time needed|time required|depends?|after|before|once|when)\b",
     re.IGNORECASE,
 )
-_ORDER_TRIGGER = re.compile(r"(?:depends?|after|before|once|when|requires?|needs?)\b", re.IGNORECASE)
+_ORDER_TRIGGER = re.compile(
+    r"(?:depends?|after|before|once|when|requires?|needs?)\b", re.IGNORECASE
+)
 _UNIT = "|".join(sorted((u for u in UNITS if len(u) > 1), key=len, reverse=True))
 _AMOUNT = (
     r"(?:[0-9½¼¾⅓⅔]|\b(?:an?|one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve|fifteen|"
@@ -47,7 +49,19 @@ _CUE = re.compile(
     r"meanwhile|in the meantime|at the same time|simultaneously|once (?:that|this) is)\b",
     re.IGNORECASE,
 )
-_OPTIONAL = re.compile(r"[(\[]\s*optional\s*[)\]]|\boptional(?:ly)?\s*[:,]|^\s*optional(?:ly)?\b", re.I)
+_OPTIONAL = re.compile(
+    r"[(\[]\s*optional\s*[)\]]|\boptional(?:ly)?\s*[:,]|^\s*optional(?:ly)?\b", re.I
+)
+
+
+_LINK = re.compile(r"\b(?:after|before|until|once|when|while|following)\b", re.IGNORECASE)
+_BINDING = re.compile(
+    r"\b(?:after|before|until|once|while|must|only|right away|immediately|same time|"
+    r"parallel|wait)\b",
+    re.IGNORECASE,
+)
+_PLAIN_WORD = re.compile(r"[^\W_]+")
+_PARENTHESIS = re.compile(r"[(\[][^()\[\]]{1,200}[)\]]")
 
 
 @dataclass
@@ -194,7 +208,9 @@ def _looks_like_note(text: str, start: int, end: int) -> bool:
     """Whether a parenthesis is meant as a duration or an order, though it is not understood."""
     piece = text[start:end]
     short = len(piece.split()) <= 8
-    timed = short and (_DURATION.search(piece) or (_UNIT_WORD.search(piece) and piece[:1] in "~≈<>"))
+    timed = short and (
+        _DURATION.search(piece) or (_UNIT_WORD.search(piece) and piece[:1] in "~≈<>")
+    )
     return bool(timed or (_STEP_NUMBER.search(piece) and _ORDER_WORD.search(piece)))
 
 
@@ -202,7 +218,9 @@ def _unreadable_note(text: str, start: int, end: int) -> Problem:
     problem = not_understood(text, start, end)
     if bound := _BOUND.search(text, start, end):
         message = f"vague: {shown(bound[0])} in {shown(text[start:end])}"
-        return Problem(Code.VAGUE, message, bound.start(), 'write one time, or a range: "(5 to 10 minutes)"')
+        return Problem(
+            Code.VAGUE, message, bound.start(), 'write one time, or a range: "(5 to 10 minutes)"'
+        )
     if problem.code is not Code.NOT_UNDERSTOOD:
         return problem
     return Problem(
@@ -225,7 +243,7 @@ def _two_times(text: str, start: int, end: int) -> Problem:
 def _judge_title(text: str, step: StepText) -> None:
     """Refuses titles that speak of the order or of several durations: they are not read."""
     start, end = step.title
-    for m in re.finditer(r"[(\[][^()\[\]]{0,120}[)\]]", text[start:end]):
+    for m in _PARENTHESIS.finditer(text, start, end):
         inner = m[0][1:-1]
         alone = _DURATION.match(inner.strip())
         if alone and alone.end() == len(inner.strip()):
@@ -248,9 +266,19 @@ def order_cue(text: str, span: Span) -> re.Match[str] | None:
     return _CUE.match(text, *span)
 
 
+def hidden_order(reader: Reader, span: Span) -> int | None:
+    """Where a step's text names another step behind "after", or speaks of order in parentheses."""
+    text = reader.text
+    for word in _LINK.finditer(text, *span):
+        words = [m[0].lower() for m in _PLAIN_WORD.finditer(text, word.end(), span[1])]
+        if words and reader.names.match(words, 0, 1):
+            return word.start()
+    for inner in _PARENTHESIS.finditer(text, *span):
+        if binding := _BINDING.search(text, inner.start(), inner.end()):
+            return binding.start()
+    return None
+
+
 def is_optional(text: str, span: Span) -> bool:
     """Whether a step's text calls the step optional."""
     return _OPTIONAL.search(text[slice(*span)]) is not None
-
-
-__all__ = ["UNDERSTOOD", "StepText", "is_optional", "order_cue", "read_step"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -18,23 +19,36 @@ from irc.frontends.english.words import Word, words_of
 _LONGEST_TEXT = 20_000
 """Longer sentences are refused before they are taken apart."""
 
-_HEADS = frozenset("TO FOR OF COLON HASH MUST YOU_MUST WANT_TO CAN".split())
-_TAILS = frozenset("COMMA REQUIRE INVOLVE HAVE HERE_ARE THE_FOLLOWING THESE YOU_MUST COLON".split())
+_HEADS = frozenset(["TO", "FOR", "OF", "COLON", "HASH", "MUST", "YOU_MUST", "WANT_TO", "CAN"])
+_TAILS = frozenset(
+    [
+        "COMMA",
+        "REQUIRE",
+        "INVOLVE",
+        "HAVE",
+        "HERE_ARE",
+        "THE_FOLLOWING",
+        "THESE",
+        "YOU_MUST",
+        "COLON",
+    ]
+)
 _MOST_ENDS = 5
 _LONGEST_TITLE = 8
 
-_LIMITS = frozenset("AT_A_TIME AT_MOST NO_TWO OVERLAP CANNOT".split())
+_LIMITS = frozenset(["AT_A_TIME", "AT_MOST", "NO_TWO", "OVERLAP", "CANNOT"])
 """Words that no goal has: free text with one of them limits how the steps are done."""
 
 _ANNOUNCING = frozenset(["HERE_ARE", "THE_FOLLOWING", "THESE"])
 _ONLY = re.compile(
-    r"\bonly (?:one|two|three|a|\d+)\b|\b(?:one|single|two|\d+) (?:person|people|cooks?|workers?|ovens?|"
-    r"stoves?|burners?|machines?)\b",
+    r"\bonly (?:one|two|three|a|\d+)\b|\b(?:one|single|two|\d+) (?:person|people|cooks?|workers?|"
+    r"ovens?|stoves?|burners?|machines?)\b",
     re.IGNORECASE,
 )
 _CONDITIONAL = re.compile(
     r"\b(?:if|when|assuming|provided|given that|unless|without|only|alone|limited|single|except|"
-    r"but|while|once|after|before|until|by|within|using|by yourself|deadline)\b",
+    r"but|while|once|after|before|until|by|within|using|deadline|"
+    r"with (?:an?|the|just|one|two|\d+))\b",
     re.IGNORECASE,
 )
 
@@ -46,6 +60,8 @@ class Reader:
         self.text = text
         self.labels = labels
         self.names = Names(())
+        self.steps_at = len(text)
+        """Where the first step stands."""
         self.title: str | None = None
         """The goal that the text names; its question may repeat it."""
         self._parser = sentence_parser()
@@ -130,6 +146,9 @@ class Reader:
     # Sentences of the frame hold free text: the goal of the task.
 
     def _framed(self, words: Sequence[Word], piece: Sentence) -> tuple[Statement, ...] | None:
+        headed = bool(words) and words[0].kind in ("HASH", "GOAL")
+        if headed and (self.title is not None or piece.start > self.steps_at):
+            return None  # What a second heading says is no title.
         for first, last in _free_parts(words):
             start, end = words[first].start, words[last - 1].end
             free = self.text[start:end]
@@ -152,7 +171,7 @@ class Reader:
         kinds = [word.kind for word in words[first:last]]
         numbered = any(
             kind in ("STEP", "STEPS") and following in ("NUM", "NUMS", "LABEL")
-            for kind, following in zip(kinds, kinds[1:], strict=False)
+            for kind, following in itertools.pairwise(kinds)
         )
         if numbered or not _LIMITS.isdisjoint(kinds) or _ONLY.search(free):
             return False

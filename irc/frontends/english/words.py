@@ -42,11 +42,29 @@ _VULGAR = dict(
         strict=True,
     )
 )
-_SMALL = (
-    "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen "
-    "sixteen seventeen eighteen nineteen"
-).split()
-_TENS = "twenty thirty forty fifty sixty seventy eighty ninety".split()
+_SMALL = [
+    "zero",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+    "thirteen",
+    "fourteen",
+    "fifteen",
+    "sixteen",
+    "seventeen",
+    "eighteen",
+    "nineteen",
+]
+_TENS = ["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety"]
 _NUMBER_WORDS: Mapping[str, int] = {
     **{word: value for value, word in enumerate(_SMALL)},
     **{word: 10 * value for value, word in enumerate(_TENS, 2)},
@@ -114,7 +132,8 @@ def words_of(
     one word each.
     """
     raws = [
-        _Raw(str(m.lastgroup), m.group(), m.start(), m.end()) for m in _RAW.finditer(text, start, end)
+        _Raw(str(m.lastgroup), m.group(), m.start(), m.end())
+        for m in _RAW.finditer(text, start, end)
     ]
     texts = [raw.text.lower().replace("’", "'") for raw in raws]
     return _with_long_lists(list(_words(text, raws, texts, vocabulary, labels, names)))
@@ -138,7 +157,9 @@ def _words(
         count, kind, value = _kind(raws, texts, at, before, vocabulary, labels)
         last = raws[at + count - 1]
         if kind:
-            written = raws[at].text if count == 1 else " ".join(r.text for r in raws[at : at + count])
+            written = (
+                raws[at].text if count == 1 else " ".join(r.text for r in raws[at : at + count])
+            )
             yield Word(kind, written, raws[at].start, last.end, value)
             before = kind
         at += count
