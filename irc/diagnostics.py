@@ -35,6 +35,17 @@ class Code(Enum):
     TOO_LARGE = ("IRC006", Severity.ERROR, "the input is too large or nested too deeply")
     BYTE_ORDER_MARK = ("IRC007", Severity.NOTE, "the text starts with a byte-order mark")
 
+    NOT_UNDERSTOOD = ("IRC020", Severity.ERROR, "a sentence that is not understood")
+    AMBIGUOUS = ("IRC021", Severity.ERROR, "a sentence that has more than one exact meaning")
+    VAGUE = ("IRC022", Severity.ERROR, "a vague word where an exact one is needed")
+    CONDITIONAL = ("IRC023", Severity.ERROR, "a negation, condition or exception not understood")
+    UNKNOWN_STEP = ("IRC024", Severity.ERROR, "a sentence about a step that is not listed")
+    NO_DURATION = ("IRC025", Severity.ERROR, "a step without a duration")
+    NO_ORDER = ("IRC026", Severity.ERROR, "a text that does not say in which order")
+    CONTRADICTION = ("IRC027", Severity.ERROR, "a sentence that contradicts another one")
+    LIMITED = ("IRC028", Severity.ERROR, "a limit of people or things that is not exact")
+    NO_STEPS = ("IRC029", Severity.ERROR, "a text without a list of steps")
+
     MISSING_FIELD = ("IRC101", Severity.ERROR, "a required field is missing")
     UNKNOWN_FIELD = ("IRC102", Severity.ERROR, "a field the IR does not have")
     WRONG_TYPE = ("IRC103", Severity.ERROR, "a value of the wrong type or shape")

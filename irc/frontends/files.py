@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.frontends.json_document import MAX_BYTES, decode_bytes, read_document
+from irc.frontends.json_document import MAX_BYTES, RawDocument, decode_bytes, read_document
 from irc.frontends.shape import to_task
 from irc.model import Task
 
@@ -43,12 +43,12 @@ def read_text(path: str | Path) -> tuple[str, str]:
 
 
 def parse_task(text: str, name: str = "<text>") -> Reading:
-    """A task from JSON text (or a language model's answer around it).
+    """A task from JSON text (or a language model's answer around it), or from English.
 
     Raises `InputError` with every fault of syntax; with faults of shape also what the checks
     find in the rest of the document.
     """
-    document = read_document(text, name)
+    document = _english(text, name) or read_document(text, name)
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
     if task is None:
@@ -57,6 +57,17 @@ def parse_task(text: str, name: str = "<text>") -> Reading:
         findings.items += further_findings(document.content, findings)
         raise InputError(Report(tuple(findings.items), document.source))
     return Reading(task.with_source(document.source), tuple(findings.items))
+
+
+def _english(text: str, name: str) -> RawDocument | None:
+    """The raw document of a text in English; None for any other text."""
+    from irc.frontends.english.detect import is_english
+
+    if not is_english(text, name):
+        return None
+    from irc.frontends.english.reader import read_english
+
+    return read_english(text, name)
 
 
 def read_task(path: str | Path) -> Reading:

@@ -1,0 +1,550 @@
+"""A derivation → the statements it makes. Each rule of the grammar has one function here."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any, cast
+
+from lark import Token
+
+from irc.frontends.english.parsing import Derivation
+from irc.frontends.english.statements import (
+    Apart,
+    AtATime,
+    Between,
+    Chain,
+    Deadline,
+    EachAfterPrevious,
+    Frame,
+    Free,
+    Length,
+    Order,
+    OthersAfter,
+    Place,
+    Point,
+    Ref,
+    Refs,
+    Refused,
+    Statement,
+    Takes,
+    Told,
+)
+from irc.frontends.english.units import UNITS, unit_size
+from irc.frontends.english.words import Word
+from irc.times import exact, format_number
+
+_VALUED = frozenset(["NUM", "NUMS", "LABEL", "NAME", "QUOTE", "UNIT", "FREE", "ONE", "ORDINAL"])
+_ORDINALS = ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"]
+
+
+class Inexact(Exception):
+    """A part of a sentence that is not exact; the text is a key of the reasons for refusal."""
+
+
+def meaning(derivation: Derivation, words: Sequence[Word]) -> tuple[Statement, ...]:
+    """What a derivation says. Raises `Inexact`."""
+    return _flat(_value(derivation, words))
+
+
+def _value(node: Derivation | Token, words: Sequence[Word]) -> Any:
+    if isinstance(node, Token):
+        return words[node.start_pos or 0]
+    values = [
+        _value(child, words)
+        for child in node.children
+        if not isinstance(child, Token) or child.type in _VALUED
+    ]
+    name = str(node.data)
+    if name.startswith("refused_"):
+        return Refused(name.removeprefix("refused_"))
+    return _RULES[name](values, _Place(node, words))
+
+
+class _Place:
+    """Where a derivation stands: its first and last word, and what kinds of words it has."""
+
+    def __init__(self, node: Derivation, words: Sequence[Word]) -> None:
+        self._node = node
+        self._words = words
+
+    def has(self, *kinds: str) -> bool:
+        """Whether the rule itself took a word of one of these kinds."""
+        return any(isinstance(c, Token) and c.type in kinds for c in self._node.children)
+
+    @property
+    def range(self) -> tuple[int, int]:
+        """[start, end) in the text."""
+        first: Derivation | Token = self._node
+        last: Derivation | Token = self._node
+        while not isinstance(first, Token):
+            first = first.children[0]
+        while not isinstance(last, Token):
+            last = last.children[-1]
+        return self._words[first.start_pos or 0].start, self._words[last.start_pos or 0].end
+
+
+def _flat(value: Any) -> tuple[Any, ...]:
+    if isinstance(value, (list, tuple)):
+        return tuple(item for part in value for item in _flat(part))
+    return () if value is None else (value,)
+
+
+# References
+
+
+def _number_of(value: Any) -> Any:
+    """The label that a number word or a label gives: an int, or a text."""
+    if isinstance(value, Word):
+        if value.kind == "LABEL":
+            return str(value.value)
+        if value.kind == "ONE":
+            return 1
+        number = cast(Fraction, value.value)
+        if number.denominator != 1 or "," in value.text:
+            raise Inexact("label")
+        return number.numerator
+    return value
+
+
+def _number(values: list[Any], place: _Place) -> Ref:
+    start, end = place.range
+    return Ref("label", (_number_of(values[0]),), start, end)
+
+
+def _ref(values: list[Any], place: _Place) -> Any:
+    (inner,) = values
+    if isinstance(inner, tuple):
+        return inner
+    start, end = place.range
+    return Ref(inner.kind, inner.value, start, end)
+
+
+def _number_range(values: list[Any], place: _Place) -> Ref:
+    start, end = place.range
+    return Ref("range", (values[0].value[0], values[1].value[0]), start, end)
+
+
+def _long_list(values: list[Any], _place: _Place) -> tuple[Ref, ...]:
+    members = cast(tuple[Word, ...], values[0].value)
+    return tuple(Ref("label", (_number_of(m),), m.start, m.end) for m in members)
+
+
+def _name(values: list[Any], place: _Place) -> Ref:
+    start, end = place.range
+    return Ref("name", (values[0].value,), start, end)
+
+
+def _ordinal(values: list[Any], place: _Place) -> Ref:
+    start, end = place.range
+    return Ref("nth", (_ORDINALS.index(values[0].text.lower()) + 2,), start, end)
+
+
+def _special(kind: str) -> Callable[[list[Any], _Place], Ref]:
+    def make(_values: list[Any], place: _Place) -> Ref:
+        return Ref(kind, (), *place.range)
+
+    return make
+
+
+def _refs(values: list[Any], _place: _Place) -> Refs:
+    return _flat(values)
+
+
+# Times
+
+
+def _quantity(values: list[Any], _place: _Place) -> tuple[Fraction, str]:
+    return values[0], values[1].value
+
+
+def _length(parts: Sequence[tuple[Fraction, str]]) -> Length:
+    seconds, months, texts = Fraction(0), Fraction(0), []
+    sizes = []
+    for amount, written in parts:
+        count, unit = UNITS[written]
+        size, size_in_months = unit_size(unit)
+        seconds += amount * count * size
+        months += amount * count * size_in_months
+        texts.append(f"{format_number(exact(amount * count))} {unit}")
+        sizes.append(size + size_in_months * 30 * 86_400)
+    if any(later >= earlier for earlier, later in itertools.pairwise(sizes)):
+        raise Inexact("units")
+    return Length(" ".join(texts), seconds, months, UNITS[parts[-1][1]][1])
+
+
+def _span(values: list[Any], _place: _Place) -> Length:
+    return _length(values)
+
+
+def _between(values: list[Any], _place: _Place) -> Between:
+    least, most = values
+    if least.seconds + least.months * 31 * 86_400 > most.seconds + most.months * 31 * 86_400:
+        raise Inexact("range")
+    return Between(least, most)
+
+
+def _amounts(values: list[Any], place: _Place) -> Between:
+    low, high, unit = values
+    return _between([_length([(low, unit.value)]), _length([(high, unit.value)])], place)
+
+
+def _plus_half(values: list[Any], _place: _Place) -> Length:
+    *counted, unit = values
+    amount = counted[0].value if counted and counted[0].kind == "NUM" else Fraction(1)
+    return _length([(amount + Fraction(1, 2), unit.value)])
+
+
+def _amount(value: Fraction | None, added: Fraction = Fraction(0)) -> Callable[..., Fraction]:
+    def make(values: list[Any], _place: _Place) -> Fraction:
+        return (values[0].value if value is None else value) + added
+
+    return make
+
+
+def _quarters(values: list[Any], _place: _Place) -> Fraction:
+    return cast(Fraction, values[0].value) / 4
+
+
+# Points
+
+
+def _point(edge: str) -> Callable[[list[Any], _Place], Point]:
+    def make(values: list[Any], _place: _Place) -> Point:
+        return Point(values[0], "start" if edge == "start" else "end")
+
+    return make
+
+
+# Order
+
+
+def _start(refs: Refs) -> Point:
+    return Point(refs, "start")
+
+
+def _end(refs: Refs) -> Point:
+    return Point(refs, "end")
+
+
+def _without_when(values: list[Any]) -> list[Any]:
+    return [v for v in values if v is not None]
+
+
+def _precedes(values: list[Any], _place: _Place) -> Order:
+    return Order(_end(values[0]), _start(values[1]))
+
+
+def _follows(values: list[Any], _place: _Place) -> Order:
+    return Order(_end(values[1]), _start(values[0]))
+
+
+def _before(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], Order]:
+    def make(values: list[Any], _place: _Place) -> Order:
+        return Order(edge(values[0]), values[1])
+
+    return make
+
+
+def _after(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], Order]:
+    def make(values: list[Any], _place: _Place) -> Order:
+        refs, point = _without_when(values)
+        return Order(point, edge(refs))
+
+    return make
+
+
+def _after_and_before(values: list[Any], _place: _Place) -> list[Order]:
+    refs, after, before = values
+    return [Order(after, _start(refs)), Order(_end(refs), before)]
+
+
+def _before_and_after(values: list[Any], place: _Place) -> list[Order]:
+    refs, before, after = values
+    return _after_and_before([refs, after, before], place)
+
+
+def _in_between(values: list[Any], _place: _Place) -> list[Order]:
+    refs, first, second = values
+    return [Order(_end((first,)), _start(refs)), Order(_end(refs), _start((second,)))]
+
+
+def _front_after(values: list[Any], _place: _Place) -> Order:
+    point, refs = _without_when(values)
+    return Order(point, _start(refs))
+
+
+def _front_before(values: list[Any], _place: _Place) -> Order:
+    point, refs = values
+    return Order(_end(refs), point)
+
+
+def _points(values: list[Any], _place: _Place) -> Order:
+    before, after = _without_when(values)
+    return Order(before, after)
+
+
+def _point_start(values: list[Any], _place: _Place) -> Order:
+    return Order(values[0], _start(values[1]))
+
+
+# Lags
+
+
+def _exact_length(time: Any) -> Length:
+    if not isinstance(time, Length):
+        raise Inexact("lag range")
+    return time
+
+
+_ZERO = Length("0 s", Fraction(0), Fraction(0), "s")
+
+
+def _lag(least: bool, most: bool) -> Callable[[list[Any], _Place], Order]:
+    def make(values: list[Any], _place: _Place) -> Order:
+        refs, time, point = values
+        time = _exact_length(time)
+        return Order(point, _start(refs), time if least else None, time if most else None)
+
+    return make
+
+
+def _lag_none(values: list[Any], _place: _Place) -> Order:
+    return Order(values[1], _start(values[0]), None, _ZERO)
+
+
+def _follows_at_once(values: list[Any], _place: _Place) -> Order:
+    return Order(_end(values[1]), _start(values[0]), None, _ZERO)
+
+
+def _lag_within(values: list[Any], _place: _Place) -> Order:
+    refs, time, others = values
+    return Order(_end(others), _start(refs), None, _exact_length(time))
+
+
+def _lag_between(values: list[Any], place: _Place) -> Order:
+    time, first, second = values
+    time = _exact_length(time)
+    least = None if place.has("AT_MOST") else time
+    return Order(_end(first), _start(second), least, None if place.has("AT_LEAST") else time)
+
+
+def _lag_wait(values: list[Any], place: _Place) -> Order:
+    time, after, before = values
+    if before.edge != "start":
+        raise Inexact("lag_end")
+    time = _exact_length(time)
+    return Order(after, before, time, None if place.has("AT_LEAST") else time)
+
+
+def _same(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], list[Order]]:
+    def make(values: list[Any], _place: _Place) -> list[Order]:
+        members = _flat(values)
+        if any(ref.kind.startswith("all") or ref.kind == "range" for ref in members):
+            raise Inexact("together")
+        if len(members) < 2:
+            raise Inexact("alone")
+        return [
+            Order(edge((first,)), edge((second,)), None, _ZERO)
+            for first, second in itertools.pairwise(members)
+        ]
+
+    return make
+
+
+# The rest
+
+
+def _chain(values: list[Any], _place: _Place) -> Chain:
+    return Chain(tuple(values))
+
+
+def _told(when: Any) -> Callable[[list[Any], _Place], Told]:
+    return lambda values, _place: Told(when, values[0])
+
+
+def _placed(where: Any) -> Callable[[list[Any], _Place], Place]:
+    return lambda values, _place: Place(where, values[0])
+
+
+def _free(against: Any) -> Callable[[list[Any], _Place], Free]:
+    return lambda values, _place: Free(_flat(values), against)
+
+
+def _frame(kind: Any) -> Callable[[list[Any], _Place], Frame]:
+    def make(values: list[Any], _place: _Place) -> Frame:
+        free = [v for v in values if isinstance(v, Word) and v.kind == "FREE"]
+        return Frame(kind, free[0].text, free[0].start) if free else Frame(kind)
+
+    return make
+
+
+def _answer_unit(values: list[Any], _place: _Place) -> Frame:
+    return Frame("unit", UNITS[values[0].value][1])
+
+
+def _framed(values: list[Any], _place: _Place) -> list[Frame]:
+    return [v for v in values if isinstance(v, Frame)]
+
+
+def _at_most(values: list[Any], _place: _Place) -> AtATime:
+    (most,) = values[0].value
+    if not isinstance(most, int) or most < 1:
+        raise Inexact("label")
+    return AtATime(most)
+
+
+def _lasts(values: list[Any], place: _Place) -> Takes:
+    return Takes(values[0], values[1], place.has("EACH"))
+
+
+def _each_step_lasts(values: list[Any], place: _Place) -> Takes:
+    return Takes((Ref("all", (), *place.range),), values[0], True)
+
+
+def _this(place: _Place) -> Refs:
+    return (Ref("this", (), *place.range),)
+
+
+def _note_lasts(values: list[Any], place: _Place) -> Takes:
+    return Takes(_this(place), values[0], False)
+
+
+def _note_after(values: list[Any], place: _Place) -> Order:
+    return Order(_without_when(values)[0], _start(_this(place)))
+
+
+def _note_before(values: list[Any], place: _Place) -> Order:
+    return Order(_end(_this(place)), values[0])
+
+
+def _note_needs(values: list[Any], place: _Place) -> Order:
+    return Order(_end(values[0]), _start(_this(place)))
+
+
+def _note_precedes(values: list[Any], place: _Place) -> Order:
+    return Order(_end(_this(place)), _start(values[0]))
+
+
+def _as_is(values: list[Any], _place: _Place) -> Any:
+    return values
+
+
+def _only(values: list[Any], _place: _Place) -> Any:
+    return values[0]
+
+
+def _nothing(_values: list[Any], _place: _Place) -> None:
+    return None
+
+
+_RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
+    "sentence": _as_is,
+    "opener": _nothing,
+    "note": _as_is,
+    "note_part": _as_is,
+    "told": _as_is,
+    "field": _as_is,
+    "when": _nothing,
+    # references
+    "refs": _refs,
+    "nor_refs": _refs,
+    "ref": _ref,
+    "number": _number,
+    "number_range": _number_range,
+    "long_list": _long_list,
+    "name": _name,
+    "ordinal": _ordinal,
+    "this_step": _special("this"),
+    "first_step": _special("first"),
+    "last_step": _special("last"),
+    "previous_step": _special("previous"),
+    "all_previous": _special("all_previous"),
+    "all_other": _special("all_other"),
+    "all_steps": _special("all"),
+    # times
+    "quantity": _quantity,
+    "span": _span,
+    "spans": _between,
+    "amounts": _amounts,
+    "unit_and_a_half": _plus_half,
+    "units_and_a_half": _plus_half,
+    "number_amount": _amount(None),
+    "one_amount": _amount(Fraction(1)),
+    "half_amount": _amount(Fraction(1, 2)),
+    "number_and_a_half": _amount(None, Fraction(1, 2)),
+    "one_and_a_half": _amount(Fraction(3, 2)),
+    "quarter_amount": _amount(Fraction(1, 4)),
+    "quarters_amount": _quarters,
+    # points
+    "to_start": _point("start"),
+    "to_end": _point("end"),
+    "from_start": _point("start"),
+    "from_end": _point("end"),
+    # order
+    "precedes": _precedes,
+    "follows": _follows,
+    "starts_after": _after(_start),
+    "ends_after": _after(_end),
+    "ends_before": _before(_end),
+    "starts_before": _before(_start),
+    "after_and_before": _after_and_before,
+    "before_and_after": _before_and_after,
+    "between": _in_between,
+    "others_after": lambda values, _place: OthersAfter(values[0]),
+    "point_before": _points,
+    "point_start": _point_start,
+    "front_after": _front_after,
+    "front_before": _front_before,
+    "comes_first": _placed("first"),
+    "comes_last": _placed("last"),
+    "in_order": _placed("in order"),
+    "each_after_previous": lambda _values, _place: EachAfterPrevious(),
+    # lags
+    "lag_at_least": _lag(True, False),
+    "lag_at_most": _lag(False, True),
+    "lag_exactly": _lag(True, True),
+    "lag_none": _lag_none,
+    "follows_at_once": _follows_at_once,
+    "lag_within": _lag_within,
+    "lag_between": _lag_between,
+    "lag_wait": _lag_wait,
+    "same_start": _same(_start),
+    "same_end": _same(_end),
+    # sequences
+    "chain": _chain,
+    "opens": _told("first"),
+    "continues": _told("then"),
+    "concludes": _told("finally"),
+    # freedom and limits
+    "free": _free("each other"),
+    "unconstrained": _free("all"),
+    "all_told": _frame("all told"),
+    "all_free": _frame("plain"),
+    "one_at_a_time": lambda _values, _place: AtATime(1),
+    "some_at_a_time": _at_most,
+    "apart": lambda values, _place: Apart(values[0]),
+    "apart_pair": lambda values, _place: Apart(values[0], pair=True),
+    "apart_from": lambda values, _place: Apart(values[0], values[1]),
+    "deadline": lambda values, _place: Deadline(_exact_length(values[-1])),
+    # durations
+    "lasts": _lasts,
+    "lasts_each": lambda values, _place: Takes(values[0], values[1], True),
+    "each_step_lasts": _each_step_lasts,
+    "it_takes": lambda values, _place: Takes(values[1], values[0], False),
+    "note_lasts": _note_lasts,
+    "note_after": _note_after,
+    "note_before": _note_before,
+    "note_needs": _note_needs,
+    "note_precedes": _note_precedes,
+    "note_nothing": _nothing,
+    # the frame
+    "plain": _frame("plain"),
+    "titled": _frame("titled"),
+    "only_orders": _frame("orders"),
+    "framed": _framed,
+    "all_needed": _frame("all needed"),
+    "unbounded": _frame("unbounded"),
+    "answer_unit": _answer_unit,
+}

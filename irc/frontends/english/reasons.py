@@ -1,0 +1,199 @@
+"""Why a sentence is refused, in words that help to write it again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from irc.diagnostics import Code
+
+UNDERSTOOD = (
+    'understood are steps ("Step 3. Sift the flour (3 minutes)"), orders ("Step 1 must precede '
+    'steps 2 and 3.", "Step 4 can start once step 2 is finished."), durations ("Step 5 takes 2 '
+    'hours.") and the question itself'
+)
+
+_LONGEST_QUOTED = 120
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What is wrong with a part of the text, and where."""
+
+    code: Code
+    message: str
+    offset: int
+    hint: str | None = None
+
+
+class Unclear(Exception):
+    """A part of the text that is understood but not exact."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        super().__init__(problem.message)
+
+
+REASONS: Mapping[str, tuple[Code, str, str]] = {
+    "start_before": (
+        Code.AMBIGUOUS,
+        "before the start or before the end of the other step?",
+        'say "before step 4 starts" or "before step 4 is finished"; or "must precede"',
+    ),
+    "end_after": (
+        Code.AMBIGUOUS,
+        "does the step only end, or also start, after the other one?",
+        'say "must start after step 2", or "cannot finish before step 2 finishes"',
+    ),
+    "permission": (
+        Code.AMBIGUOUS,
+        "a permission is no order",
+        'say "must" if it is an order, "can be done in parallel" if it is none',
+    ),
+    "lag": (
+        Code.AMBIGUOUS,
+        "is the wait exactly, at least, or at most so long?",
+        'say "at least 10 minutes after", "at most 10 minutes after" or "exactly 10 minutes after"',
+    ),
+    "lag_end": (
+        Code.AMBIGUOUS,
+        "is it the start or the end of the step that is bound?",
+        'say "must start at most 1 hour after step 2"',
+    ),
+    "lag range": (
+        Code.AMBIGUOUS,
+        "a limit of time must be one time, not a range",
+        'say "at least 10 minutes after" and "at most 20 minutes after"',
+    ),
+    "lag of several": (
+        Code.AMBIGUOUS,
+        "a longest wait after several steps cannot be told exactly",
+        "name one step to count from",
+    ),
+    "together": (
+        Code.AMBIGUOUS,
+        "must the steps start together, end together, or both?",
+        'say "must start at the same time", or "can be done in parallel" if they only may',
+    ),
+    "alone": (Code.AMBIGUOUS, "one step is at the same time as what?", "name two or more steps"),
+    "label": (
+        Code.AMBIGUOUS,
+        "this number is not a step's number as it stands",
+        'write plain whole numbers, with a blank behind each comma: "steps 1, 100"',
+    ),
+    "units": (
+        Code.AMBIGUOUS,
+        "the parts of this time are not in the order of their units",
+        'write the larger unit first: "2 hours 30 minutes"',
+    ),
+    "range": (
+        Code.AMBIGUOUS,
+        "the range is empty: its first time is longer than its second",
+        'write the smaller one first: "2 to 3 hours"',
+    ),
+    "each": (
+        Code.AMBIGUOUS,
+        "does each of the steps take so long, or all of them together?",
+        'say "take 5 minutes each"',
+    ),
+    "three apart": (
+        Code.AMBIGUOUS,
+        "may none of them overlap, or only not all at once?",
+        'say "No two of steps 2, 3 and 4 can be done at the same time."',
+    ),
+    "then": (
+        Code.AMBIGUOUS,
+        "after which steps? The sentence before tells no sequence that this one goes on with",
+        'name them: "After step 2, do step 3."',
+    ),
+    "finally": (
+        Code.AMBIGUOUS,
+        "after all other steps, or only after those just named?",
+        'say "Step 4 must come last." or name the steps before it',
+    ),
+    "first": (
+        Code.AMBIGUOUS,
+        "nothing is said of what comes after it",
+        'go on with "Then do step 2.", or say "Step 1 must come before all other steps."',
+    ),
+    "this": (
+        Code.AMBIGUOUS,
+        'there is no step here that "this" or "it" could mean',
+        "name the step",
+    ),
+    "nested": (
+        Code.AMBIGUOUS,
+        "the steps named here depend on each other's meaning",
+        "name the steps by their numbers",
+    ),
+}
+
+
+def because(reason: str, offset: int, quoted: str) -> Problem:
+    """The problem for a key of `REASONS`, with the sentence in question."""
+    code, why, hint = REASONS[reason]
+    return Problem(code, f"not exact enough: {shown(quoted)}: {why}", offset, hint)
+
+
+def shown(text: str) -> str:
+    """A part of the text as messages quote it."""
+    text = " ".join(text.split())
+    if len(text) > _LONGEST_QUOTED:
+        text = text[: _LONGEST_QUOTED - 1] + "…"
+    return f'"{"".join(c if c.isprintable() else "�" for c in text)}"'
+
+
+_VAGUE = re.compile(
+    r"\b(?:about|approximately|approx|around|roughly|circa|usually|normally|typically|generally|"
+    r"often|sometimes|maybe|perhaps|probably|possibly|ideally|preferably|might|could|a few|few|"
+    r"several|some|a couple|couple|many|a while|or so|up to|less than|more than|fewer than|over|"
+    r"under|recommended|optional|optionally|if possible|nearly|almost|a bit|moment|soon|quickly|"
+    r"try to|at your convenience|business days?|working days?|overnight|ish)\b|[~≈±]|(?<=\d)\+",
+    re.IGNORECASE,
+)
+_CONDITION = re.compile(
+    r"\b(?:not|never|no|unless|except|excluding|without|neither|nor|or|either|if|otherwise|instead|"
+    r"whether|depending|only|but|other than|apart from|respectively|alternatively|skip|optional|"
+    r"\w+n['’]t)\b",
+    re.IGNORECASE,
+)
+_LIMITED = re.compile(
+    r"\b(?:person|people|(?:one|two|three|single|\d|each|same) (?:cook|chef)s?|workers?|helpers?|"
+    r"friends?|alone|yourself|oneself|resources?|capacity|robots?|machines?|ovens?|stoves?|burners?|"
+    r"pans?|pots?|tools?|hands?|available|shares?|shared|staff|crews?|teams?|employees|single|"
+    r"one at a time|by himself|by herself)\b",
+    re.IGNORECASE,
+)
+_LIMIT_HINT = (
+    'say what it means for the steps: "Only one step can be done at a time.", "At most 2 steps can '
+    'be done at the same time." or "Steps 2 and 3 cannot be done at the same time."'
+)
+
+
+def not_understood(text: str, start: int, end: int) -> Problem:
+    """What is most probably in the way of understanding text[start:end]."""
+    quoted = text[start:end]
+    if found := _VAGUE.search(text, start, end):
+        return Problem(
+            Code.VAGUE,
+            f"vague: {shown(found[0])} in {shown(quoted)}",
+            found.start(),
+            "write what is certain and exact, or leave it out",
+        )
+    if found := _LIMITED.search(text, start, end):
+        return Problem(
+            Code.LIMITED,
+            f"a limit that cannot be read exactly: {shown(quoted)}",
+            start,
+            _LIMIT_HINT,
+        )
+    if found := _CONDITION.search(text, start, end):
+        return Problem(
+            Code.CONDITIONAL,
+            f"a negation, condition or exception that is not understood: "
+            f"{shown(found[0])} in {shown(quoted)}",
+            found.start(),
+            'say what must hold: "Step 1 must precede step 2.", or leave the sentence out',
+        )
+    return Problem(Code.NOT_UNDERSTOOD, f"not understood: {shown(quoted)}", start, UNDERSTOOD)
