@@ -14,11 +14,15 @@ Locator = Callable[[str, frozenset[Pointer]], Mapping[Pointer, "Range"]]
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Offsets into the text: [start, end) of a value, and of its key where it has one."""
+    """Offsets into the text: [start, end) of a value, and of its key where it has one.
+
+    `within` is the text where that is another one than the task's own: a file it includes.
+    """
 
     start: int
     end: int
     key_start: int | None = None
+    within: Source | None = None
 
 
 def pointer_text(pointer: Pointer) -> str:

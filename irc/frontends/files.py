@@ -8,6 +8,7 @@ from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.frontends.json_document import MAX_BYTES, decode_bytes, read_document
+from irc.frontends.language import language_of
 from irc.frontends.shape import to_task
 from irc.model import Task
 
@@ -42,12 +43,21 @@ def read_text(path: str | Path) -> tuple[str, str]:
     return decode_bytes(data, name), name
 
 
-def parse_task(text: str, name: str = "<text>") -> Reading:
-    """A task from JSON text (or a language model's answer around it).
+def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Reading:
+    """A task from text: JSON (or a language model's answer around it), or the DSL.
 
-    Raises `InputError` with every fault of syntax; with faults of shape also what the checks
-    find in the rest of the document.
+    `path` is the file that it stands in, if it does: what a DSL text includes is looked for
+    beside it. Raises `InputError` with every fault of syntax; with faults of shape also what the
+    checks find in the rest of the document.
     """
+    if language_of(text, name) == "dsl":
+        from irc.frontends.dsl.task import parse_dsl
+
+        return Reading(*parse_dsl(text, name, path))
+    return _parse_json(text, name)
+
+
+def _parse_json(text: str, name: str) -> Reading:
     document = read_document(text, name)
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
@@ -62,4 +72,4 @@ def parse_task(text: str, name: str = "<text>") -> Reading:
 def read_task(path: str | Path) -> Reading:
     """A task from a file. Raises `InputError`."""
     text, name = read_text(path)
-    return parse_task(text, name)
+    return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))

@@ -1,0 +1,74 @@
+"""The document in the making: what statements add, where each part of it stands, the budget."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from irc.diagnostics import Code
+from irc.frontends.dsl.faults import Fault
+from irc.source import Pointer, Range, Source
+
+MAX_EXPANDED = 1_000_000
+"""What one text may grow to by `for`, by arrows between many, and by pools: parts in all."""
+
+Element = dict[str, Any]
+
+
+@dataclass(slots=True)
+class Places:
+    """Where the parts of the document stand; only the `wanted` ones where that is given."""
+
+    wanted: frozenset[Pointer] | None = None
+    found: dict[Pointer, Range] = field(default_factory=dict)
+
+    def add(
+        self, pointer: Pointer, start: int, end: int, key: int | None, source: Source | None
+    ) -> None:
+        """Notes one place; the first one said counts."""
+        if (self.wanted is None or pointer in self.wanted) and pointer not in self.found:
+            self.found[pointer] = Range(start, end, key, source)
+
+
+@dataclass(slots=True)
+class Budget:
+    """Counts what short texts grow to, so that none grows without end."""
+
+    left: int = MAX_EXPANDED
+
+    def take(self, count: int, what: str, start: int, end: int) -> None:
+        """Raises `Fault` where `count` more parts would be too many."""
+        if count > self.left:
+            raise Fault(
+                Code.DSL_EXPANSION,
+                f"{what} would add {count:,} parts; a text may grow by {MAX_EXPANDED:,} in all",
+                start,
+                end,
+                "split the task, or say less of it",
+            )
+        self.left -= count
+
+
+@dataclass(slots=True)
+class Sink:
+    """Where statements put what they declare: the task's own arrays, or those of one change."""
+
+    arrays: dict[str, list[Any]]
+    base: Pointer = ()
+
+    def next(self, part: str) -> Pointer:
+        """The pointer of the next element of an array."""
+        return (*self.base, part, len(self.arrays.setdefault(part, [])))
+
+    def put(self, part: str, element: Any) -> None:
+        """Adds an element."""
+        self.arrays.setdefault(part, []).append(element)
+
+    def lengths(self) -> dict[str, int]:
+        """How long each array is, for `cut`."""
+        return {part: len(elements) for part, elements in self.arrays.items()}
+
+    def cut(self, lengths: dict[str, int]) -> None:
+        """Takes away what was added since."""
+        for part, elements in self.arrays.items():
+            del elements[lengths.get(part, 0) :]
