@@ -1,4 +1,4 @@
-"""The command line: `irc check, compile, solve, extract, validate, targets, schema, convert`."""
+"""The command line: `irc check, compile, solve, extract, validate, targets, schema, convert, fmt`."""
 
 from __future__ import annotations
 

@@ -21,6 +21,12 @@ class Places:
 
     wanted: frozenset[Pointer] | None = None
     found: dict[Pointer, Range] = field(default_factory=dict)
+    elements: frozenset[Pointer] | None = None
+    """The elements of arrays that something of is wanted; all where that is not given."""
+
+    def __post_init__(self) -> None:
+        if self.wanted is not None:
+            self.elements = frozenset(pointer[:2] for pointer in self.wanted)
 
     def add(
         self, pointer: Pointer, start: int, end: int, key: int | None, source: Source | None
