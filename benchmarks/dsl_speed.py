@@ -2,9 +2,10 @@
 
     python benchmarks/dsl_speed.py [--actions 100000] [--edges 300000] [--runs 3]
 
-Three texts in the DSL: plain lines (names, durations, arrows), the same with every duration in
-units and a comment (which the grammar itself must read), and one `for`. Each line has the median
-time from text to task, for the DSL and for the JSON document of the same task, and their ratio.
+Three texts in the DSL: plain lines (names, durations, arrows), the same with a lag on every arrow
+and a quoted name in every action (which the grammar itself must read), and one `for`. Each line has
+the median time from text to task, for the DSL and for the JSON document of the same task, and their
+ratio.
 """
 
 from __future__ import annotations
@@ -43,6 +44,14 @@ def compare(kind: str, text: str, runs: int) -> None:
     )
 
 
+def unusual(line: str) -> str:
+    """A line that says nearly the same and is none of the plain ones."""
+    if "->" in line:
+        return f"{line} + 2.5"
+    name, _, rest = line.partition(" ")
+    return f'"{name}" {rest} cost 3' if name else line
+
+
 def main() -> None:
     """Prints a line for each kind of text."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -53,8 +62,7 @@ def main() -> None:
     graph = Task.model_validate(json.loads(random_graph(options.actions, options.edges)))
     text = print_task(graph)
     compare("plain lines", text, options.runs)
-    lines = (f"{line}  # as planned" if line else line for line in text.split("\n"))
-    compare("every line by the grammar", "\n".join(lines), options.runs)
+    compare("every line by the grammar", "\n".join(map(unusual, text.split("\n"))), options.runs)
     compare("one for", f"for i in 1 .. {options.actions}: step {{i}} 10 min", options.runs)
 
 

@@ -1,4 +1,4 @@
-"""The command line: `irc check, compile, solve, extract, validate, targets, schema, convert, fmt`."""
+"""The command line: `irc check`, `irc solve` and the others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The layout of a JSON text: what fits stands on one line, the rest is indented; no word changes."""
+"""The layout of a JSON text: what fits stands on one line, the rest is indented."""
 
 from __future__ import annotations
 

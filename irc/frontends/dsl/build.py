@@ -10,6 +10,7 @@ from irc.diagnostics import Code, did_you_mean
 from irc.frontends.dsl import nodes
 from irc.frontends.dsl.draft import Budget, Element, Places, Sink
 from irc.frontends.dsl.faults import Fault
+from irc.frontends.dsl.lexer import Lexeme
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
 from irc.source import Pointer, Source
 
@@ -56,6 +57,12 @@ class Builder:
         if self.places is not None:
             self.places.add(pointer, start, end, key, self.source)
 
+    def mark_node(self, pointer: Pointer, node: Any, key: Any = None) -> None:
+        """The same for what a node of the tree states, and for its keyword."""
+        if self.places is not None:
+            start = None if key is None else span(key)[0]
+            self.places.add(pointer, *span(node), start, self.source)
+
     def put_field(
         self, element: Element, field: str, found: Placed, at: Pointer, key: Any = None
     ) -> None:
@@ -75,11 +82,11 @@ class Builder:
         begin = nodes.head(part(tree, "head"))
         element: Element = {"id": begin.name.value}
         self.mark((*at, "id"), begin.name.start, begin.name.end)
-        self.mark(at, *span(tree))
+        self.mark_node(at, tree)
         self._duration(element, begin, tree, at)
         arcs: list[Any] = []
         for clause in tree.children:
-            if clause is not None and not hasattr(clause, "type"):
+            if clause is not None and not isinstance(clause, Lexeme):
                 if clause.data == "after":
                     arcs.append(clause)
                 elif (read := _ACTION_CLAUSES.get(str(clause.data))) is not None:
@@ -126,10 +133,10 @@ class Builder:
 
     def _uses(self, element: Element, clause: Any, at: Pointer) -> None:
         found: list[Element] = element.setdefault("uses", [])
-        self.mark((*at, "uses"), *span(clause), span(clause.children[0])[0])
+        self.mark_node((*at, "uses"), clause, clause.children[0])
         for node in parts(clause, "use"):
             pointer = (*at, "uses", len(found))
-            self.mark(pointer, *span(node))
+            self.mark_node(pointer, node)
             found.append(self._use(node, pointer))
 
     def _use(self, node: Any, at: Pointer) -> Element:
@@ -142,7 +149,7 @@ class Builder:
             self.uses.append(PoolUse(use, at))
         else:
             use["one_of"] = [n.value for n in listed]
-            self.mark((*at, "one_of"), *span(choice))
+            self.mark_node((*at, "one_of"), choice)
             for i, n in enumerate(listed):
                 self.mark((*at, "one_of", i), n.start, n.end)
         if amount is not None:
@@ -151,11 +158,11 @@ class Builder:
 
     def _mode(self, element: Element, node: Any, at: Pointer) -> None:
         modes: list[Element] = element.setdefault("modes", [])
-        self.mark((*at, "modes"), *span(node), span(node)[0])
+        self.mark_node((*at, "modes"), node, node)
         pointer = (*at, "modes", len(modes))
         begin = nodes.head(part(node, "head"))
         mode: Element = {"id": begin.name.value}
-        self.mark(pointer, *span(node))
+        self.mark_node(pointer, node)
         self.mark((*pointer, "id"), begin.name.start, begin.name.end)
         self._duration(mode, begin, node, pointer)
         if "duration" not in mode:
@@ -175,11 +182,11 @@ class Builder:
     def _stock(self, element: Element, clause: Any, at: Pointer) -> None:
         field = str(clause.data)
         found: list[Element] = element.setdefault(field, [])
-        self.mark((*at, field), *span(clause), span(clause.children[0])[0])
+        self.mark_node((*at, field), clause, clause.children[0])
         for node in parts(clause, "stock"):
             pointer = (*at, field, len(found))
             change: Element = {}
-            self.mark(pointer, *span(node))
+            self.mark_node(pointer, node)
             self.put_field(change, "resource", name(part(node, "name")), pointer)
             if (amount := part(node, "INT")) is not None:
                 self.put_field(change, "amount", nodes.integer(amount), pointer)
@@ -197,10 +204,10 @@ class Builder:
     def _facts(self, element: Element, clause: Any, at: Pointer) -> None:
         field, default = ("conditions", "start") if clause.data == "needs" else ("effects", "end")
         found: list[Element] = element.setdefault(field, [])
-        self.mark((*at, field), *span(clause), span(clause.children[0])[0])
+        self.mark_node((*at, field), clause, clause.children[0])
         for node in parts(clause, "fact"):
             pointer = (*at, field, len(found))
-            self.mark(pointer, *span(node))
+            self.mark_node(pointer, node)
             fact: Element = {}
             self._moment(fact, node, pointer, default)
             self.fact(fact, node, pointer)
@@ -341,9 +348,9 @@ class Builder:
             self.put_field(element, "capacity", nodes.integer(number), at, key)
             return
         windows: list[Element] = element.setdefault("availability", [])
-        self.mark((*at, "availability"), *span(clause), span(key)[0])
+        self.mark_node((*at, "availability"), clause, key)
         pointer = (*at, "availability", len(windows))
-        self.mark(pointer, *span(clause))
+        self.mark_node(pointer, clause)
         found: Element = {}
         self.window(found, window, pointer)
         if len(found) < 2:
@@ -412,7 +419,7 @@ class Builder:
             if values is not None:
                 listed = [nodes.value(v) for v in parts(values, "value")]
                 element["values"] = [v.value for v in listed]
-                self.mark((*at, "values"), *span(values))
+                self.mark_node((*at, "values"), values)
                 for i, v in enumerate(listed):
                     self.mark((*at, "values", i), v.start, v.end)
             if initial is not None:
@@ -425,8 +432,8 @@ class Builder:
         found, members = name(part(tree, "name")), names(part(tree, "names"))
         element: Element = {"id": found.value, "actions": [m.value for m in members]}
         self.mark((*at, "id"), found.start, found.end)
-        self.mark(at, *span(tree))
-        self.mark((*at, "actions"), *span(part(tree, "names")))
+        self.mark_node(at, tree)
+        self.mark_node((*at, "actions"), part(tree, "names"))
         for i, member in enumerate(members):
             self.mark((*at, "actions", i), member.start, member.end)
         for clause in tree.children:
@@ -442,11 +449,11 @@ class Builder:
 
     def goals(self, tree: Any, at: Pointer) -> list[Any]:
         """The goals of `set goals = …`."""
-        self.mark(at, *span(tree))
+        self.mark_node(at, tree)
         return [self._goal(node, (*at, i)) for i, node in enumerate(parts(tree, "goal_item"))]
 
     def _goal(self, node: Any, at: Pointer) -> Any:
-        self.mark(at, *span(node))
+        self.mark_node(at, node)
         if part(node, "value") is None:
             return name(part(node, "name")).value
         goal: Element = {}
@@ -463,9 +470,9 @@ class Builder:
             said = f"{sense or 'minimize'}_{word}"
             if said not in _OBJECTIVES:
                 raise _no_objective(said, word)
-            self.mark((*at, i), *span(node))
+            self.mark_node((*at, i), node)
             found.append(said)
-        self.mark(at, *span(tree))
+        self.mark_node(at, tree)
         return found
 
 

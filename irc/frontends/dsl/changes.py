@@ -35,8 +35,8 @@ _STATEMENTS: dict[str, Callable[[Builder, Any, Sink], None]] = {
 
 def change(builder: Builder, tree: Any, at: Pointer) -> Element:
     """The change that one statement states; `at` is where it will stand."""
-    builder.mark(at, *span(tree))
-    builder.mark((*at, "op"), *span(tree.children[0]))
+    builder.mark_node(at, tree)
+    builder.mark_node((*at, "op"), tree.children[0])
     return _CHANGES[str(tree.data)](builder, tree, at)
 
 
@@ -90,7 +90,7 @@ def _cancel(builder: Builder, tree: Any, at: Pointer) -> Element:
     op = str(tree.data)
     field, node = op.removeprefix("cancel_"), part(tree, "names")
     listed = names(node)
-    builder.mark((*at, field), *span(node))
+    builder.mark_node((*at, field), node)
     for i, found in enumerate(listed):
         builder.mark((*at, field, i), found.start, found.end)
     return {"op": op, field: [found.value for found in listed]}

@@ -9,8 +9,11 @@ from irc.diagnostics import Code
 from irc.frontends.dsl.faults import Fault
 from irc.source import Pointer, Range, Source
 
-MAX_EXPANDED = 1_000_000
-"""What one text may grow to by `for`, by arrows between many, and by pools: parts in all."""
+MAX_EXPANDED = 2_000_000
+"""What one text may grow to by arrows between many and by pools: parts in all."""
+
+MAX_REPEATED = 200_000
+"""How many statements all `for`s of a text may make."""
 
 Element = dict[str, Any]
 
@@ -40,19 +43,30 @@ class Places:
 class Budget:
     """Counts what short texts grow to, so that none grows without end."""
 
-    left: int = MAX_EXPANDED
+    parts: int = MAX_EXPANDED
+    statements: int = MAX_REPEATED
 
     def take(self, count: int, what: str, start: int, end: int) -> None:
         """Raises `Fault` where `count` more parts would be too many."""
-        if count > self.left:
-            raise Fault(
-                Code.DSL_EXPANSION,
-                f"{what} would add {count:,} parts; a text may grow by {MAX_EXPANDED:,} in all",
-                start,
-                end,
-                "split the task, or say less of it",
-            )
-        self.left -= count
+        if count > self.parts:
+            raise _too_many(f"{what} adds {count:,} parts", MAX_EXPANDED, start, end)
+        self.parts -= count
+
+    def repeat(self, count: int, start: int, end: int) -> None:
+        """Raises `Fault` where `count` more statements of a `for` would be too many."""
+        if count > self.statements:
+            raise _too_many(f"this `for` makes {count:,} statements", MAX_REPEATED, start, end)
+        self.statements -= count
+
+
+def _too_many(what: str, most: int, start: int, end: int) -> Fault:
+    return Fault(
+        Code.DSL_EXPANSION,
+        f"{what}; a text may grow by {most:,} of them in all",
+        start,
+        end,
+        "split the task, or say less of it",
+    )
 
 
 @dataclass(slots=True)

@@ -119,7 +119,7 @@ class _Layout:
         tokens = [t for t in lexemes(self.text, at, end) if isinstance(t, Lexeme)]
         comment = ""
         if tokens and tokens[-1].type == "COMMENT":
-            comment = self.text[tokens[-1].start : tokens[-1].end].rstrip()
+            comment = self.text[tokens[-1].start_pos : tokens[-1].end_pos].rstrip()
             tokens.pop()
         indent = place.depth * INDENT
         if place.goes_on:
@@ -147,7 +147,7 @@ class _Layout:
         for i, token in enumerate(tokens):
             if i and _spaced(tokens, i):
                 parts.append(" ")
-            parts.append(_SPELLED.get(token.type) or self.text[token.start : token.end])
+            parts.append(_SPELLED.get(token.type) or self.text[token.start_pos : token.end_pos])
         return "".join(parts)
 
     def _cells(self, tokens: list[Lexeme]) -> tuple[str, str, str] | None:

@@ -42,14 +42,65 @@ def _parser() -> Lark:
     )
 
 
-def parse_statement(tokens: Sequence[Lexeme], start: Start) -> Tree[Token]:
+Shape = int | tuple[Any, list["Shape"]] | None
+"""A tree without its tokens: the index of each in the statement, the rule of each node."""
+
+_MOST_SHAPES = 10_000
+
+
+class StatementParser:
+    """Parses statements, and remembers the trees of those that have the same kinds of tokens.
+
+    What an LALR parser does depends on nothing but the kinds of the tokens, so a statement like an
+    earlier one has the same tree with other leaves.
+    """
+
+    def __init__(self) -> None:
+        self._shapes: dict[tuple[str, ...], Shape] = {}
+
+    def parse(self, tokens: Sequence[Lexeme], start: Start = "statement") -> Tree[Any]:
+        """The tree of a statement. Raises `Fault` at the first token that cannot stand there."""
+        key = (start, *[token.type for token in tokens])
+        shape = self._shapes.get(key)
+        if shape is not None:
+            tree: Tree[Any] = _grown(shape, tokens)
+            return tree
+        tree = parse_statement(tokens, start)
+        if len(self._shapes) < _MOST_SHAPES:
+            self._shapes[key] = _shape(tree, {id(token): i for i, token in enumerate(tokens)})
+        return tree
+
+
+def _shape(node: Any, index: dict[int, int]) -> Shape:
+    if node is None:
+        return None
+    if isinstance(node, Lexeme):
+        return index[id(node)]
+    return node.data, [_shape(child, index) for child in node.children]
+
+
+def _grown(shape: Any, tokens: Sequence[Lexeme]) -> Any:
+    if shape is None:
+        return None
+    if type(shape) is int:
+        return tokens[shape]
+    from_rule, children = shape
+    return _tree()(from_rule, [_grown(child, tokens) for child in children])
+
+
+@cache
+def _tree() -> type[Tree[Any]]:
+    from lark import Tree
+
+    return Tree
+
+
+def parse_statement(tokens: Sequence[Lexeme], start: Start = "statement") -> Tree[Any]:
     """The tree of a statement. Raises `Fault` at the first token that cannot stand there."""
-    from lark import Token
     from lark.exceptions import UnexpectedToken
 
-    given = [Token(t.type, t.value, t.start, 0, 0, 0, 0, t.end) for t in tokens]
     try:
-        return _parser().parse(given, start=start)
+        return _parser().parse(tokens, start=start)
     except UnexpectedToken as error:
         raise _fault(error, tokens) from None
 
@@ -100,7 +151,7 @@ def _fault(error: Any, tokens: Sequence[Lexeme]) -> Fault:
     accepted = accepted or set(error.expected)
     token = error.token
     if token.type == "$END":
-        at = tokens[-1].end if tokens else 0
+        at = tokens[-1].end_pos if tokens else 0
         return Fault(
             Code.DSL_SYNTAX,
             f"the statement ends too early; expected {_listed(accepted)}",

@@ -126,14 +126,29 @@ _PHRASE_STARTS = frozenset(phrase[0] for phrase in PHRASES)
 _LONGEST = 4
 
 
-@dataclass(slots=True)
 class Lexeme:
-    """A token: its kind, its text (of a quoted one: what it says) and where it stands."""
+    """A token: its kind, its text (of a quoted one: what it says) and where it stands.
 
-    type: str
-    value: str
-    start: int
-    end: int
+    It has what Lark asks of its own tokens, so that none is made twice.
+    """
+
+    __slots__ = ("end_pos", "start_pos", "type", "value")
+    line = column = end_line = end_column = 0
+
+    def __init__(self, type: str, value: str, start: int, end: int) -> None:
+        self.type = type
+        self.value = value
+        self.start_pos = start
+        self.end_pos = end
+
+    def __str__(self) -> str:
+        return self.value
+
+    def __len__(self) -> int:
+        return len(self.value)
+
+    def __repr__(self) -> str:
+        return f"Lexeme({self.type}, {self.value!r}, {self.start_pos}, {self.end_pos})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,12 +240,12 @@ def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
 
 
 def _as(token: Lexeme, kind: str) -> Lexeme:
-    return Lexeme(kind, token.value, token.start, token.end)
+    return Lexeme(kind, token.value, token.start_pos, token.end_pos)
 
 
 def _joined(kind: str, tokens: list[Lexeme]) -> Lexeme:
     text = " ".join(token.value for token in tokens)
-    return Lexeme(kind, text, tokens[0].start, tokens[-1].end)
+    return Lexeme(kind, text, tokens[0].start_pos, tokens[-1].end_pos)
 
 
 def _phrase(

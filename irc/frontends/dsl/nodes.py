@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, did_you_mean
 from irc.frontends.dsl.faults import Fault
-from irc.frontends.dsl.lexer import CLAUSE_WORDS, STATEMENT_WORDS, quoted
+from irc.frontends.dsl.lexer import CLAUSE_WORDS, STATEMENT_WORDS, Lexeme, quoted
 
 if TYPE_CHECKING:
-    from lark import Token, Tree
+    from lark import Tree
 
-    Node = Tree[Token] | Token
+    Node = Tree[Any] | Lexeme
 
 _LONGEST_INT = 40
 _MOST_DIGITS = 1000
@@ -33,23 +33,23 @@ def kind(node: Any) -> str:
     """The rule of a tree, the type of a token, "" for an absent part."""
     if node is None:
         return ""
-    return str(node.type) if hasattr(node, "type") else str(node.data)
+    # The name of a rule is a text of Lark's own kind, which is slow to compare.
+    return node.type if type(node) is Lexeme else _rule(node)
+
+
+def _rule(node: Any) -> str:
+    return str(node.data)
 
 
 def span(node: Node) -> tuple[int, int]:
     """Where a node stands: from its first token to its last."""
-    return _edge(node, 0).start_pos or 0, _edge(node, -1).end_pos or 0
-
-
-def _edge(node: Any, side: int) -> Any:
-    while not hasattr(node, "type"):
-        parts = [part for part in node.children if part is not None and _any_token(part)]
-        node = parts[side]
-    return node
-
-
-def _any_token(node: Any) -> bool:
-    return hasattr(node, "type") or any(c is not None and _any_token(c) for c in node.children)
+    first: Any = node
+    while not isinstance(first, Lexeme):
+        first = next(child for child in first.children if child is not None)
+    last: Any = node
+    while not isinstance(last, Lexeme):
+        last = next(child for child in reversed(last.children) if child is not None)
+    return first.start_pos, last.end_pos
 
 
 def parts(node: Any, *kinds: str) -> list[Any]:
@@ -64,12 +64,16 @@ def part(node: Any, *kinds: str) -> Any:
 
 def name(node: Any) -> Placed:
     """A name (or value) node: its words, or what stands in quotes."""
-    return Placed(" ".join(map(str, node.children)), *span(node))
+    words = node.children
+    if len(words) == 1:
+        return Placed(words[0].value, words[0].start_pos, words[0].end_pos)
+    value = " ".join([word.value for word in words])
+    return Placed(value, words[0].start_pos, words[-1].end_pos)
 
 
-def text(token: Token) -> Placed:
+def text(token: Lexeme) -> Placed:
     """What stands in quotes."""
-    return Placed(str(token), token.start_pos or 0, token.end_pos or 0)
+    return Placed(str(token), token.start_pos, token.end_pos)
 
 
 def names(node: Any) -> list[Placed]:
@@ -95,10 +99,10 @@ def integer(node: Any) -> Placed:
     return Placed(-number if part(node, "MINUS") is not None else number, start, end)
 
 
-def _int(token: Token) -> int:
+def _int(token: Lexeme) -> int:
     if len(token) > _MOST_DIGITS:
         raise Fault(Code.BAD_NUMBER, "a number beyond all range", *span(token))
-    return int(token)
+    return int(token.value)
 
 
 def time(node: Any, *, negative: bool = False) -> Placed:
@@ -106,10 +110,10 @@ def time(node: Any, *, negative: bool = False) -> Placed:
     if kind(node) == "signed":
         minus = part(node, "MINUS")
         found = time(part(node, "INT", "TIME", "STRING"), negative=minus is not None)
-        return found if minus is None else Placed(found.value, minus.start_pos or 0, found.end)
+        return found if minus is None else Placed(found.value, minus.start_pos, found.end)
     start, end = span(node)
     if kind(node) == "INT" and len(node) <= _LONGEST_INT:
-        return Placed(-int(node) if negative else int(node), start, end)
+        return Placed(-int(node.value) if negative else int(node.value), start, end)
     if negative and kind(node) == "STRING":
         raise Fault(
             Code.DSL_SYNTAX, "a sign before a quoted time", start, end, "put the sign inside"
@@ -189,7 +193,7 @@ def _plain(words: list[Any]) -> Placed:
     return Placed(value, span(words[0])[0], span(words[-1])[1])
 
 
-def _after(token: Token, what: str) -> Fault:
+def _after(token: Lexeme, what: str) -> Fault:
     """Something stands behind a duration: a misspelt clause, or a name that needs quotes."""
     near = did_you_mean(str(token), sorted(CLAUSE_WORDS))
     return Fault(

@@ -7,6 +7,7 @@ the least bit unusual is left to the grammar; a test compares the two.
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 from irc.frontends.dsl.build import Builder, PoolUse
 from irc.frontends.dsl.draft import Element, Sink
@@ -21,9 +22,9 @@ _NAMES = rf"{_NAME}(?:, {_NAME})*"
 _UNIT = "|".join(sorted(u for u in {*UNIT_SECONDS, *MONTH_NAMES} if u.isascii()))
 _ACTION = re.compile(
     rf"({_NAME}) +([0-9]{{1,18}}(?: ?(?:{_UNIT}))?)"
-    rf"(?: +on ({_NAMES}))?(?: +by ({_NAMES}))?(?: +after ({_NAMES}))?\r?\Z"
+    rf"(?: +on ({_NAMES}))?(?: +by ({_NAMES}))?(?: +after ({_NAMES}))?\Z"
 )
-_ORDER = re.compile(rf"{_NAMES}(?: -> {_NAMES})+\r?\Z")
+_ORDER = re.compile(rf"{_NAMES}(?: -> {_NAMES})+\Z")
 _SPECIAL = CLAUSE_WORDS | {word for phrase in PHRASES for word in phrase}
 
 
@@ -34,7 +35,8 @@ def plain_statement(statement: Statement, text: str, sink: Sink, builder: Builde
     begin, end = statement.spans[0]
     if end - begin > _LONGEST:
         return False
-    line = text[begin:end]
+    # No text in quotes is plain, so that a # begins a comment.
+    line = text[begin:end].partition("#")[0].rstrip(" \t\r")
     if line.split(" ", 1)[0] in STATEMENT_WORDS:
         return False
     if _ORDER.match(line):
@@ -70,19 +72,19 @@ def _action(found: re.Match[str], sink: Sink, builder: Builder) -> bool:
 
 
 def _order(line: str, statement: Statement, sink: Sink, builder: Builder) -> bool:
-    steps = [_split(step) for step in line.rstrip("\r").split(" -> ")]
+    steps = [_split(step) for step in line.split(" -> ")]
     sides = [step for step in steps if step is not None]
     if len(sides) < len(steps):
         return False
     arcs: list[Element] = [
         {"before": before, "after": after}
-        for sources, targets in zip(sides, sides[1:], strict=False)
+        for sources, targets in pairwise(sides)
         for before in sources
         for after in targets
     ]
     if builder.places is not None and not _unwanted(builder, sink, None, arcs):
         return False
-    for sources, targets in zip(sides, sides[1:], strict=False):
+    for sources, targets in pairwise(sides):
         if (count := len(sources) * len(targets)) > 1:
             builder.budget.take(count, "this order", statement.start, statement.end)
     sink.arrays["precedence"] += arcs

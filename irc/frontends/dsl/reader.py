@@ -6,7 +6,8 @@ of all sound statements together with every fault.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from irc.frontends.dsl import changes, nodes
 from irc.frontends.dsl.build import Builder, said_twice
 from irc.frontends.dsl.draft import Budget, Places, Sink
 from irc.frontends.dsl.faults import Fault
-from irc.frontends.dsl.grammar import parse_statement
+from irc.frontends.dsl.grammar import StatementParser, parse_statement
 from irc.frontends.dsl.include import Library
 from irc.frontends.dsl.lexer import Lexeme, LexFault, classified, lexemes
 from irc.frontends.dsl.lines import Statement, outline
@@ -119,12 +120,15 @@ class _Reader:
     fields: dict[str, Any] = field(default_factory=dict)
     faults: dict[tuple[Any, ...], Diagnostic] = field(default_factory=dict)
     broken: list[str] = field(default_factory=list)
+    parser: StatementParser = field(default_factory=StatementParser)
     text: str = ""
     path: Path | None = None
     """The file that is being read, if it is one."""
     within: tuple[Path, ...] = ()
     """The files that include the one being read, and itself."""
     statements: int = 0
+    stopped: bool = False
+    """Whether the text has grown as far as it may."""
     includes: bool = True
     """Whether included files are read."""
 
@@ -163,7 +167,7 @@ class _Reader:
         self, statements: list[Statement], read: Callable[[Statement, Values], None], values: Values
     ) -> None:
         for statement in statements:
-            if len(self.faults) >= MAX_FAULTS:
+            if self.stopped or len(self.faults) >= MAX_FAULTS:
                 break
             self.statements += 1
             before = self.sink.lengths() if statement.body or values else None
@@ -173,6 +177,7 @@ class _Reader:
                 if before is not None:
                     self.sink.cut(before)
                 self._tell(fault, statement)
+                self.stopped = self.stopped or fault.code is Code.DSL_EXPANSION
 
     def _tell(self, fault: Fault, statement: Statement | None = None) -> None:
         within = self.builder.source
@@ -254,7 +259,7 @@ class _Reader:
             self._event(statement, raw, values)
             return
         _no_body(statement, raw)
-        tree = parse_statement(classified(filled(raw, values)), "statement")
+        tree = self.parser.parse(classified(filled(raw, values)), "statement")
         rule = str(tree.data)
         if rule in _TASK_FIELDS:
             if values:
@@ -347,7 +352,7 @@ class _Reader:
     ) -> None:
         body = _body(statement, raw)
         header = raw[: _colon(raw) + 1]
-        tree = parse_statement(classified(filled(header, values)), "statement")
+        tree = self.parser.parse(classified(filled(header, values)), "statement")
         variable = str(part(tree, "WORD"))
         if not variable.isidentifier() or variable in values:
             raise Fault(
@@ -358,17 +363,44 @@ class _Reader:
                 *span(part(tree, "WORD")),
                 "choose another one word",
             )
-        listed = self._listed(tree, _size(body))
+        if not values:
+            self._foresee(statement, tree)
+        listed = self._listed(tree)
+        self.builder.budget.repeat(len(listed) * len(body), *span(tree))
         for value in listed:
+            if self.stopped:
+                break
             self._each(body, read, {**values, variable: value})
 
-    def _listed(self, tree: Any, size: int) -> list[Value]:
-        """What a `for` goes through; `size` is how many statements each round has."""
+    def _foresee(self, statement: Statement, tree: Any) -> None:
+        """Raises `Fault` where a `for`, with those in it, makes too many statements.
+
+        So that this is told at once, not after most of them have been made.
+        """
+        count = self._weight(statement)
+        if count > self.builder.budget.statements:
+            self.builder.budget.repeat(count, *span(tree))
+
+    def _weight(self, statement: Statement) -> int:
+        """How many statements a statement makes, as far as its text alone can tell."""
+        try:
+            raw = self._tokens(statement)
+            if raw[0].type != "WORD" or raw[0].value != "for":
+                return 1
+            body = _body(statement, raw)
+            inner = sum(map(self._weight, body))
+            header = raw[: _colon(raw) + 1]
+            if any("{" in token.value for token in header):
+                return inner
+            return inner * len(self._listed(self.parser.parse(classified(header))))
+        except Fault:
+            return 1  # It is told where the statement is read.
+
+    def _listed(self, tree: Any) -> Sequence[Value]:
+        """What a `for` goes through."""
         numbers = [n for n in tree.children if kind(n) == "INT"]
         if not numbers:
-            named = nodes.names(part(tree, "names"))
-            self.builder.budget.take(len(named) * size, "this `for`", *span(tree))
-            return [found.value for found in named]
+            return [found.value for found in nodes.names(part(tree, "names"))]
         low, high = (nodes.integer(n).value for n in numbers)
         if low > high:
             raise Fault(
@@ -378,18 +410,19 @@ class _Reader:
                 span(numbers[1])[1],
                 "write the smaller number first",
             )
-        self.builder.budget.take((high - low + 1) * size, "this `for`", *span(tree))
-        return list(range(low, high + 1))
+        if high - low >= sys.maxsize:
+            raise Fault(Code.BAD_NUMBER, "a number beyond all range", *span(numbers[1]))
+        return range(low, high + 1)
 
     # --- events ---
 
     def _event(self, statement: Statement, raw: list[Lexeme], values: Values) -> None:
         if _colon(raw) < 0:
-            raw = [*raw, Lexeme("COLON", ":", raw[-1].end, raw[-1].end)]
+            raw = [*raw, Lexeme("COLON", ":", raw[-1].end_pos, raw[-1].end_pos)]
             statement = Statement(statement.spans, body=statement.body or [], tokens=raw)
         body = _body(statement, raw)
         header = filled(raw[: _colon(raw) + 1], values)
-        tree = parse_statement(classified(header), "statement")
+        tree = self.parser.parse(classified(header), "statement")
         at = self.sink.next("events")
         event: dict[str, Any] = {}
         self.builder.mark(at, *span(tree))
@@ -416,14 +449,14 @@ class _Reader:
             self._block(statement, raw, values, at)
             return
         _no_body(statement, raw)
-        tree = parse_statement(classified(filled(raw, values), change=True), "change")
+        tree = self.parser.parse(classified(filled(raw, values), change=True), "change")
         self.sink.put("changes", changes.change(self.builder, tree, at))
 
     def _block(self, statement: Statement, raw: list[Lexeme], values: Values, at: Pointer) -> None:
         """`add:` or `remove:` with a body: one change of many parts."""
         body, outer = _body(statement, raw), self.sink
         adds = raw[0].value == "add"
-        self.builder.mark(at, raw[0].start, raw[0].end)
+        self.builder.mark(at, raw[0].start_pos, raw[0].end_pos)
         self.sink = Sink({}, at)
         before = len(self.faults)
         self._each(body, self._added if adds else self._removed, values)
@@ -431,7 +464,9 @@ class _Reader:
         if len(self.faults) > before and not any(inner.arrays.values()):
             return  # All of it is faulty, and told.
         found = (
-            changes.addition(inner, raw[0].start, raw[0].end) if adds else changes.removal(inner)
+            changes.addition(inner, raw[0].start_pos, raw[0].end_pos)
+            if adds
+            else changes.removal(inner)
         )
         self.sink.put("changes", found)
 
@@ -462,7 +497,7 @@ class _Reader:
             self._for(statement, raw, values, again)
             return
         _no_body(statement, raw)
-        read(parse_statement(classified(filled(raw, values)), "statement"))
+        read(self.parser.parse(classified(filled(raw, values)), "statement"))
 
 
 def _colon(raw: list[Lexeme]) -> int:
@@ -476,21 +511,21 @@ def _body(statement: Statement, raw: list[Lexeme]) -> list[Statement]:
         raise Fault(
             Code.DSL_SYNTAX,
             f"`{raw[0].value}` needs a `:` before what it holds",
-            raw[-1].end - 1,
-            raw[-1].end,
+            raw[-1].end_pos - 1,
+            raw[-1].end_pos,
         )
     rest = raw[colon + 1 :]
     if rest:
         inner = Statement(
-            [(rest[0].start, rest[-1].end)], rest[0].value, statement.body, tokens=rest
+            [(rest[0].start_pos, rest[-1].end_pos)], rest[0].value, statement.body, tokens=rest
         )
         return [inner]
     if statement.body is None and raw[0].value != "event":
         raise Fault(
             Code.DSL_SYNTAX,
             f"this `{raw[0].value}` holds nothing",
-            raw[colon].start,
-            raw[colon].end,
+            raw[colon].start_pos,
+            raw[colon].end_pos,
             "indent the lines that belong to it",
         )
     return statement.body or []
@@ -501,15 +536,10 @@ def _no_body(statement: Statement, raw: list[Lexeme]) -> None:
         raise Fault(
             Code.DSL_SYNTAX,
             "this statement cannot have a body",
-            raw[-1].start,
-            raw[-1].end,
+            raw[-1].start_pos,
+            raw[-1].end_pos,
             "take the `:` away",
         )
-
-
-def _size(body: list[Statement]) -> int:
-    """How many statements a body has, bodies within it counted once."""
-    return sum(1 + _size(statement.body or []) for statement in body)
 
 
 _LEX_FAULTS: dict[str, tuple[Code, str, str | None]] = {

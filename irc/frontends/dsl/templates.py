@@ -39,19 +39,24 @@ def _filled(token: Lexeme, values: Mapping[str, Value]) -> Lexeme:
     kind = token.type
     if not text:
         raise Fault(
-            Code.DSL_TEMPLATE, f"`{token.value}` stands for nothing here", token.start, token.end
+            Code.DSL_TEMPLATE,
+            f"`{token.value}` stands for nothing here",
+            token.start_pos,
+            token.end_pos,
         )
     if kind == "TIME":
         found = list(lexemes(text, 0, len(text)))
         if len(found) != 1 or not isinstance(found[0], Lexeme) or found[0].type != "TIME":
-            raise Fault(Code.DSL_TEMPLATE, f"`{text}` is not a time", token.start, token.end)
+            raise Fault(
+                Code.DSL_TEMPLATE, f"`{text}` is not a time", token.start_pos, token.end_pos
+            )
     elif kind == "WORD" and text.isascii() and text.isdigit():
         kind = "INT"
     elif kind == "WORD" and _BRACES.fullmatch(token.value):
         found = list(lexemes(text, 0, len(text)))
         if len(found) == 1 and isinstance(found[0], Lexeme) and found[0].type == "TIME":
             kind = "TIME"
-    return Lexeme(kind, text, token.start, token.end)
+    return Lexeme(kind, text, token.start_pos, token.end_pos)
 
 
 def _value(inside: re.Match[str] | None, token: Lexeme, values: Mapping[str, Value]) -> Value:
@@ -59,8 +64,8 @@ def _value(inside: re.Match[str] | None, token: Lexeme, values: Mapping[str, Val
         raise Fault(
             Code.DSL_TEMPLATE,
             f"`{token.value}` is not filled in",
-            token.start,
-            token.end,
+            token.start_pos,
+            token.end_pos,
             'braces hold the name of a `for`, as in {item} or {i + 1}; else use "quotes"',
         )
     if inside[1] not in values:
@@ -70,8 +75,8 @@ def _value(inside: re.Match[str] | None, token: Lexeme, values: Mapping[str, Val
         raise Fault(
             Code.DSL_TEMPLATE,
             f"there is no `for {inside[1]}` around this",
-            token.start,
-            token.end,
+            token.start_pos,
+            token.end_pos,
             hint,
         )
     value = values[inside[1]]
@@ -82,8 +87,8 @@ def _value(inside: re.Match[str] | None, token: Lexeme, values: Mapping[str, Val
         raise Fault(
             Code.DSL_TEMPLATE,
             f"`{inside[1]}` is {str(value)[:40]!r}, which is no number to reckon with",
-            token.start,
-            token.end,
+            token.start_pos,
+            token.end_pos,
         )
     return number + int(inside[3]) if inside[2] == "+" else number - int(inside[3])
 
