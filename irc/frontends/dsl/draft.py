@@ -49,20 +49,23 @@ class Budget:
     def take(self, count: int, what: str, start: int, end: int) -> None:
         """Raises `Fault` where `count` more parts would be too many."""
         if count > self.parts:
-            raise _too_many(f"{what} adds {count:,} parts", MAX_EXPANDED, start, end)
+            made = MAX_EXPANDED - self.parts + count
+            raise _too_many(f"with {what} the text has {made:,} parts", MAX_EXPANDED, start, end)
         self.parts -= count
 
     def repeat(self, count: int, start: int, end: int) -> None:
         """Raises `Fault` where `count` more statements of a `for` would be too many."""
         if count > self.statements:
-            raise _too_many(f"this `for` makes {count:,} statements", MAX_REPEATED, start, end)
+            made = MAX_REPEATED - self.statements + count
+            message = f"with this `for` the text has {made:,} repeated statements"
+            raise _too_many(message, MAX_REPEATED, start, end)
         self.statements -= count
 
 
 def _too_many(what: str, most: int, start: int, end: int) -> Fault:
     return Fault(
         Code.DSL_EXPANSION,
-        f"{what}; a text may grow by {most:,} of them in all",
+        f"{what}; at most {most:,} are made",
         start,
         end,
         "split the task, or say less of it",

@@ -16,7 +16,7 @@ from irc.frontends.dsl.lines import Statement
 from irc.times import MONTH_NAMES, UNIT_SECONDS
 
 _LONGEST = 2000
-_WORD = r"(?!P[0-9T])[A-Za-z_][A-Za-z0-9_]*"
+_WORD = r"(?!P[0-9T]|(?:on|by|after)(?![A-Za-z0-9_]))[A-Za-z_][A-Za-z0-9_]*"
 _NAME = rf"{_WORD}(?: {_WORD})*(?: [0-9]+)?"
 _NAMES = rf"{_NAME}(?:, {_NAME})*"
 _UNIT = "|".join(sorted(u for u in {*UNIT_SECONDS, *MONTH_NAMES} if u.isascii()))
