@@ -36,6 +36,7 @@ class Pool:
     """A choice with a name, and where it stands."""
 
     members: list[str]
+    places: list[Placed]
     start: int
     end: int
     source: Source | None
@@ -326,6 +327,8 @@ class Builder:
         """`resource grill, fryer`; `resource robots = r1, r2`; `stock flour initial 3`."""
         lists = parts(tree, "names")
         declared = names(lists[-1])
+        for node in parts(lists[-1], "name"):
+            nodes.no_resource_clause(node)
         if len(lists) == 2:
             self.add_pool(_one(lists[0]), declared)
         for found in declared:
@@ -397,7 +400,7 @@ class Builder:
         """Gives a choice a name."""
         listed = [m.value for m in members]
         known = self.pools.setdefault(
-            found.value, Pool(listed, found.start, found.end, self.source)
+            found.value, Pool(listed, members, found.start, found.end, self.source)
         )
         if known.members != listed:
             raise Fault(

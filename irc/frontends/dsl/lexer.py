@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 
 from irc.times import MONTH_NAMES, UNIT_SECONDS
 
@@ -277,7 +279,48 @@ def needs_quotes(name: str) -> bool:
     words = [t for t in tokens if isinstance(t, Lexeme)]
     if len(words) < len(tokens) or " ".join(t.value for t in words) != name:
         return True
-    return any(t.type not in ("WORD", "INT") for t in classified(words))
+    if any(t.type not in ("WORD", "INT") for t in classified(words)):
+        return True
+    return clause_like(words) is not None or resource_clause_like(words) is not None
+
+
+def clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
+    """A word behind a number that looks like a misspelt clause, and that clause.
+
+    `boil 3 deadlin 20` is hardly an action called "boil 3 deadlin": it is not read as one.
+    """
+    number = next((i for i, word in enumerate(words) if word.type == "INT"), len(words))
+    for word in words[number + 1 :]:
+        meant = _clause_near(word.value) if word.type == "WORD" else None
+        if meant is not None:
+            return word, meant
+    return None
+
+
+def resource_clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
+    """A word before a number that looks like a misspelt clause of a resource: `board capcity 2`."""
+    for word, number in pairwise(words):
+        if word.type == "WORD" and number.type == "INT":
+            meant = _clause_near(word.value)
+            if meant in _RESOURCE_NUMBERS:
+                return word, meant
+    return None
+
+
+_RESOURCE_NUMBERS = ("capacity", "initial", "within")
+_CLAUSE_STARTS = sorted(CLAUSE_WORDS | {"starts", "ends"})
+
+
+@lru_cache(maxsize=10_000)
+def _clause_near(word: str) -> str | None:
+    from difflib import get_close_matches
+
+    if len(word) > _LONGEST_PLAIN:
+        return None
+    if word in ("starts", "ends"):
+        return f"{word} {'at' if word == 'starts' else 'after'}"
+    close = get_close_matches(word, _CLAUSE_STARTS, n=1, cutoff=0.8)
+    return close[0] if close else None
 
 
 _LONGEST_PLAIN = 80

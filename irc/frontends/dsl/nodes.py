@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, did_you_mean
 from irc.frontends.dsl.faults import Fault
-from irc.frontends.dsl.lexer import CLAUSE_WORDS, STATEMENT_WORDS, Lexeme, quoted
+from irc.frontends.dsl.lexer import (
+    CLAUSE_WORDS,
+    STATEMENT_WORDS,
+    Lexeme,
+    clause_like,
+    quoted,
+    resource_clause_like,
+)
 
 if TYPE_CHECKING:
     from lark import Tree
@@ -69,6 +76,21 @@ def name(node: Any) -> Placed:
         return Placed(words[0].value, words[0].start_pos, words[0].end_pos)
     value = " ".join([word.value for word in words])
     return Placed(value, words[0].start_pos, words[-1].end_pos)
+
+
+def no_resource_clause(node: Any) -> None:
+    """Refuses an unquoted name of a resource that is rather a misspelt clause."""
+    if node.children[0].type == "STRING":
+        return
+    misspelt = resource_clause_like(node.children)
+    if misspelt is not None:
+        word, meant = misspelt
+        raise Fault(
+            Code.DSL_SYNTAX,
+            f"found `{word}` before a number; expected a clause such as `capacity`, `initial`",
+            *span(word),
+            f'did you mean `{meant}`? If it belongs to the name, put the name in "quotes"',
+        )
 
 
 def text(token: Lexeme) -> Placed:
@@ -188,6 +210,15 @@ def _plain(words: list[Any]) -> Placed:
             f"`{word}` cannot be a part of an unquoted name",
             *span(word),
             'put the name in "quotes"',
+        )
+    misspelt = clause_like(words)
+    if misspelt is not None:
+        word, meant = misspelt
+        raise Fault(
+            Code.DSL_SYNTAX,
+            f"found `{word}` behind a number; expected a clause such as `on`, `by`, `after`",
+            *span(word),
+            f'did you mean `{meant}`? If it belongs to the name, put the name in "quotes"',
         )
     value = " ".join(map(str, words))
     return Placed(value, span(words[0])[0], span(words[-1])[1])

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from irc.diagnostics import Code, Diagnostic, Report
+from irc.diagnostics import Code, Diagnostic, Report, did_you_mean
 from irc.frontends.dsl import changes, nodes
 from irc.frontends.dsl.build import Builder, said_twice
 from irc.frontends.dsl.draft import Budget, Places, Sink
@@ -220,6 +220,20 @@ class _Reader:
                         "rename one of the two",
                     )
                 )
+        used = {use.use.get("resource") for use in builder.uses}
+        known = declared | {
+            resource["id"]
+            for event in self.sink.arrays["events"]
+            for change in event.get("changes", ())
+            for resource in change.get("resources", ())
+        }
+        for pool_name, pool in builder.pools.items():
+            # In a pool that is used, the checks find unknown members; a faulty statement may have
+            # declared them.
+            for member in () if pool_name in used or self.broken else pool.places:
+                if member.value not in known:
+                    builder.source = pool.source
+                    self._tell(_unknown_member(member, known))
         builder.source = None
         for use in builder.uses:
             found = builder.pools.get(use.use.get("resource", ""))
@@ -500,6 +514,16 @@ class _Reader:
         read(self.parser.parse(classified(filled(raw, values)), "statement"))
 
 
+def _unknown_member(member: nodes.Placed, known: set[str]) -> Fault:
+    return Fault(
+        Code.UNKNOWN_NAME,
+        f"there is no resource {member.value!r}",
+        member.start,
+        member.end,
+        did_you_mean(member.value, sorted(known)) or "declare it",
+    )
+
+
 def _colon(raw: list[Lexeme]) -> int:
     return next((i for i, token in enumerate(raw) if token.type == "COLON"), -1)
 
@@ -567,6 +591,12 @@ _LEX_FAULTS: dict[str, tuple[Code, str, str | None]] = {
 }
 
 
+_CHARACTER_HINTS = {
+    **dict.fromkeys("'“”‘’`", 'use "double quotes"'),
+    ";": "write each statement on a line of its own",
+}
+
+
 def _unlexed(fault: LexFault, text: str) -> Fault:
     known = _LEX_FAULTS.get(fault.kind)
     if known is not None:
@@ -579,9 +609,7 @@ def _unlexed(fault: LexFault, text: str) -> Fault:
         f"{printed} has no meaning here",
         fault.start,
         fault.end,
-        'use "double quotes"'
-        if shown in "'“”‘’`"
-        else 'if it belongs to a name, put the name in "quotes"',
+        _CHARACTER_HINTS.get(shown, 'if it belongs to a name, put the name in "quotes"'),
     )
 
 
