@@ -45,6 +45,7 @@ Shape = int | tuple[Any, list["Shape"]] | None
 """A tree without its tokens: the index of each in the statement, the rule of each node."""
 
 _MOST_SHAPES = 10_000
+_LONGEST_SHAPE = 200
 
 
 class StatementParser:
@@ -59,6 +60,8 @@ class StatementParser:
 
     def parse(self, tokens: Sequence[Lexeme], start: Start = "statement") -> Tree[Any]:
         """The tree of a statement. Raises `Fault` at the first token that cannot stand there."""
+        if len(tokens) > _LONGEST_SHAPE:
+            return parse_statement(tokens, start)
         key = (start, *[token.type for token in tokens])
         shape = self._shapes.get(key)
         if shape is not None:

@@ -124,7 +124,7 @@ CHANGE_PHRASES = {
 }
 """How a statement in the body of an event begins; the longer phrases first."""
 
-_PHRASE_STARTS = frozenset(phrase[0] for phrase in PHRASES)
+PHRASE_STARTS = frozenset(phrase[0] for phrase in PHRASES)
 _LONGEST = 4
 
 
@@ -231,7 +231,7 @@ def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
         token = tokens[at]
         at += 1
         if token.type == "WORD":
-            if token.value in _PHRASE_STARTS and (phrase := _phrase(tokens, at - 1, PHRASES)):
+            if token.value in PHRASE_STARTS and (phrase := _phrase(tokens, at - 1, PHRASES)):
                 found.append(_joined(PHRASES[phrase], tokens[at - 1 : at - 1 + len(phrase)]))
                 at += len(phrase) - 1
                 continue

@@ -19,8 +19,16 @@ from irc.frontends.dsl.draft import Budget, Places, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.grammar import StatementParser, parse_statement
 from irc.frontends.dsl.include import Library
-from irc.frontends.dsl.lexer import Lexeme, LexFault, classified, lexemes
-from irc.frontends.dsl.lines import Statement, outline
+from irc.frontends.dsl.lexer import (
+    CLAUSE_WORDS,
+    PHRASE_STARTS,
+    STATEMENT_WORDS,
+    Lexeme,
+    LexFault,
+    classified,
+    lexemes,
+)
+from irc.frontends.dsl.lines import MAX_NESTING, Statement, outline
 from irc.frontends.dsl.metadata import metadata
 from irc.frontends.dsl.nodes import kind, part, span
 from irc.frontends.dsl.plain import plain_statement
@@ -181,7 +189,8 @@ class _Reader:
 
     def _tell(self, fault: Fault, statement: Statement | None = None) -> None:
         within = self.builder.source
-        key = (fault.code, fault.start, fault.message, within and within.name)
+        # In a `for` the same place is read many times; once is enough to tell of it.
+        key = (fault.code, fault.start, within and within.name)
         if key in self.faults:
             return
         self.faults[key] = Diagnostic(
@@ -297,11 +306,20 @@ class _Reader:
             return statement.tokens
         found: list[Lexeme] = []
         for begin, end in statement.spans:
+            first = len(found)
             for token in lexemes(self.text, begin, end):
                 if isinstance(token, LexFault):
                     raise _unlexed(token, self.text)
                 if token.type != "COMMENT":
                     found.append(token)
+            if 0 < first < len(found) and _of_name(found, first - 1) and _of_name(found, first):
+                raise Fault(
+                    Code.DSL_INDENTATION,
+                    "this line is indented, but does not go on with the statement above it",
+                    found[first].start_pos,
+                    found[first].end_pos,
+                    "take the blanks before it away; a name or a time stands on one line",
+                )
         return found
 
     def _field(self, rule: str, tree: Any) -> None:
@@ -379,6 +397,8 @@ class _Reader:
             )
         if not values:
             self._foresee(statement, tree)
+        if len(values) >= MAX_NESTING:
+            raise Fault(Code.TOO_LARGE, f"`for`s nested more than {MAX_NESTING} deep", *span(tree))
         listed = self._listed(tree)
         self.builder.budget.repeat(len(listed) * len(body), *span(tree))
         for value in listed:
@@ -395,14 +415,16 @@ class _Reader:
         if count > self.builder.budget.statements:
             self.builder.budget.repeat(count, *span(tree))
 
-    def _weight(self, statement: Statement) -> int:
+    def _weight(self, statement: Statement, depth: int = 0) -> int:
         """How many statements a statement makes, as far as its text alone can tell."""
+        if depth > MAX_NESTING:
+            return 1
         try:
             raw = self._tokens(statement)
             if raw[0].type != "WORD" or raw[0].value != "for":
                 return 1
             body = _body(statement, raw)
-            inner = sum(map(self._weight, body))
+            inner = sum(self._weight(part, depth + 1) for part in body)
             header = raw[: _colon(raw) + 1]
             if any("{" in token.value for token in header):
                 return inner
@@ -522,6 +544,16 @@ def _unknown_member(member: nodes.Placed, known: set[str]) -> Fault:
         member.end,
         did_you_mean(member.value, sorted(known)) or "declare it",
     )
+
+
+def _of_name(tokens: list[Lexeme], i: int) -> bool:
+    """Whether a raw token may be a part of a name, or a duration."""
+    token = tokens[i]
+    if token.type == "WORD":
+        if i == 0 and token.value in STATEMENT_WORDS:
+            return False
+        return token.value not in CLAUSE_WORDS and token.value not in PHRASE_STARTS
+    return token.type in ("INT", "TIME", "STRING")
 
 
 def _colon(raw: list[Lexeme]) -> int:
