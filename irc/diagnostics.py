@@ -35,6 +35,16 @@ class Code(Enum):
     TOO_LARGE = ("IRC006", Severity.ERROR, "the input is too large or nested too deeply")
     BYTE_ORDER_MARK = ("IRC007", Severity.NOTE, "the text starts with a byte-order mark")
 
+    DSL_SYNTAX = ("IRC010", Severity.ERROR, "a statement of the DSL that cannot be read")
+    DSL_TEXT = ("IRC011", Severity.ERROR, "text in quotes that is not closed or cannot be read")
+    DSL_INDENTATION = ("IRC012", Severity.ERROR, "indentation that belongs to no statement")
+    DSL_NAME = ("IRC013", Severity.ERROR, "a name that cannot be written without quotes")
+    DSL_TWICE = ("IRC014", Severity.ERROR, "something that can be said once is said twice")
+    DSL_INCLUDE = ("IRC015", Severity.ERROR, "an include that cannot be read or is not allowed")
+    DSL_TEMPLATE = ("IRC016", Severity.ERROR, "braces, or a `for`, that cannot be filled in")
+    DSL_EXPANSION = ("IRC017", Severity.ERROR, "a text that would grow without bounds")
+    DSL_POOL = ("IRC018", Severity.ERROR, "a pool that contradicts another declaration")
+
     NOT_UNDERSTOOD = ("IRC020", Severity.ERROR, "a sentence that is not understood")
     AMBIGUOUS = ("IRC021", Severity.ERROR, "a sentence that has more than one exact meaning")
     VAGUE = ("IRC022", Severity.ERROR, "a vague word where an exact one is needed")
@@ -97,7 +107,11 @@ class Code(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding. `offset` places it in the text where no element of the document does."""
+    """One finding. `offset` places it in the text where no element of the document does.
+
+    `within` is the text it stands in where that is another one than the report's: a file that
+    the task includes.
+    """
 
     code: Code
     message: str
@@ -107,6 +121,7 @@ class Diagnostic:
     offset: int | None = None
     line: int | None = None
     column: int | None = None
+    within: Source | None = None
 
     @property
     def severity(self) -> Severity:
@@ -114,8 +129,8 @@ class Diagnostic:
         return self.code.severity
 
     def as_json(self) -> dict[str, Any]:
-        """The machine-readable form (design: "Diagnostics")."""
-        return {
+        """The machine-readable form (design: "Diagnostics"); "file" only for an included one."""
+        found = {
             "code": self.code.id,
             "severity": str(self.severity),
             "message": self.message,
@@ -124,6 +139,7 @@ class Diagnostic:
             "column": self.column,
             "hint": self.hint,
         }
+        return found if self.within is None else {**found, "file": self.within.name}
 
 
 _ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
@@ -160,16 +176,17 @@ class Report:
         places = self.source.locate(unplaced) if unplaced else {}
         placed = []
         for d in self.diagnostics:
-            offset = d.offset
+            offset, within = d.offset, d.within
             if offset is None and (found := places.get(d.pointer)) is not None:
-                offset = (
-                    found.key_start if d.at_key and found.key_start is not None else found.start
+                offset, within = (
+                    found.key_start if d.at_key and found.key_start is not None else found.start,
+                    found.within,
                 )
             if offset is not None:
-                line, column = self.source.line_and_column(offset)
-                d = replace(d, line=line, column=column, offset=offset)
+                line, column = (within or self.source).line_and_column(offset)
+                d = replace(d, line=line, column=column, offset=offset, within=within)
             placed.append(d)
-        placed.sort(key=lambda d: (d.line or 0, d.column or 0, _ORDER[d.severity]))
+        placed.sort(key=_reading_order)
         return Report(tuple(placed), self.source)
 
     def as_json(self) -> list[dict[str, Any]]:
@@ -195,8 +212,15 @@ class Report:
         return "\n".join(blocks)
 
 
+def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:
+    """By place; what stands in included files comes after the text's own, file by file."""
+    file = "" if d.within is None else d.within.name
+    return file, d.line or 0, d.column or 0, _ORDER[d.severity]
+
+
 def _render(d: Diagnostic, source: Source | None) -> str:
     lines = [f"{d.severity}[{d.code.id}]: {d.message}"]
+    source = d.within or source
     if source is not None and d.offset is not None and d.column is not None:
         lines.append(f"  --> {source.name}:{d.line}:{d.column}")
         shown, caret = excerpt(source.line_at(d.offset), d.column - 1)

@@ -13,8 +13,11 @@ class WriteError(Exception):
     """A file or folder that cannot be written; the text says which and why."""
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Writes beside the target and renames, so no reader ever sees half a file."""
+def write_whole(path: Path, text: str, *, mode: int | None = None) -> None:
+    """Writes beside the target and renames, so no reader ever sees half a file.
+
+    `mode` are the permissions of the file; without it, those that a new one would have.
+    """
     temporary: str | None = None
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name[:50]}.", dir=path.parent)
@@ -23,7 +26,7 @@ def write_whole(path: Path, text: str) -> None:
         # mkstemp makes private files; a result has the permissions a new file would have.
         mask = os.umask(0)
         os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
+        os.chmod(temporary, 0o666 & ~mask if mode is None else mode)
         os.replace(temporary, path)
         temporary = None
     except OSError as error:

@@ -14,11 +14,15 @@ Locator = Callable[[str, frozenset[Pointer]], Mapping[Pointer, "Range"]]
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Offsets into the text: [start, end) of a value, and of its key where it has one."""
+    """Offsets into the text: [start, end) of a value, and of its key where it has one.
+
+    `within` is the text where that is another one than the task's own: a file it includes.
+    """
 
     start: int
     end: int
     key_start: int | None = None
+    within: Source | None = None
 
 
 def pointer_text(pointer: Pointer) -> str:
@@ -37,16 +41,19 @@ class Source:
     text: str
     locator: Locator | None = None
     _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False)
-    _counted: list[int] = field(default_factory=lambda: [0, 0], repr=False)
+    _counted: list[int] = field(default_factory=lambda: [0, 0, 0], repr=False)
+    """An offset that was asked for, how many lines end before it, and where its line begins."""
 
     def line_and_column(self, offset: int) -> tuple[int, int]:
         """1-based line and column (in characters) of an offset."""
-        counted, lines = self._counted
-        if offset < counted:
-            counted, lines = 0, 0
-        lines += self.text.count("\n", counted, offset)
-        self._counted[:] = [offset, lines]
-        return lines + 1, offset - self.text.rfind("\n", 0, offset)
+        counted, lines, begin = self._counted
+        if offset < begin:
+            counted, lines, begin = 0, 0, 0
+        # What was counted is not counted again: a line may be long, and asked for often.
+        if more := self.text.count("\n", counted, offset):
+            lines, begin = lines + more, self.text.rfind("\n", counted, offset) + 1
+        self._counted[:] = [max(offset, counted), lines, begin]
+        return lines + 1, offset - begin + 1
 
     def line_at(self, offset: int) -> str:
         """The text of the line an offset is in, without its line end."""

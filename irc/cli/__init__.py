@@ -1,4 +1,4 @@
-"""The command line: `irc check, compile, solve, explain, extract, validate, convert, …`."""
+"""The command line: `irc check`, `irc solve` and the others."""
 
 from __future__ import annotations
 

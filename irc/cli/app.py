@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from irc.compiler import Answer
     from irc.frontends.files import Reading
 
-FileArgument = Annotated[str, typer.Argument(help="A task as JSON; '-' is standard input.")]
+FileArgument = Annotated[
+    str, typer.Argument(help="A task as JSON or in the DSL; '-' is standard input.")
+]
 FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")]
 OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]
 
@@ -48,7 +50,7 @@ def build_app(only: str | None = None) -> typer.Typer:
     commands = {
         function.__name__.rstrip("_"): function
         for function in (
-            *(check, compile_, solve, explain, extract, validate, convert, targets, schema),
+            *(check, compile_, solve, explain, extract, validate, convert, fmt, targets, schema),
         )
     }
     for name, function in commands.items():
@@ -293,7 +295,10 @@ def convert(
     ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Write a task as IR JSON; an importer writes one task per instance into a folder."""
+    """Write a task as IR JSON, or in the DSL where the output ends in .irc.
+
+    An importer writes one task per instance into a folder.
+    """
     from irc.frontends.convert import ConversionUseError, convert_file
 
     with errors_told(format):
@@ -306,6 +311,31 @@ def convert(
         else:
             where = str(written[0]) if len(written) == 1 else f"{len(written)} tasks to {output}"
             say(f"wrote {where}")
+
+
+def fmt(
+    file: Annotated[str, typer.Argument(help="A task; '-' goes from standard input to output.")],
+    check: Annotated[
+        bool, typer.Option("--check", help="Only say whether it would change (status 1).")
+    ] = False,
+    format: FormatOption = Format.text,
+) -> None:
+    """Put a task file into the one layout of its language, in place; it says what it said."""
+    from irc.frontends.files import STANDARD_INPUT
+    from irc.frontends.layout import lay_out_file
+
+    with errors_told(format):
+        found = lay_out_file(file, check=check)
+        if format is Format.json:
+            put_json({"file": file, "changed": found.changed, "text": found.laid_out})
+        elif check:
+            say(f"{file} would change" if found.changed else f"{file} is in order")
+        elif file == STANDARD_INPUT:
+            put(found.laid_out)
+        else:
+            say(f"{file} {'changed' if found.changed else 'was in order'}")
+        if check and found.changed:
+            sys.exit(EXIT_INPUT)
 
 
 def targets(

@@ -1,4 +1,4 @@
-"""Conversion between formats: other people's tasks in, IR JSON out."""
+"""Conversion between formats: other people's tasks in, IR JSON or the DSL out."""
 
 from __future__ import annotations
 
@@ -30,6 +30,9 @@ PDDL = "pddl"
 
 FORMATS = ("irc", *IMPORTERS, PDDL)
 
+DSL_SUFFIX = ".irc"
+"""What a file in the DSL is called; everything else is written as JSON."""
+
 _UNSAFE = re.compile(r"[^\w.-]+")
 
 
@@ -37,8 +40,19 @@ class ConversionUseError(Exception):
     """The options do not fit the format; the text says what to do."""
 
 
+def written_as(output: Path, task: Task) -> str:
+    """The text of a task in the language that a file's suffix names."""
+    if output.suffix.lower() == DSL_SUFFIX:
+        from irc.frontends.dsl.printer import print_task
+
+        return print_task(task)
+    return dump_json(written_task(task))
+
+
 def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
     """Writes the task (or one task per instance) and returns the files written.
+
+    A task is written in the DSL where `output` ends in `.irc`, else as JSON.
 
     An importer of instances also takes a folder, whose `.json` files it reads in order of name.
     Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` where an importer
@@ -51,7 +65,7 @@ def convert_file(file: str, source: str, output: Path, problem: str | None = Non
     if source in IMPORTERS:
         return _convert_instances(file, load_importer(source), output)
     task = read_task(file).task if source == "irc" else _read_pddl(file, problem)
-    write_whole(output, dump_json(written_task(task)))
+    write_whole(output, written_as(output, task))
     return [output]
 
 

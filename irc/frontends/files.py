@@ -8,6 +8,7 @@ from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.frontends.json_document import MAX_BYTES, RawDocument, decode_bytes, read_document
+from irc.frontends.language import language_of
 from irc.frontends.shape import to_task
 from irc.model import Task
 
@@ -42,13 +43,26 @@ def read_text(path: str | Path) -> tuple[str, str]:
     return decode_bytes(data, name), name
 
 
-def parse_task(text: str, name: str = "<text>") -> Reading:
-    """A task from JSON text (or a language model's answer around it), or from English.
+def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Reading:
+    """A task from text: JSON (or a language model's answer around it), the DSL, or English.
 
-    Raises `InputError` with every fault of syntax; with faults of shape also what the checks
-    find in the rest of the document.
+    `path` is the file that it stands in, if it does: what a DSL text includes is looked for
+    beside it. Raises `InputError` with every fault of syntax; with faults of shape also what the
+    checks find in the rest of the document.
     """
-    document = _english(text, name) or read_document(text, name)
+    language = language_of(text, name)
+    if language == "dsl":
+        from irc.frontends.dsl.task import parse_dsl
+
+        return Reading(*parse_dsl(text, name, path))
+    if language == "english":
+        from irc.frontends.english.reader import read_english
+
+        return _typed(read_english(text, name))
+    return _typed(read_document(text, name))
+
+
+def _typed(document: RawDocument) -> Reading:
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
     if task is None:
@@ -59,18 +73,7 @@ def parse_task(text: str, name: str = "<text>") -> Reading:
     return Reading(task.with_source(document.source), tuple(findings.items))
 
 
-def _english(text: str, name: str) -> RawDocument | None:
-    """The raw document of a text in English; None for any other text."""
-    from irc.frontends.english.detect import is_english
-
-    if not is_english(text, name):
-        return None
-    from irc.frontends.english.reader import read_english
-
-    return read_english(text, name)
-
-
 def read_task(path: str | Path) -> Reading:
     """A task from a file. Raises `InputError`."""
     text, name = read_text(path)
-    return parse_task(text, name)
+    return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))

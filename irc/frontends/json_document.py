@@ -12,10 +12,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.source import Pointer, Range, Source
+
+if TYPE_CHECKING:
+    from irc.frontends.json_scan import Fault
 
 MAX_DEPTH = 64
 """Deeper nesting is refused: the IR itself needs eight levels."""
@@ -149,6 +152,19 @@ def _require_whole_task(text: str, failed: list[int], name: str, findings: Findi
 def _skip_blank(text: str, at: int) -> int:
     match = _BLANK.match(text, at)
     return match.end() if match else at
+
+
+def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | Fault:
+    """The JSON object that begins at `start` and where it ends, or its first fault."""
+    from irc.frontends.json_scan import scan
+
+    try:
+        content, end = _DECODER.raw_decode(text, start)
+    except (ValueError, RecursionError):
+        return scan(text, start, max_depth=MAX_DEPTH).faults[0]
+    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+        return scan(text, start, max_depth=MAX_DEPTH).faults[0]
+    return content, end
 
 
 _SPELLINGS: Mapping[str | int, tuple[str | int, ...]] = {

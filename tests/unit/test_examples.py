@@ -55,7 +55,9 @@ each_example = pytest.mark.parametrize("promised", TABLE, ids=[row.file for row 
 
 def test_the_table_lists_every_example() -> None:
     listed = [row.file for row in TABLE] + [file for file, _ in INFEASIBLE]
-    assert sorted(listed) == sorted(p.name for p in EXAMPLES.iterdir() if p.suffix in (".json", ".txt"))
+    assert sorted(listed) == sorted(
+        p.name for p in EXAMPLES.iterdir() if p.suffix in (".json", ".txt")
+    )
 
 
 @pytest.mark.parametrize(("file", "count"), INFEASIBLE)

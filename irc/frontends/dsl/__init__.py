@@ -1,0 +1,1 @@
+"""The DSL (`.irc` files): text → plain document with places, and task → text."""

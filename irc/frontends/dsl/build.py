@@ -1,0 +1,545 @@
+"""The tree of a statement → the parts of the document that it states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from irc.diagnostics import Code, did_you_mean
+from irc.frontends.dsl import nodes
+from irc.frontends.dsl.draft import Budget, Element, Places, Sink
+from irc.frontends.dsl.faults import Fault
+from irc.frontends.dsl.lexer import Lexeme
+from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
+from irc.source import Pointer, Source
+
+_OBJECTIVES = (
+    "minimize_makespan",
+    "minimize_tardiness",
+    "maximize_reward",
+    "minimize_cost",
+    "minimize_changes",
+)
+
+
+@dataclass(slots=True)
+class PoolUse:
+    """A use of something that may turn out to be a pool, wherever that is declared."""
+
+    use: Element
+    pointer: Pointer
+
+
+@dataclass(slots=True)
+class Pool:
+    """A choice with a name, and where it stands."""
+
+    members: list[str]
+    places: list[Placed]
+    start: int
+    end: int
+    source: Source | None
+
+
+@dataclass(slots=True)
+class Builder:
+    """Builds elements and notes where their parts stand, if anybody asked for that."""
+
+    budget: Budget
+    places: Places | None = None
+    source: Source | None = None
+    """The included file that is being read; None for the task's own text."""
+    pools: dict[str, Pool] = field(default_factory=dict)
+    uses: list[PoolUse] = field(default_factory=list)
+
+    def mark(self, pointer: Pointer, start: int, end: int, key: int | None = None) -> None:
+        """Notes where a part of the document stands."""
+        if self.places is not None:
+            self.places.add(pointer, start, end, key, self.source)
+
+    def mark_node(self, pointer: Pointer, node: Any, key: Any = None) -> None:
+        """The same for what a node of the tree states, and for its keyword."""
+        if self.places is not None:
+            start = None if key is None else span(key)[0]
+            self.places.add(pointer, *span(node), start, self.source)
+
+    def put_field(
+        self, element: Element, field: str, found: Placed, at: Pointer, key: Any = None
+    ) -> None:
+        """A field of an element, which may be said only once."""
+        if field in element:
+            start = found.start if key is None else span(key)[0]
+            raise said_twice(f"`{_word(field)}`", start, found.end)
+        element[field] = found.value
+        if self.places is not None:
+            self.mark((*at, field), found.start, found.end, None if key is None else span(key)[0])
+
+    # --- actions ---
+
+    def action(self, tree: Any, sink: Sink) -> None:
+        """`boil eggs 4 min on stove after heat water + 3 s .. 2 min`."""
+        at = sink.next("actions")
+        begin = nodes.head(part(tree, "head"))
+        element: Element = {"id": begin.name.value}
+        self.mark((*at, "id"), begin.name.start, begin.name.end)
+        self.mark_node(at, tree)
+        self._duration(element, begin, tree, at)
+        arcs: list[Any] = []
+        for clause in tree.children:
+            if clause is not None and not isinstance(clause, Lexeme):
+                if clause.data == "after":
+                    arcs.append(clause)
+                elif (read := _ACTION_CLAUSES.get(str(clause.data))) is not None:
+                    read(self, element, clause, at)
+        if "duration" not in element and "modes" not in element and not parts(tree, "ACTION"):
+            raise nodes.no_duration(begin)
+        if arcs and sink.base:
+            raise Fault(
+                Code.DSL_SYNTAX,
+                "an order cannot stand with a new action of an event",
+                *span(arcs[0].children[0]),
+                "state it as a change of its own: `add a -> b`",
+            )
+        sink.put("actions", element)
+        for clause in arcs:
+            for arc in parts(clause, "arc"):
+                source = self._end(part(arc, "end"), "end")
+                target = Placed(
+                    ("end" if kind(clause.children[0]) == "ENDS_AFTER" else "start", element["id"]),
+                    begin.name.start,
+                    begin.name.end,
+                )
+                self._arc(sink, source, target, part(arc, "lag", "most"), span(arc))
+
+    def _duration(self, element: Element, begin: nodes.Head, tree: Any, at: Pointer) -> None:
+        dots = part(tree, "DOTS")
+        if dots is None:
+            if begin.time is not None:
+                self.put_field(element, "duration", nodes.time(begin.time), at)
+            return
+        high = tree.children[tree.children.index(dots) + 1]
+        if begin.time is None:
+            raise Fault(Code.DSL_SYNTAX, "found `..`, expected a duration before it", *span(dots))
+        self.put_field(
+            element, "duration", self.length_range(begin.time, high, (*at, "duration")), at
+        )
+
+    def length_range(self, low: Any, high: Any, at: Pointer) -> Placed:
+        nodes.alike(low, high)
+        least, most = nodes.time(low), nodes.time(high)
+        self.mark((*at, "min"), least.start, least.end)
+        self.mark((*at, "max"), most.start, most.end)
+        return Placed({"min": least.value, "max": most.value}, least.start, most.end)
+
+    def _uses(self, element: Element, clause: Any, at: Pointer) -> None:
+        found: list[Element] = element.setdefault("uses", [])
+        self.mark_node((*at, "uses"), clause, clause.children[0])
+        for node in parts(clause, "use"):
+            pointer = (*at, "uses", len(found))
+            self.mark_node(pointer, node)
+            found.append(self._use(node, pointer))
+
+    def _use(self, node: Any, at: Pointer) -> Element:
+        choice, amount = part(node, "choice"), part(node, "INT")
+        listed = names(choice)
+        use: Element = {}
+        if len(listed) == 1 and part(choice, "OPEN") is None:
+            use["resource"] = listed[0].value
+            self.mark((*at, "resource"), listed[0].start, listed[0].end)
+            self.uses.append(PoolUse(use, at))
+        else:
+            use["one_of"] = [n.value for n in listed]
+            self.mark_node((*at, "one_of"), choice)
+            for i, n in enumerate(listed):
+                self.mark((*at, "one_of", i), n.start, n.end)
+        if amount is not None:
+            self.put_field(use, "amount", nodes.integer(amount), at)
+        return use
+
+    def _mode(self, element: Element, node: Any, at: Pointer) -> None:
+        modes: list[Element] = element.setdefault("modes", [])
+        self.mark_node((*at, "modes"), node, node)
+        pointer = (*at, "modes", len(modes))
+        begin = nodes.head(part(node, "head"))
+        mode: Element = {"id": begin.name.value}
+        self.mark_node(pointer, node)
+        self.mark((*pointer, "id"), begin.name.start, begin.name.end)
+        self._duration(mode, begin, node, pointer)
+        if "duration" not in mode:
+            raise Fault(
+                Code.DSL_SYNTAX,
+                f"the mode {begin.name.value!r} has no duration",
+                begin.name.start,
+                begin.name.end,
+                "write it behind the name, as in `mode fast 4 min`",
+            )
+        for clause in parts(node, "uses"):
+            self._uses(mode, clause, pointer)
+        for clause in parts(node, "label"):
+            self._text(mode, clause, pointer)
+        modes.append(mode)
+
+    def _stock(self, element: Element, clause: Any, at: Pointer) -> None:
+        field = str(clause.data)
+        found: list[Element] = element.setdefault(field, [])
+        self.mark_node((*at, field), clause, clause.children[0])
+        for node in parts(clause, "stock"):
+            pointer = (*at, field, len(found))
+            change: Element = {}
+            self.mark_node(pointer, node)
+            self.put_field(change, "resource", name(part(node, "name")), pointer)
+            if (amount := part(node, "INT")) is not None:
+                self.put_field(change, "amount", nodes.integer(amount), pointer)
+            self._moment(change, node, pointer)
+            found.append(change)
+
+    def _moment(self, element: Element, node: Any, at: Pointer, default: str | None = None) -> None:
+        token = part(node, "AT_START", "AT_END", "THROUGHOUT")
+        if token is not None:
+            said = {"AT_START": "start", "AT_END": "end", "THROUGHOUT": "all"}[kind(token)]
+            self.put_field(element, "at", Placed(said, *span(token)), at)
+        elif default is not None:
+            element["at"] = default
+
+    def _facts(self, element: Element, clause: Any, at: Pointer) -> None:
+        field, default = ("conditions", "start") if clause.data == "needs" else ("effects", "end")
+        found: list[Element] = element.setdefault(field, [])
+        self.mark_node((*at, field), clause, clause.children[0])
+        for node in parts(clause, "fact"):
+            pointer = (*at, field, len(found))
+            self.mark_node(pointer, node)
+            fact: Element = {}
+            self._moment(fact, node, pointer, default)
+            self.fact(fact, node, pointer)
+            found.append(fact)
+
+    def fact(self, element: Element, node: Any, at: Pointer) -> None:
+        self.put_field(element, "var", name(part(node, "name")), at)
+        if (said := part(node, "value")) is not None:
+            self.put_field(element, "value", nodes.value(said), at)
+
+    def _occurs(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, *rest = [child for child in clause.children if child is not None]
+        numbers = [nodes.integer(child) for child in rest if kind(child) == "INT"]
+        if kind(rest[0]) == "DOTS":
+            found = {"min": 0, "max": numbers[0].value}
+        elif len(rest) == 1:
+            found = {"min": numbers[0].value, "max": numbers[0].value}
+        else:
+            found = {"min": numbers[0].value}
+            if len(numbers) > 1:
+                found["max"] = numbers[1].value
+        start, end = span(rest[0])[0], span(rest[-1])[1]
+        self.put_field(element, "occurs", Placed(found, start, end), at, key)
+
+    def _optional(self, element: Element, clause: Any, at: Pointer) -> None:
+        token = clause.children[0]
+        if "actions" in element:
+            self.put_field(element, "required", Placed(False, *span(token)), at, token)
+        else:
+            self.put_field(element, "occurs", Placed("optional", *span(token)), at, token)
+
+    def _point(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        field = "start" if kind(key) == "STARTS_AT" else kind(key).lower()
+        self.put_field(element, field, nodes.time(said), at, key)
+
+    def _number(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, kind(key).lower(), nodes.integer(said), at, key)
+
+    def _text(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, kind(key).lower(), nodes.text(said), at, key)
+
+    # --- order ---
+
+    def order(self, tree: Any, sink: Sink, *, plain: bool = False) -> None:
+        """`a, b -> c + 3 s -> end of d`. With `plain` neither ends nor lags may be said."""
+        first = tree.children[0]
+        sources = [self._first(first)]
+        sources += [self._end(node, "end") for node in parts(tree, "end") if node is not first]
+        for step in parts(tree, "targets"):
+            ends = parts(step, "end")
+            lag = part(step, "lag", "most")
+            self.budget.take(
+                len(sources) * len(ends) if len(sources) * len(ends) > 1 else 0,
+                "this order",
+                *span(tree),
+            )
+            for source in sources:
+                for node in ends:
+                    target = self._end(node, "start")
+                    stretch = (source.start, span(lag)[1] if lag is not None else target.end)
+                    if plain and (lag is not None or (source.value[0], target.value[0]) != _PLAIN):
+                        raise Fault(
+                            Code.DSL_SYNTAX,
+                            "`remove` takes away every order between two actions",
+                            *stretch,
+                            "name the two actions only, as in `remove a -> b`",
+                        )
+                    self._arc(sink, source, target, lag, stretch)
+            sources = [self._end(node, "end") for node in ends]
+
+    def _first(self, node: Any) -> Placed:
+        if node.data == "first":
+            found = nodes.plain_head(part(node, "head"))
+            return Placed(("end", found.value), found.start, found.end)
+        return self._end(node, "end")
+
+    def _end(self, node: Any, default: str) -> Placed:
+        """(which end, of which action), and where the name stands."""
+        side = part(node, "START_OF", "END_OF")
+        found = name(part(node, "name"))
+        said = default if side is None else kind(side).removesuffix("_OF").lower()
+        return Placed((said, found.value), found.start, found.end)
+
+    def _arc(
+        self, sink: Sink, source: Placed, target: Placed, lag: Any, stretch: tuple[int, int]
+    ) -> None:
+        at = sink.next("precedence")
+        (of_before, before), (of_after, after) = source.value, target.value
+        arc: Element = {"before": before, "after": after}
+        self.mark((*at, "before"), source.start, source.end)
+        self.mark((*at, "after"), target.start, target.end)
+        self.mark(at, *stretch)
+        if (of_before, of_after) != _PLAIN:
+            arc["type"] = f"{_ENDS[of_before]}-{_ENDS[of_after]}"
+        if lag is not None:
+            self._lag(arc, lag, at)
+        sink.put("precedence", arc)
+
+    def _lag(self, arc: Element, lag: Any, at: Pointer) -> None:
+        signed = part(lag, "signed")
+        if lag.data == "lag":
+            sign, low = lag.children[:2]
+            if signed is not None:
+                nodes.alike(low, signed)
+            found = nodes.time(low, negative=kind(sign) == "MINUS")
+            self.put_field(arc, "min_lag", found, at, sign)
+        if signed is not None:
+            self.put_field(arc, "max_lag", nodes.time(signed), at, part(lag, "DOTS"))
+
+    # --- resources, state, groups, goals ---
+
+    def resource(self, tree: Any, sink: Sink) -> None:
+        """`resource grill, fryer`; `resource robots = r1, r2`; `stock flour initial 3`."""
+        lists = parts(tree, "names")
+        declared = names(lists[-1])
+        for node in parts(lists[-1], "name"):
+            nodes.no_resource_clause(node)
+        if len(lists) == 2:
+            self.add_pool(_one(lists[0]), declared)
+        for found in declared:
+            at = sink.next("resources")
+            element: Element = {"id": found.value}
+            self.mark((*at, "id"), found.start, found.end)
+            self.mark(at, found.start, found.end)
+            if kind(tree.children[0]) == "STOCK":
+                element["kind"] = "reservoir"
+                self.mark((*at, "kind"), *span(tree.children[0]))
+            for clause in tree.children:
+                if (read := _RESOURCE_CLAUSES.get(kind(clause))) is not None:
+                    read(self, element, clause, at)
+            sink.put("resources", element)
+
+    def _capacity(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, number = clause.children[:2]
+        window = part(clause, "window")
+        if window is None:
+            self.put_field(element, "capacity", nodes.integer(number), at, key)
+            return
+        windows: list[Element] = element.setdefault("availability", [])
+        self.mark_node((*at, "availability"), clause, key)
+        pointer = (*at, "availability", len(windows))
+        self.mark_node(pointer, clause)
+        found: Element = {}
+        self.window(found, window, pointer)
+        if len(found) < 2:
+            raise Fault(
+                Code.DSL_SYNTAX,
+                "this window has only one end",
+                *span(window),
+                "write both, as in `capacity 1 during 10 .. 20`",
+            )
+        self.put_field(found, "capacity", nodes.integer(number), pointer, key)
+        windows.append(found)
+
+    def window(self, element: Element, window: Any, at: Pointer) -> None:
+        dots = next(i for i, c in enumerate(window.children) if kind(c) == "DOTS")
+        low, high = window.children[dots - 1], window.children[dots + 1]
+        if kind(low) == "DURING":
+            low = None
+        if low is not None and high is not None:
+            nodes.alike(low, high)
+        if low is not None:
+            self.put_field(element, "from", nodes.time(low), at)
+        if high is not None:
+            self.put_field(element, "to", nodes.time(high), at)
+        if low is None and high is None:
+            raise Fault(Code.DSL_SYNTAX, "this window has no end at all", *span(window))
+
+    def _within(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, low, _, high = clause.children
+        for bound, node in (("min", low), ("max", high)):
+            if node is not None:
+                self.put_field(element, bound, nodes.integer(node), at, key)
+        if low is None and high is None:
+            raise Fault(Code.DSL_SYNTAX, "expected a number beside `..`", *span(clause))
+
+    def _initial(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, number = clause.children
+        self.put_field(element, "initial", nodes.integer(number), at, key)
+
+    def pool(self, tree: Any, _sink: Sink) -> None:
+        """`pool robots = r1, r2`."""
+        self.add_pool(name(part(tree, "name")), names(part(tree, "names")))
+
+    def add_pool(self, found: Placed, members: list[Placed]) -> None:
+        """Gives a choice a name."""
+        listed = [m.value for m in members]
+        known = self.pools.setdefault(
+            found.value, Pool(listed, members, found.start, found.end, self.source)
+        )
+        if known.members != listed:
+            raise Fault(
+                Code.DSL_POOL,
+                f"the pool {found.value!r} is declared twice with different members",
+                found.start,
+                found.end,
+                "rename one of the two",
+            )
+
+    def state(self, tree: Any, sink: Sink) -> None:
+        """`state lit`; `state chicken = raw, grilled initial raw`."""
+        values, initial = part(tree, "values"), part(tree, "value")
+        for found in names(part(tree, "names")):
+            at = sink.next("state")
+            element: Element = {"id": found.value}
+            self.mark((*at, "id"), found.start, found.end)
+            self.mark(at, found.start, found.end)
+            if values is not None:
+                listed = [nodes.value(v) for v in parts(values, "value")]
+                element["values"] = [v.value for v in listed]
+                self.mark_node((*at, "values"), values)
+                for i, v in enumerate(listed):
+                    self.mark((*at, "values", i), v.start, v.end)
+            if initial is not None:
+                self.put_field(element, "initial", nodes.value(initial), at, part(tree, "INITIAL"))
+            sink.put("state", element)
+
+    def group(self, tree: Any, sink: Sink) -> None:
+        """`group order 1 = bake, ice optional reward 30 deadline 90`."""
+        at = sink.next("groups")
+        found, members = name(part(tree, "name")), names(part(tree, "names"))
+        element: Element = {"id": found.value, "actions": [m.value for m in members]}
+        self.mark((*at, "id"), found.start, found.end)
+        self.mark_node(at, tree)
+        self.mark_node((*at, "actions"), part(tree, "names"))
+        for i, member in enumerate(members):
+            self.mark((*at, "actions", i), member.start, member.end)
+        for clause in tree.children:
+            if (read := _GROUP_CLAUSES.get(kind(clause))) is not None:
+                read(self, element, clause, at)
+        sink.put("groups", element)
+
+    def goal(self, tree: Any, sink: Sink) -> None:
+        """`goal serve soup, chicken = grilled`."""
+        for node in parts(part(tree, "goals"), "goal_item"):
+            at = sink.next("goals")
+            sink.put("goals", self._goal(node, at))
+
+    def goals(self, tree: Any, at: Pointer) -> list[Any]:
+        """The goals of `set goals = …`."""
+        self.mark_node(at, tree)
+        return [self._goal(node, (*at, i)) for i, node in enumerate(parts(tree, "goal_item"))]
+
+    def _goal(self, node: Any, at: Pointer) -> Any:
+        self.mark_node(at, node)
+        if part(node, "value") is None:
+            return name(part(node, "name")).value
+        goal: Element = {}
+        self.fact(goal, node, at)
+        return goal
+
+    def aims(self, tree: Any, at: Pointer) -> list[str]:
+        """The names of objectives, in their order."""
+        found, sense = [], ""
+        for i, node in enumerate(parts(tree, "aim")):
+            token = part(node, "MINIMIZE", "MAXIMIZE")
+            sense = sense if token is None else kind(token).lower()
+            word = part(node, "WORD", "REWARD", "COST")
+            said = f"{sense or 'minimize'}_{word}"
+            if said not in _OBJECTIVES:
+                raise _no_objective(said, word)
+            self.mark_node((*at, i), node)
+            found.append(said)
+        self.mark_node(at, tree)
+        return found
+
+
+_PLAIN = ("end", "start")
+_ENDS = {"start": "start", "end": "finish"}
+
+
+def _one(node: Any) -> Placed:
+    found = names(node)
+    if len(found) != 1:
+        raise Fault(
+            Code.DSL_POOL, "a pool has one name", *span(node), "write `resource pool = a, b`"
+        )
+    return found[0]
+
+
+def _no_objective(said: str, word: Any) -> Fault:
+    shown = said.replace("_", " ")
+    known = [o.replace("_", " ") for o in _OBJECTIVES]
+    return Fault(
+        Code.DSL_SYNTAX,
+        f"there is no objective `{shown}`",
+        *span(word),
+        did_you_mean(shown, known) or f"the objectives are {', '.join(known)}",
+    )
+
+
+def said_twice(what: str, start: int, end: int) -> Fault:
+    """Something that can be said once is said again."""
+    return Fault(Code.DSL_TWICE, f"{what} is said twice", start, end, "keep one of the two")
+
+
+def _word(field: str) -> str:
+    return {"min": "within", "max": "within", "occurs": "occurs", "start": "starts at"}.get(
+        field, field
+    )
+
+
+_Clause = Callable[[Builder, Element, Any, Pointer], None]
+
+_ACTION_CLAUSES: dict[str, _Clause] = {
+    "uses": Builder._uses,
+    "mode": Builder._mode,
+    "optional": Builder._optional,
+    "occurs": Builder._occurs,
+    "consumes": Builder._stock,
+    "produces": Builder._stock,
+    "needs": Builder._facts,
+    "sets": Builder._facts,
+    "point": Builder._point,
+    "number": Builder._number,
+    "label": Builder._text,
+    "describe": Builder._text,
+}
+_RESOURCE_CLAUSES: dict[str, _Clause] = {
+    "capacity": Builder._capacity,
+    "initial": Builder._initial,
+    "within": Builder._within,
+    "label": Builder._text,
+    "describe": Builder._text,
+}
+_GROUP_CLAUSES: dict[str, _Clause] = {
+    "optional": Builder._optional,
+    "number": Builder._number,
+    "point": Builder._point,
+    "label": Builder._text,
+}

@@ -1,0 +1,196 @@
+"""The statements in the body of an event → the typed changes of the IR."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from irc.diagnostics import Code
+from irc.frontends.dsl import nodes
+from irc.frontends.dsl.build import Builder
+from irc.frontends.dsl.draft import Element, Sink
+from irc.frontends.dsl.faults import Fault
+from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
+from irc.source import Pointer
+
+ADDED = {
+    "actions": "add_actions",
+    "precedence": "add_precedence",
+    "resources": "add_resources",
+    "groups": "add_groups",
+    "state": "add_state",
+}
+"""The array that an added statement fills → the operation."""
+
+_NOTHING = {f"NO_{part.upper()}": part for part in ADDED}
+
+_STATEMENTS: dict[str, Callable[[Builder, Any, Sink], None]] = {
+    "action": Builder.action,
+    "order": Builder.order,
+    "resource": Builder.resource,
+    "state": Builder.state,
+    "group": Builder.group,
+}
+
+
+def change(builder: Builder, tree: Any, at: Pointer) -> Element:
+    """The change that one statement states; `at` is where it will stand."""
+    builder.mark_node(at, tree)
+    builder.mark_node((*at, "op"), tree.children[0])
+    return _CHANGES[str(tree.data)](builder, tree, at)
+
+
+def added(builder: Builder, tree: Any, sink: Sink) -> None:
+    """A statement in the block of `add:`."""
+    read = _STATEMENTS.get(str(tree.data))
+    if read is None:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            "this cannot be added by an event",
+            *span(tree),
+            "actions, orders, resources, state variables and groups can",
+        )
+    read(builder, tree, sink)
+
+
+def addition(sink: Sink, start: int, end: int) -> Element:
+    """The change that the statements of one `add` make together."""
+    filled = [part for part, elements in sink.arrays.items() if elements]
+    if len(filled) != 1:
+        message = "nothing is added" if not filled else "one `add:` adds parts of one kind only"
+        raise Fault(
+            Code.DSL_SYNTAX, message, start, end, "give each kind of part an `add:` of its own"
+        )
+    return {"op": ADDED[filled[0]], filled[0]: sink.arrays[filled[0]]}
+
+
+def removal(sink: Sink) -> Element:
+    """The change that the orders of one `remove` make together."""
+    return {"op": "remove_precedence", "precedence": sink.arrays.get("precedence", [])}
+
+
+def _add(builder: Builder, tree: Any, at: Pointer) -> Element:
+    what = tree.children[1]
+    if kind(what) in _NOTHING:
+        part_ = _NOTHING[kind(what)]
+        return {"op": ADDED[part_], part_: []}
+    sink = Sink({}, at)
+    added(builder, what, sink)
+    return addition(sink, *span(tree))
+
+
+def _remove(builder: Builder, tree: Any, at: Pointer) -> Element:
+    sink = Sink({}, at)
+    if kind(tree.children[1]) == "order":
+        builder.order(tree.children[1], sink, plain=True)
+    return removal(sink)
+
+
+def _cancel(builder: Builder, tree: Any, at: Pointer) -> Element:
+    op = str(tree.data)
+    field, node = op.removeprefix("cancel_"), part(tree, "names")
+    listed = names(node)
+    builder.mark_node((*at, field), node)
+    for i, found in enumerate(listed):
+        builder.mark((*at, field, i), found.start, found.end)
+    return {"op": op, field: [found.value for found in listed]}
+
+
+def _field(
+    builder: Builder, element: Element, field: str, found: Placed, at: Pointer, key: Any = None
+) -> None:
+    builder.put_field(element, field, found, at, key)
+
+
+def _duration(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "set_duration"}
+    _field(builder, element, "action", name(part(tree, "name")), at)
+    times = parts(part(tree, "length"), "INT", "TIME", "STRING")
+    if len(times) == 1:
+        found = nodes.time(times[0])
+    else:
+        found = builder.length_range(times[0], times[1], (*at, "duration"))
+    _field(builder, element, "duration", found, at)
+    return element
+
+
+def _capacity(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "set_capacity"}
+    _field(builder, element, "resource", name(part(tree, "name")), at)
+    _field(builder, element, "capacity", nodes.integer(part(tree, "INT")), at)
+    if (window := part(tree, "window")) is not None:
+        builder.window(element, window, at)
+    return element
+
+
+def _release(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "set_release"}
+    _field(builder, element, "action", name(part(tree, "name")), at)
+    _field(builder, element, "release", nodes.time(part(tree, "INT", "TIME", "STRING")), at)
+    return element
+
+
+def _deadline(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "set_deadline"}
+    said = part(tree, "time_or_none").children[0]
+    if kind(said) == "WORD":
+        if str(said) != "none":
+            raise Fault(Code.DSL_SYNTAX, f"found `{said}`, expected a time or `none`", *span(said))
+        found = Placed(None, *span(said))
+    else:
+        found = nodes.time(said)
+    _field(builder, element, "deadline", found, at)
+    owners = parts(tree, "name")
+    fields = ["group"] if tree.data == "set_group_deadline" else ["action", "group"]
+    for field, owner in zip(fields, owners, strict=False):
+        _field(builder, element, field, name(owner), at)
+    return element
+
+
+def _goals(builder: Builder, tree: Any, at: Pointer) -> Element:
+    return {"op": "set_goals", "goals": builder.goals(part(tree, "goals"), (*at, "goals"))}
+
+
+def _state(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "set_state"}
+    fact = part(tree, "fact")
+    if (moment := part(fact, "AT_START", "AT_END", "THROUGHOUT")) is not None:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            f"found `{moment}`: the change is at the time of its event",
+            *span(moment),
+            "take it away",
+        )
+    builder.fact(element, fact, at)
+    return element
+
+
+def _objective(builder: Builder, tree: Any, at: Pointer) -> Element:
+    return {"op": "set_objective", "objective": builder.aims(tree, (*at, "objective"))}
+
+
+def _observe(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "observe"}
+    _field(builder, element, "action", name(part(tree, "name")), at)
+    said = tree.children[2:]
+    for key, node in zip(said[::2], said[1::2], strict=True):
+        found = nodes.integer(node) if kind(key) == "OCCURRENCE" else nodes.time(node)
+        _field(builder, element, kind(key).lower(), found, at, key)
+    return element
+
+
+_CHANGES: dict[str, Callable[[Builder, Any, Pointer], Element]] = {
+    "add": _add,
+    "remove": _remove,
+    "cancel_actions": _cancel,
+    "cancel_groups": _cancel,
+    "set_duration": _duration,
+    "set_capacity": _capacity,
+    "set_release": _release,
+    "set_deadline": _deadline,
+    "set_group_deadline": _deadline,
+    "set_goals": _goals,
+    "set_state": _state,
+    "set_objective": _objective,
+    "observe": _observe,
+}

@@ -1,0 +1,339 @@
+"""The words of the DSL: one line of text → tokens, and which names need no quotes.
+
+A token never reaches over the end of a line, and every rule is one regular expression that reads
+its text once, so a line is read in linear time whatever stands in it.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+from irc.times import MONTH_NAMES, UNIT_SECONDS
+
+_CHAR = (
+    r"[0-9A-Za-z_\u00aa-\u167f\u1681-\u180d\u180f-\u1fff"
+    r"\u3001-\ud7ff\ue000-\ufefe\U00010000-\U0010ffff]"
+)
+"""What unquoted names are made of: all but ASCII punctuation, blanks and typographic signs."""
+
+_TEMPLATE = r"\{[^{}\"\n]*\}"
+_UNIT = "|".join(sorted({*UNIT_SECONDS, *MONTH_NAMES}, key=lambda u: (-len(u), u)))
+_NUMBER = r"[0-9]+(?:\.[0-9]+)?"
+_PART = rf"(?:{_NUMBER}|{_TEMPLATE})[ \t]*(?i:{_UNIT})(?:(?!{_CHAR})|(?=[0-9]))"
+_EDGE = rf"(?!{_CHAR}|[-'’.&](?=(?![0-9]){_CHAR}))"
+_LINKS = r"[-'’.&]"
+
+TOKEN = re.compile(
+    "|".join(
+        f"(?P<{name}>{pattern})"
+        for name, pattern in (
+            ("BLANK", r"[ \t\r]+"),
+            ("COMMENT", r"\#[^\n]*"),
+            ("STRING", r'"(?:[^"\\\x00-\x1f]|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*"'),
+            (
+                "DATE",
+                r"[0-9]{4}-[0-9]{2}-[0-9]{2}(?:[T ][0-9]{2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]+)?)?"
+                rf"(?:Z|[+-][0-9]{{2}}:[0-9]{{2}})?)?(?!{_CHAR})",
+            ),
+            ("TIME", rf"{_PART}(?:[ \t]*{_PART})*(?!{_CHAR})"),
+            (
+                "ISO",
+                r"P(?=[0-9]|T[0-9])(?:[0-9]+(?:[.,][0-9]+)?[YMWD])*"
+                rf"(?:T(?:[0-9]+(?:[.,][0-9]+)?[HMS])+)?(?!{_CHAR})",
+            ),
+            (
+                "NUMBER",
+                rf"(?:[0-9]+/[0-9]+|[0-9]+\.[0-9]+(?:[eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+){_EDGE}",
+            ),
+            ("INT", rf"[0-9]+{_EDGE}"),
+            (
+                "WORD",
+                rf"(?:{_CHAR}|{_TEMPLATE})+(?:{_LINKS}(?:{_CHAR}|{_TEMPLATE})+)*",
+            ),
+            ("ARROW", r"->|→"),
+            ("DOTS", r"\.\.|…"),
+            ("COMMA", ","),
+            ("COLON", ":"),
+            ("EQUALS", "="),
+            ("TIMES", r"\*|×"),
+            ("PLUS", r"\+"),
+            ("MINUS", "-|−"),
+            ("OPEN", r"\["),
+            ("CLOSE", r"\]"),
+        )
+    )
+)
+
+_TIMES = {"DATE", "TIME", "ISO", "NUMBER"}
+
+CLAUSE_WORDS = frozenset(
+    """
+    after at by capacity consumes cost deadline description due during finished initial label
+    maximize minimize mode needs occurrence occurs on optional or produces release reward sets
+    started throughout weight within
+    """.split()  # noqa: SIM905
+)
+"""Words with a meaning of their own wherever they stand unquoted."""
+
+STATEMENT_WORDS = frozenset(
+    """
+    action deadline description event for goal group include irc maximize metadata minimize origin
+    pool resource state stock task unit
+    """.split()  # noqa: SIM905
+)
+"""Words with a meaning of their own at the beginning of a statement."""
+
+PHRASES = {
+    ("start", "of"): "START_OF",
+    ("end", "of"): "END_OF",
+    ("at", "start"): "AT_START",
+    ("at", "end"): "AT_END",
+    ("starts", "at"): "STARTS_AT",
+    ("ends", "after"): "ENDS_AFTER",
+    ("no", "actions"): "NO_ACTIONS",
+    ("no", "precedence"): "NO_PRECEDENCE",
+    ("no", "resources"): "NO_RESOURCES",
+    ("no", "groups"): "NO_GROUPS",
+    ("no", "state"): "NO_STATE",
+    ("days", "per", "month"): "DAYS_PER_MONTH",
+    ("of", "group"): "OF_GROUP",
+}
+"""Words with a meaning of their own only side by side."""
+
+CHANGE_PHRASES = {
+    ("add",): "ADD",
+    ("remove",): "REMOVE",
+    ("observe",): "OBSERVE",
+    ("for",): "FOR",
+    ("cancel", "group"): "CANCEL_GROUP",
+    ("cancel",): "CANCEL",
+    ("set", "duration", "of"): "SET_DURATION",
+    ("set", "capacity", "of"): "SET_CAPACITY",
+    ("set", "release", "of"): "SET_RELEASE",
+    ("set", "deadline", "of", "action"): "SET_DEADLINE_OF_ACTION",
+    ("set", "deadline", "of", "group"): "SET_DEADLINE_OF_GROUP",
+    ("set", "deadline"): "SET_DEADLINE",
+    ("set", "goals"): "SET_GOALS",
+    ("set", "state"): "SET_STATE",
+    ("set", "objective"): "SET_OBJECTIVE",
+}
+"""How a statement in the body of an event begins; the longer phrases first."""
+
+PHRASE_STARTS = frozenset(phrase[0] for phrase in PHRASES)
+_LONGEST = 4
+
+
+class Lexeme:
+    """A token: its kind, its text (of a quoted one: what it says) and where it stands.
+
+    It has what Lark asks of its own tokens, so that none is made twice.
+    """
+
+    __slots__ = ("end_pos", "start_pos", "type", "value")
+    line = column = end_line = end_column = 0
+
+    def __init__(self, type: str, value: str, start: int, end: int) -> None:
+        self.type = type
+        self.value = value
+        self.start_pos = start
+        self.end_pos = end
+
+    def __str__(self) -> str:
+        return self.value
+
+    def __len__(self) -> int:
+        return len(self.value)
+
+    def __repr__(self) -> str:
+        return f"Lexeme({self.type}, {self.value!r}, {self.start_pos}, {self.end_pos})"
+
+
+@dataclass(frozen=True, slots=True)
+class LexFault:
+    """A place that is no token: `kind` says why."""
+
+    kind: str
+    start: int
+    end: int
+
+
+def lexemes(text: str, start: int, end: int) -> Iterator[Lexeme | LexFault]:
+    """The tokens of text[start:end] (within one line), comments among them, blanks left out."""
+    at = start
+    match = TOKEN.match
+    while at < end:
+        found = match(text, at, end)
+        if found is None:
+            fault = _fault(text, at, end)
+            at = fault.end
+            yield fault
+            continue
+        kind, begin, at = str(found.lastgroup), at, found.end()
+        if kind == "BLANK":
+            continue
+        value = found.group()
+        if kind == "STRING":
+            value = json.loads(value) if "\\" in value else value[1:-1]
+            if _SURROGATE.search(value):
+                yield LexFault("surrogate", begin, at)
+                continue
+        elif kind in _TIMES:
+            kind = "TIME"
+        yield Lexeme(kind, value, begin, at)
+
+
+_SURROGATE = re.compile("[\ud800-\udfff]")
+_STRING_BODY = re.compile(r'"(?:[^"\\\x00-\x1f]|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*')
+
+
+def _fault(text: str, at: int, end: int) -> LexFault:
+    """What is wrong at a place where no token begins; the next one is looked for behind it."""
+    if text[at] != '"':
+        return LexFault("brace" if text[at] in "{}" else "character", at, at + 1)
+    body = _STRING_BODY.match(text, at, end)
+    stop = body.end() if body else at + 1
+    if stop >= end:
+        return LexFault("unclosed", at, end)
+    # What follows on the line could be inside or outside of the text: it is not looked at.
+    return LexFault("escape" if text[stop] == "\\" else "control", stop, end)
+
+
+def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
+    """The tokens of a statement with its words told apart: names, clauses, statement words.
+
+    With `change` it is one of an event's body.
+    """
+    if not tokens:
+        return tokens
+    found: list[Lexeme] = []
+    first = tokens[0]
+    at = 0
+    if first.type == "WORD":
+        if change:
+            phrase = _phrase(tokens, 0, CHANGE_PHRASES)
+            if phrase:
+                at = len(phrase)
+                kind = CHANGE_PHRASES[phrase]
+                found.append(_joined(kind, tokens[:at]))
+                rest = tokens[at:]
+                if kind == "ADD" and rest and rest[0].type != "COLON":
+                    return found + classified(rest)
+        elif first.value in STATEMENT_WORDS:
+            found.append(_as(first, first.value.upper()))
+            at = 1
+    words = CLAUSE_WORDS | {"in"} if found and found[0].type == "FOR" else CLAUSE_WORDS
+    while at < len(tokens):
+        token = tokens[at]
+        at += 1
+        if token.type == "WORD":
+            if token.value in PHRASE_STARTS and (phrase := _phrase(tokens, at - 1, PHRASES)):
+                found.append(_joined(PHRASES[phrase], tokens[at - 1 : at - 1 + len(phrase)]))
+                at += len(phrase) - 1
+                continue
+            if token.value in words:
+                token = _as(token, token.value.upper())
+        found.append(token)
+    return found
+
+
+def _as(token: Lexeme, kind: str) -> Lexeme:
+    return Lexeme(kind, token.value, token.start_pos, token.end_pos)
+
+
+def _joined(kind: str, tokens: list[Lexeme]) -> Lexeme:
+    text = " ".join(token.value for token in tokens)
+    return Lexeme(kind, text, tokens[0].start_pos, tokens[-1].end_pos)
+
+
+def _phrase(
+    tokens: list[Lexeme], at: int, phrases: dict[tuple[str, ...], str]
+) -> tuple[str, ...] | None:
+    """The longest phrase that begins at a token."""
+    ahead: list[str] = []
+    for token in tokens[at : at + _LONGEST]:
+        if token.type != "WORD":
+            break
+        ahead.append(token.value)
+    for length in range(len(ahead), 0, -1):
+        if tuple(ahead[:length]) in phrases:
+            return tuple(ahead[:length])
+    return None
+
+
+def needs_quotes(name: str) -> bool:
+    """Whether a name, written without quotes, would not be read as that very name."""
+    if (
+        not name
+        or len(name) > _LONGEST_PLAIN
+        or not name.isprintable()
+        or "{" in name
+        or "#" in name
+    ):
+        return True
+    tokens = list(lexemes(name, 0, len(name)))
+    words = [t for t in tokens if isinstance(t, Lexeme)]
+    if len(words) < len(tokens) or " ".join(t.value for t in words) != name:
+        return True
+    if any(t.type not in ("WORD", "INT") for t in classified(words)):
+        return True
+    return clause_like(words) is not None or resource_clause_like(words) is not None
+
+
+def clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
+    """A word behind a number that looks like a misspelt clause, and that clause.
+
+    `boil 3 deadlin 20` is hardly an action called "boil 3 deadlin": it is not read as one.
+    """
+    number = next((i for i, word in enumerate(words) if word.type == "INT"), len(words))
+    for word in words[number + 1 :]:
+        meant = _clause_near(word.value) if word.type == "WORD" else None
+        if meant is not None:
+            return word, meant
+    return None
+
+
+def resource_clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
+    """A word before a number that looks like a misspelt clause of a resource: `board capcity 2`."""
+    for word, number in pairwise(words):
+        if word.type == "WORD" and number.type == "INT":
+            meant = _clause_near(word.value)
+            if meant in _RESOURCE_NUMBERS:
+                return word, meant
+    return None
+
+
+_RESOURCE_NUMBERS = ("capacity", "initial", "within")
+_CLAUSE_STARTS = sorted(CLAUSE_WORDS | {"starts", "ends"})
+
+
+@lru_cache(maxsize=10_000)
+def _clause_near(word: str) -> str | None:
+    from difflib import get_close_matches
+
+    if len(word) > _LONGEST_PLAIN:
+        return None
+    if word in ("starts", "ends"):
+        return f"{word} {'at' if word == 'starts' else 'after'}"
+    close = get_close_matches(word, _CLAUSE_STARTS, n=1, cutoff=0.8)
+    return close[0] if close else None
+
+
+_LONGEST_PLAIN = 80
+
+
+def quoted(text: str) -> str:
+    """A text in double quotes, with escapes for all that would not show."""
+    plain = json.dumps(text, ensure_ascii=False)
+    if plain.isprintable():
+        return plain
+    return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in plain)
+
+
+def written_name(name: str) -> str:
+    """A name as the DSL writes it: in quotes exactly where it needs them."""
+    return quoted(name) if needs_quotes(name) else name

@@ -1,0 +1,40 @@
+"""`metadata {…}`: free-form JSON inside a statement."""
+
+from __future__ import annotations
+
+import re
+
+from irc.diagnostics import Code
+from irc.frontends.dsl.faults import Fault
+from irc.frontends.dsl.nodes import Placed
+
+_BLANK = re.compile(r"[ \t\r\n]*")
+_REST = re.compile(r"[ \t\r]*(?:#[^\n]*)?")
+
+
+def metadata(text: str, start: int, end: int) -> Placed:
+    """The object in text[start:end], as a JSON document would have it. Raises `Fault`."""
+    from irc.frontends.json_document import decode_object
+
+    found = _BLANK.match(text, start, end)
+    begin = found.end() if found else start
+    if not text.startswith("{", begin) or begin >= end:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            "expected an object in braces behind `metadata`",
+            min(begin, end - 1),
+            end,
+            'as in metadata {"ticket": 4711}',
+        )
+    # What follows the statement must not be read as a part of it: cut there.
+    decoded = decode_object(text[:end], begin)
+    if not isinstance(decoded, tuple):
+        raise Fault(decoded.code, decoded.message, decoded.offset, decoded.offset + 1, decoded.hint)
+    value, stop = decoded
+    rest = _REST.match(text, stop, end)
+    after = rest.end() if rest else stop
+    if after < end:
+        raise Fault(
+            Code.DSL_SYNTAX, "found something behind the object of `metadata`", after, after + 1
+        )
+    return Placed(value, begin, stop)

@@ -1,0 +1,676 @@
+"""A text of the DSL → the plain document, as the JSON of the IR has it, and the way to its places.
+
+Statements are read one by one, so a fault in one hides no other: `read_dsl` returns the document
+of all sound statements together with every fault.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from irc.diagnostics import Code, Diagnostic, Report, did_you_mean
+from irc.frontends.dsl import changes, nodes
+from irc.frontends.dsl.build import Builder, said_twice
+from irc.frontends.dsl.draft import Budget, Places, Sink
+from irc.frontends.dsl.faults import Fault
+from irc.frontends.dsl.grammar import StatementParser, parse_statement
+from irc.frontends.dsl.include import Library
+from irc.frontends.dsl.lexer import (
+    CLAUSE_WORDS,
+    PHRASE_STARTS,
+    STATEMENT_WORDS,
+    Lexeme,
+    LexFault,
+    classified,
+    lexemes,
+)
+from irc.frontends.dsl.lines import MAX_NESTING, Statement, outline
+from irc.frontends.dsl.metadata import metadata
+from irc.frontends.dsl.nodes import kind, part, span
+from irc.frontends.dsl.plain import plain_statement
+from irc.frontends.dsl.templates import Value, filled
+from irc.source import Pointer, Range, Source
+
+MAX_FAULTS = 1000
+"""After so many faults a text is not read on: it is something else."""
+
+ARRAYS = ("resources", "state", "actions", "precedence", "groups", "goals", "events")
+
+Values = Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class DslReading:
+    """What a text of the DSL says, with every fault of it.
+
+    `document` has the shape of the IR's JSON and holds what the sound statements state;
+    `source` finds the places of its parts. `broken` are the texts of faulty statements.
+    """
+
+    document: dict[str, Any]
+    source: Source
+    faults: tuple[Diagnostic, ...] = ()
+    notes: tuple[Diagnostic, ...] = ()
+    broken: tuple[str, ...] = ()
+
+
+def read_dsl(
+    text: str, name: str = "<text>", folder: Path | None = None, *, file: Path | None = None
+) -> DslReading:
+    """Reads a text. `folder` is the one that its includes must stay in; `file` its own path.
+
+    Never raises for what stands in the text.
+    """
+    notes = []
+    if text.startswith("\ufeff"):
+        text = text[1:]
+        notes.append(
+            Diagnostic(Code.BYTE_ORDER_MARK, "a byte-order mark at the start is ignored", offset=0)
+        )
+    library = Library(folder)
+    reader = _Reader(library, Builder(Budget()))
+    reader.read(text, file)
+
+    def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        # The same texts are read again, this time with an eye on places.
+        again = Library(folder, library.known, kept=True)
+        places = Places(wanted)
+        _Reader(again, Builder(Budget(), places)).read(text, file)
+        return places.found
+
+    return DslReading(
+        reader.document(),
+        Source(name, text, locate),
+        tuple(reader.faults.values()),
+        tuple(notes),
+        tuple(reader.broken),
+    )
+
+
+def readable_statements(text: str, most: int) -> int:
+    """How many of the first statements (at most so many) are good ones of this language."""
+    text = text.removeprefix("\ufeff")
+    reader = _Reader(Library(None), Builder(Budget()), text=text)
+    try:
+        statements = outline(text).statements[:most]
+    except Fault:
+        return 0
+    good = 0
+    for statement in statements:
+        try:
+            raw = reader._tokens(statement)
+            colon = _colon(raw)
+            if statement.first != "metadata":
+                parse_statement(classified(raw[: colon + 1] or raw), "statement")
+        except Fault:
+            continue
+        good += 1
+    return good
+
+
+def syntax_faults(text: str, name: str) -> Report:
+    """What is wrong with the statements of a text in themselves; nothing it includes is read."""
+    text = text.removeprefix("\ufeff")
+    reader = _Reader(Library(None), Builder(Budget()), includes=False)
+    reader.read(text, None)
+    return Report(tuple(reader.faults.values()), Source(name, text))
+
+
+@dataclass(slots=True)
+class _Reader:
+    library: Library
+    builder: Builder
+    sink: Sink = field(default_factory=lambda: Sink({part: [] for part in ARRAYS}))
+    fields: dict[str, Any] = field(default_factory=dict)
+    faults: dict[tuple[Any, ...], Diagnostic] = field(default_factory=dict)
+    broken: list[str] = field(default_factory=list)
+    parser: StatementParser = field(default_factory=StatementParser)
+    text: str = ""
+    path: Path | None = None
+    """The file that is being read, if it is one."""
+    within: tuple[Path, ...] = ()
+    """The files that include the one being read, and itself."""
+    statements: int = 0
+    stopped: bool = False
+    """Whether the text has grown as far as it may."""
+    includes: bool = True
+    """Whether included files are read."""
+
+    # --- texts ---
+
+    def read(self, text: str, file: Path | None) -> None:
+        """Reads the task's own text."""
+        self.text = text
+        if file is not None:
+            self.path = file.parent
+            self.within = (file.resolve(),)
+        self._text()
+        if not self.statements and not self.faults:
+            self._tell(
+                Fault(
+                    Code.DSL_SYNTAX,
+                    "the input is empty" if not text.strip() else "there is no statement",
+                    0,
+                    0,
+                    "expected a task such as `boil eggs 4 min`",
+                )
+            )
+        self._resolve_pools()
+
+    def _text(self) -> None:
+        try:
+            found = outline(self.text)
+        except Fault as fault:
+            self._tell(fault)
+            return
+        for misplaced in found.faults:
+            self._tell(misplaced)
+        self._each(found.statements, self._statement, {})
+
+    def _each(
+        self, statements: list[Statement], read: Callable[[Statement, Values], None], values: Values
+    ) -> None:
+        for statement in statements:
+            if self.stopped or len(self.faults) >= MAX_FAULTS:
+                break
+            self.statements += 1
+            before = self.sink.lengths() if statement.body or values else None
+            try:
+                read(statement, values)
+            except Fault as fault:
+                if before is not None:
+                    self.sink.cut(before)
+                self._tell(fault, statement)
+                self.stopped = self.stopped or fault.code is Code.DSL_EXPANSION
+
+    def _tell(self, fault: Fault, statement: Statement | None = None) -> None:
+        within = self.builder.source
+        # In a `for` the same place is read many times; once is enough to tell of it.
+        key = (fault.code, fault.start, within and within.name)
+        if key in self.faults:
+            return
+        self.faults[key] = Diagnostic(
+            fault.code, fault.message, hint=fault.hint, offset=fault.start, within=within
+        )
+        if statement is not None and statement.spans:
+            self.broken.append(self.text[statement.start : statement.end])
+        if len(self.faults) == MAX_FAULTS:
+            self.faults[("last",)] = Diagnostic(
+                Code.TOO_LARGE,
+                f"more than {MAX_FAULTS} faults: the text is not read on from here",
+                offset=fault.start,
+                within=within,
+            )
+
+    def document(self) -> dict[str, Any]:
+        """The document, without the arrays that nothing fills."""
+        arrays = self.sink.arrays
+        filled_arrays = {part: arrays[part] for part in ARRAYS if arrays[part] or part == "actions"}
+        return {**self.fields, **filled_arrays}
+
+    def _resolve_pools(self) -> None:
+        builder = self.builder
+        if not builder.pools:
+            return
+        declared = {r["id"] for r in self.sink.arrays["resources"]}
+        for pool_name, pool in builder.pools.items():
+            if pool_name in declared:
+                builder.source = pool.source
+                self._tell(
+                    Fault(
+                        Code.DSL_POOL,
+                        f"{pool_name!r} is the name of a pool and of a resource",
+                        pool.start,
+                        pool.end,
+                        "rename one of the two",
+                    )
+                )
+        used = {use.use.get("resource") for use in builder.uses}
+        known = declared | {
+            resource["id"]
+            for event in self.sink.arrays["events"]
+            for change in event.get("changes", ())
+            for resource in change.get("resources", ())
+        }
+        for pool_name, pool in builder.pools.items():
+            # In a pool that is used, the checks find unknown members; a faulty statement may have
+            # declared them.
+            for member in () if pool_name in used or self.broken else pool.places:
+                if member.value not in known:
+                    builder.source = pool.source
+                    self._tell(_unknown_member(member, known))
+        builder.source = None
+        for use in builder.uses:
+            found = builder.pools.get(use.use.get("resource", ""))
+            if found is None or use.use["resource"] in declared:
+                continue
+            try:
+                builder.budget.take(len(found.members), "this pool", found.start, found.end)
+            except Fault as fault:
+                self._tell(fault)
+                return
+            amount = use.use.pop("amount", None)
+            del use.use["resource"]
+            use.use["one_of"] = found.members
+            if amount is not None:
+                use.use["amount"] = amount
+            if builder.places is not None:
+                places = builder.places.found
+                named = places.get((*use.pointer, "resource"))
+                if named is not None:
+                    for i in range(len(found.members)):
+                        places.setdefault((*use.pointer, "one_of", i), named)
+
+    # --- statements ---
+
+    def _statement(self, statement: Statement, values: Values) -> None:
+        """A statement of the task."""
+        if plain_statement(statement, self.text, self.sink, self.builder):
+            return
+        if statement.first == "metadata":
+            self._metadata(statement, values)
+            return
+        raw = self._tokens(statement)
+        if raw[0].value == "for" and raw[0].type == "WORD":
+            self._for(statement, raw, values, self._statement)
+            return
+        if raw[0].value == "event" and raw[0].type == "WORD":
+            self._event(statement, raw, values)
+            return
+        _no_body(statement, raw)
+        tree = self.parser.parse(classified(filled(raw, values)), "statement")
+        rule = str(tree.data)
+        if rule in _TASK_FIELDS:
+            if values:
+                raise Fault(
+                    Code.DSL_SYNTAX,
+                    f"`{raw[0].value}` cannot be said in a `for`",
+                    *span(tree),
+                    "it concerns the task as a whole",
+                )
+            if rule == "include":
+                if self.includes:
+                    self._include(tree)
+            else:
+                self._field(rule, tree)
+            return
+        _ELEMENTS[rule](self.builder, tree, self.sink)
+
+    def _tokens(self, statement: Statement) -> list[Lexeme]:
+        """The raw tokens of a statement. Raises `Fault` at the first place that is none."""
+        if statement.tokens is not None:
+            return statement.tokens
+        found: list[Lexeme] = []
+        for begin, end in statement.spans:
+            first = len(found)
+            for token in lexemes(self.text, begin, end):
+                if isinstance(token, LexFault):
+                    raise _unlexed(token, self.text)
+                if token.type != "COMMENT":
+                    found.append(token)
+            if 0 < first < len(found) and _of_name(found, first - 1) and _of_name(found, first):
+                raise Fault(
+                    Code.DSL_INDENTATION,
+                    "this line is indented, but does not go on with the statement above it",
+                    found[first].start_pos,
+                    found[first].end_pos,
+                    "take the blanks before it away; a name or a time stands on one line",
+                )
+        return found
+
+    def _field(self, rule: str, tree: Any) -> None:
+        """What concerns the task as a whole, said once."""
+        key, said = tree.children[0], tree.children[-1]
+        if rule == "objective":
+            field_name, value = "objective", self.builder.aims(tree, ("objective",))
+            start, end = span(tree)
+        else:
+            field_name = _TASK_FIELDS[rule]
+            placed = _SAID[rule](said)
+            value, start, end = placed.value, placed.start, placed.end
+        if field_name in self.fields:
+            raise said_twice(f"`{key if rule != 'objective' else 'minimize'}`", *span(tree))
+        self.fields[field_name] = value
+        self.builder.mark((field_name,), start, end, span(tree)[0])
+
+    def _metadata(self, statement: Statement, values: Values) -> None:
+        if values:
+            raise Fault(
+                Code.DSL_SYNTAX,
+                "`metadata` cannot be said in a `for`",
+                statement.start,
+                statement.end,
+                "it concerns the task as a whole",
+            )
+        found = metadata(self.text, statement.start + len("metadata"), statement.end)
+        if "metadata" in self.fields:
+            raise said_twice("`metadata`", statement.start, statement.end)
+        self.fields["metadata"] = found.value
+        self.builder.mark(("metadata",), found.start, found.end, statement.start)
+
+    # --- include ---
+
+    def _include(self, tree: Any) -> None:
+        said = nodes.text(part(tree, "STRING"))
+        included = self.library.open(str(said.value), self.path, said.start, said.end)
+        if included.path in self.within:
+            chain = [p.name for p in self.within[self.within.index(included.path) :]]
+            raise Fault(
+                Code.DSL_INCLUDE,
+                f"this include never ends: {' → '.join([*chain, included.path.name])}",
+                said.start,
+                said.end,
+                "take it away",
+            )
+        outer = (self.text, self.path, self.within, self.builder.source)
+        self.text, self.path = included.source.text, included.path.parent
+        self.within = (*self.within, included.path)
+        self.builder.source = included.source
+        self._text()
+        self.text, self.path, self.within, self.builder.source = outer
+
+    # --- for ---
+
+    def _for(
+        self,
+        statement: Statement,
+        raw: list[Lexeme],
+        values: Values,
+        read: Callable[[Statement, Values], None],
+    ) -> None:
+        body = _body(statement, raw)
+        header = raw[: _colon(raw) + 1]
+        tree = self.parser.parse(classified(filled(header, values)), "statement")
+        variable = str(part(tree, "WORD"))
+        if not variable.isidentifier() or variable in values:
+            raise Fault(
+                Code.DSL_TEMPLATE,
+                f"`{variable}` is the name of a `for` around this one"
+                if variable in values
+                else f"`{variable}` cannot be the name of a `for`",
+                *span(part(tree, "WORD")),
+                "choose another one word",
+            )
+        if not values:
+            self._foresee(statement, tree)
+        if len(values) >= MAX_NESTING:
+            raise Fault(Code.TOO_LARGE, f"`for`s nested more than {MAX_NESTING} deep", *span(tree))
+        listed = self._listed(tree)
+        self.builder.budget.repeat(len(listed) * len(body), *span(tree))
+        for value in listed:
+            if self.stopped:
+                break
+            self._each(body, read, {**values, variable: value})
+
+    def _foresee(self, statement: Statement, tree: Any) -> None:
+        """Raises `Fault` where a `for`, with those in it, makes too many statements.
+
+        So that this is told at once, not after most of them have been made.
+        """
+        count = self._weight(statement)
+        if count > self.builder.budget.statements:
+            self.builder.budget.repeat(count, *span(tree))
+
+    def _weight(self, statement: Statement, depth: int = 0) -> int:
+        """How many statements a statement makes, as far as its text alone can tell."""
+        if depth > MAX_NESTING:
+            return 1
+        try:
+            raw = self._tokens(statement)
+            if raw[0].type != "WORD" or raw[0].value != "for":
+                return 1
+            body = _body(statement, raw)
+            inner = sum(self._weight(part, depth + 1) for part in body)
+            header = raw[: _colon(raw) + 1]
+            if any("{" in token.value for token in header):
+                return inner
+            return inner * len(self._listed(self.parser.parse(classified(header))))
+        except Fault:
+            return 1  # It is told where the statement is read.
+
+    def _listed(self, tree: Any) -> Sequence[Value]:
+        """What a `for` goes through."""
+        numbers = [n for n in tree.children if kind(n) == "INT"]
+        if not numbers:
+            return [found.value for found in nodes.names(part(tree, "names"))]
+        low, high = (nodes.integer(n).value for n in numbers)
+        if low > high:
+            raise Fault(
+                Code.EMPTY_RANGE,
+                f"the range {low} .. {high} is empty",
+                span(numbers[0])[0],
+                span(numbers[1])[1],
+                "write the smaller number first",
+            )
+        if high - low >= sys.maxsize:
+            raise Fault(Code.BAD_NUMBER, "a number beyond all range", *span(numbers[1]))
+        return range(low, high + 1)
+
+    # --- events ---
+
+    def _event(self, statement: Statement, raw: list[Lexeme], values: Values) -> None:
+        if _colon(raw) < 0:
+            raw = [*raw, Lexeme("COLON", ":", raw[-1].end_pos, raw[-1].end_pos)]
+            statement = Statement(statement.spans, body=statement.body or [], tokens=raw)
+        body = _body(statement, raw)
+        header = filled(raw[: _colon(raw) + 1], values)
+        tree = self.parser.parse(classified(header), "statement")
+        at = self.sink.next("events")
+        event: dict[str, Any] = {}
+        self.builder.mark(at, *span(tree))
+        if (named := part(tree, "name")) is not None:
+            self.builder.put_field(event, "id", nodes.name(named), at)
+        moment = nodes.time(part(tree, "INT", "TIME", "STRING"))
+        self.builder.put_field(event, "at", moment, at, part(tree, "AT"))
+        outer = self.sink
+        self.sink = Sink({"changes": []}, at)
+        self._each(body, self._change, values)
+        if self.sink.arrays["changes"]:
+            event["changes"] = self.sink.arrays["changes"]
+        self.sink = outer
+        self.sink.put("events", event)
+
+    def _change(self, statement: Statement, values: Values) -> None:
+        """A statement in the body of an event."""
+        raw = self._tokens(statement)
+        if raw[0].value == "for" and raw[0].type == "WORD":
+            self._for(statement, raw, values, self._change)
+            return
+        at = self.sink.next("changes")
+        if len(raw) > 1 and raw[0].value in ("add", "remove") and raw[1].type == "COLON":
+            self._block(statement, raw, values, at)
+            return
+        _no_body(statement, raw)
+        tree = self.parser.parse(classified(filled(raw, values), change=True), "change")
+        self.sink.put("changes", changes.change(self.builder, tree, at))
+
+    def _block(self, statement: Statement, raw: list[Lexeme], values: Values, at: Pointer) -> None:
+        """`add:` or `remove:` with a body: one change of many parts."""
+        body, outer = _body(statement, raw), self.sink
+        adds = raw[0].value == "add"
+        self.builder.mark(at, raw[0].start_pos, raw[0].end_pos)
+        self.sink = Sink({}, at)
+        before = len(self.faults)
+        self._each(body, self._added if adds else self._removed, values)
+        inner, self.sink = self.sink, outer
+        if len(self.faults) > before and not any(inner.arrays.values()):
+            return  # All of it is faulty, and told.
+        found = (
+            changes.addition(inner, raw[0].start_pos, raw[0].end_pos)
+            if adds
+            else changes.removal(inner)
+        )
+        self.sink.put("changes", found)
+
+    def _added(self, statement: Statement, values: Values) -> None:
+        self._part(
+            statement, values, self._added, lambda t: changes.added(self.builder, t, self.sink)
+        )
+
+    def _removed(self, statement: Statement, values: Values) -> None:
+        def remove(tree: Any) -> None:
+            if tree.data != "order":
+                raise Fault(
+                    Code.DSL_SYNTAX, "only an order can be removed", *span(tree), "write `a -> b`"
+                )
+            self.builder.order(tree, self.sink, plain=True)
+
+        self._part(statement, values, self._removed, remove)
+
+    def _part(
+        self,
+        statement: Statement,
+        values: Values,
+        again: Callable[[Statement, Values], None],
+        read: Callable[[Any], None],
+    ) -> None:
+        raw = self._tokens(statement)
+        if raw[0].value == "for" and raw[0].type == "WORD":
+            self._for(statement, raw, values, again)
+            return
+        _no_body(statement, raw)
+        read(self.parser.parse(classified(filled(raw, values)), "statement"))
+
+
+def _unknown_member(member: nodes.Placed, known: set[str]) -> Fault:
+    return Fault(
+        Code.UNKNOWN_NAME,
+        f"there is no resource {member.value!r}",
+        member.start,
+        member.end,
+        did_you_mean(member.value, sorted(known)) or "declare it",
+    )
+
+
+def _of_name(tokens: list[Lexeme], i: int) -> bool:
+    """Whether a raw token may be a part of a name, or a duration."""
+    token = tokens[i]
+    if token.type == "WORD":
+        if i == 0 and token.value in STATEMENT_WORDS:
+            return False
+        return token.value not in CLAUSE_WORDS and token.value not in PHRASE_STARTS
+    return token.type in ("INT", "TIME", "STRING")
+
+
+def _colon(raw: list[Lexeme]) -> int:
+    return next((i for i, token in enumerate(raw) if token.type == "COLON"), -1)
+
+
+def _body(statement: Statement, raw: list[Lexeme]) -> list[Statement]:
+    """What a block holds: the lines below it, or the rest of its own line."""
+    colon = _colon(raw)
+    if colon < 0:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            f"`{raw[0].value}` needs a `:` before what it holds",
+            raw[-1].end_pos - 1,
+            raw[-1].end_pos,
+        )
+    rest = raw[colon + 1 :]
+    if rest:
+        inner = Statement(
+            [(rest[0].start_pos, rest[-1].end_pos)], rest[0].value, statement.body, tokens=rest
+        )
+        return [inner]
+    if statement.body is None and raw[0].value != "event":
+        raise Fault(
+            Code.DSL_SYNTAX,
+            f"this `{raw[0].value}` holds nothing",
+            raw[colon].start_pos,
+            raw[colon].end_pos,
+            "indent the lines that belong to it",
+        )
+    return statement.body or []
+
+
+def _no_body(statement: Statement, raw: list[Lexeme]) -> None:
+    if statement.body:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            "this statement cannot have a body",
+            raw[-1].start_pos,
+            raw[-1].end_pos,
+            "take the `:` away",
+        )
+
+
+_LEX_FAULTS: dict[str, tuple[Code, str, str | None]] = {
+    "unclosed": (
+        Code.DSL_TEXT,
+        "the text in quotes that begins here is not closed",
+        'close it with " on the same line; a line break in it is written \\n',
+    ),
+    "escape": (
+        Code.DSL_TEXT,
+        "this escape does not exist",
+        'a backslash itself is written \\\\, a quote \\"',
+    ),
+    "control": (
+        Code.DSL_TEXT,
+        "a control character in quotes",
+        "write it as an escape such as \\t",
+    ),
+    "surrogate": (Code.DSL_TEXT, "this text holds half a character (a lone surrogate)", None),
+    "brace": (
+        Code.DSL_TEMPLATE,
+        "this brace has no partner on its line",
+        'put the name in "quotes" if the brace belongs to it',
+    ),
+}
+
+
+_CHARACTER_HINTS = {
+    **dict.fromkeys("'“”‘’`", 'use "double quotes"'),
+    ";": "write each statement on a line of its own",
+}
+
+
+def _unlexed(fault: LexFault, text: str) -> Fault:
+    known = _LEX_FAULTS.get(fault.kind)
+    if known is not None:
+        code, message, hint = known
+        return Fault(code, message, fault.start, fault.end, hint)
+    shown = text[fault.start : fault.end]
+    printed = f"`{shown}`" if shown.isprintable() else f"the character U+{ord(shown):04X}"
+    return Fault(
+        Code.DSL_SYNTAX,
+        f"{printed} has no meaning here",
+        fault.start,
+        fault.end,
+        _CHARACTER_HINTS.get(shown, 'if it belongs to a name, put the name in "quotes"'),
+    )
+
+
+_TASK_FIELDS = {
+    "task": "name",
+    "irc": "irc",
+    "description": "description",
+    "unit": "time_unit",
+    "days": "days_per_month",
+    "origin": "origin",
+    "task_deadline": "deadline",
+    "objective": "objective",
+    "include": "",
+}
+_SAID: dict[str, Callable[[Any], nodes.Placed]] = {
+    "task": nodes.name,
+    "irc": nodes.text,
+    "description": nodes.text,
+    "unit": nodes.text,
+    "days": nodes.integer,
+    "origin": nodes.text,
+    "task_deadline": nodes.time,
+}
+_ELEMENTS: dict[str, Callable[[Builder, Any, Sink], None]] = {
+    "action": Builder.action,
+    "order": Builder.order,
+    "resource": Builder.resource,
+    "pool": Builder.pool,
+    "state": Builder.state,
+    "group": Builder.group,
+    "goal": Builder.goal,
+}

@@ -1,0 +1,50 @@
+"""Which language a text is in: by its file's name, else by what stands in it."""
+
+from __future__ import annotations
+
+import re
+from typing import Literal
+
+Language = Literal["json", "dsl", "english"]
+
+_BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json"}
+_KEY = re.compile(r'"(?:actions|irc|precedence|resources)"\s*:')
+_SNIFFED = 10_000
+_SNIFFED_STATEMENTS = 20
+
+
+def language_of(text: str, name: str) -> Language:
+    """The language of a text; the first rule that knows it decides.
+
+    1. The suffix of its name: `.irc` or `.json`.
+    2. It begins like a JSON document, or has one inside, chatter around it or not: JSON.
+    3. The suffix of a text file (`.txt`, `.md`): English.
+    4. Most of its first statements can be read as ones of the DSL: DSL.
+    5. It lists steps: English.
+    6. One of its first statements can be read as one of the DSL: DSL.
+    7. Else JSON, whose reader says what it expected.
+    """
+    suffix = name[name.rfind(".") :].lower() if "." in name else ""
+    if suffix in _BY_SUFFIX:
+        return _BY_SUFFIX[suffix]
+    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or _KEY.search(text):
+        return "json"
+    from irc.frontends.english.detect import SUFFIXES, is_english
+
+    english = is_english(text, name)
+    if english and suffix in SUFFIXES:
+        return "english"
+    readable, lines = _like_dsl(text[:_SNIFFED])
+    if readable and 2 * readable >= lines:
+        return "dsl"
+    if english:
+        return "english"
+    return "dsl" if readable else "json"
+
+
+def _like_dsl(text: str) -> tuple[int, int]:
+    """How many of the first statements can be read, and how many lines begin one."""
+    from irc.frontends.dsl.reader import readable_statements
+
+    begun = [line for line in text.splitlines() if line.strip() and line[0] not in " \t#"]
+    return readable_statements(text, _SNIFFED_STATEMENTS), len(begun[:_SNIFFED_STATEMENTS])

@@ -1,0 +1,62 @@
+"""`irc fmt`: a task file in the one layout of its language, saying what it said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.files import write_whole
+from irc.frontends.files import STANDARD_INPUT, read_text
+from irc.frontends.language import language_of
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A text and what it looks like in the one layout."""
+
+    text: str
+    laid_out: str
+
+    @property
+    def changed(self) -> bool:
+        """Whether it looked otherwise."""
+        return self.text != self.laid_out
+
+
+def lay_out(text: str, name: str) -> Layout:
+    """The layout of a text, whatever language it is in.
+
+    Raises `InputError` for a text that cannot be read, or that is JSON with other text around it.
+    """
+    if language_of(text, name) == "dsl":
+        from irc.frontends.dsl.formatter import formatted
+
+        return Layout(text, formatted(text, name))
+    from irc.frontends.json_document import read_document
+    from irc.frontends.json_layout import laid_out
+
+    document = read_document(text, name)
+    around = [d for d in document.notes.items if d.code is Code.SURROUNDED]
+    if around:
+        refused = Diagnostic(
+            Code.SYNTAX,
+            "there is other text around the JSON document, which a layout would lose",
+            hint="take it away, or write the task with `irc convert`",
+            offset=around[0].offset,
+        )
+        raise InputError(Report((refused,), document.source))
+    return Layout(text, laid_out(document.source.text))
+
+
+def lay_out_file(file: str, *, check: bool = False) -> Layout:
+    """Lays out a file in place, whole or not at all; with `check` only looks at it.
+
+    "-" is standard input, which is only looked at. Raises `InputError` or `WriteError`.
+    """
+    text, name = read_text(file)
+    found = lay_out(text, name)
+    if found.changed and not check and file != STANDARD_INPUT:
+        path = Path(file).resolve()
+        write_whole(path, found.laid_out, mode=path.stat().st_mode & 0o7777)
+    return found
