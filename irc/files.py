@@ -13,17 +13,21 @@ class WriteError(Exception):
     """A file or folder that cannot be written; the text says which and why."""
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Writes beside the target and renames, so no reader ever sees half a file."""
+def write_whole(path: Path, content: str | bytes, *, keep_mode: bool = False) -> None:
+    """Writes beside the target and renames, so no reader ever sees half a file.
+
+    With `keep_mode` the file keeps the permissions it has.
+    """
     temporary: str | None = None
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name[:50]}.", dir=path.parent)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
         # mkstemp makes private files; a result has the permissions a new file would have.
         mask = os.umask(0)
         os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
+        mode = path.stat().st_mode & 0o7777 if keep_mode else 0o666 & ~mask
+        os.chmod(temporary, mode)
         os.replace(temporary, path)
         temporary = None
     except OSError as error:

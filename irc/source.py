@@ -14,11 +14,15 @@ Locator = Callable[[str, frozenset[Pointer]], Mapping[Pointer, "Range"]]
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Offsets into the text: [start, end) of a value, and of its key where it has one."""
+    """Offsets into the text: [start, end) of a value, and of its key where it has one.
+
+    `written` is the path as the text itself spells it, for texts that JSON patches apply to.
+    """
 
     start: int
     end: int
     key_start: int | None = None
+    written: Pointer | None = None
 
 
 def pointer_text(pointer: Pointer) -> str:

@@ -19,12 +19,25 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
         used.update(r for m in action.modes for u in m.uses for r in u.alternatives)
     for i, resource in enumerate(task.resources):
         if resource.id not in used:
-            findings.add(Code.UNUSED, f"no action uses resource {resource.id!r}", ("resources", i))
-    for k in redundant_arcs(problem):
+            findings.add(
+                Code.UNUSED,
+                f"no action uses resource {resource.id!r}",
+                ("resources", i),
+                hint='name it in an action\'s "uses", or remove it',
+            )
+    redundant = redundant_arcs(problem)
+    if not redundant:
+        return
+    from irc.fixes import removed
+
+    for k in redundant:
         arc = problem.arcs[k]
         before, after = problem.activities[arc.before].id, problem.activities[arc.after].id
         findings.add(
             Code.REDUNDANT,
             f"{before!r} before {after!r} follows from other precedences",
             ("precedence", arc.origin),
+            hint="it may be removed; targets leave it out",
+            # Events may cancel what it follows from, and then it would be missed.
+            fix=() if task.events else removed(("precedence", arc.origin)),
         )

@@ -128,7 +128,7 @@ def _tell_cycle(
     more = f"; … ({len(cycle) - _LONGEST_SHOWN} more)" if len(cycle) > _LONGEST_SHOWN else ""
     findings.add(
         Code.LAGS,
-        f"these cannot hold together, by {_units(problem, excess)}: {steps}{more}",
+        f"these contradict each other by {_units(problem, excess)}: {steps}{more}",
         pointer,
         hint="raise a maximum or lower a minimum",
     )

@@ -170,9 +170,17 @@ def _locator(start: int) -> Any:
             for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
         }
         places = scan(text, start, meant.keys()).places
-        return {meant[spelled]: place for spelled, place in places.items()}
+        return {
+            meant[written]: Range(place.start, place.end, place.key_start, written)
+            for written, place in places.items()
+        }
 
     return locate
+
+
+def json_source(name: str, text: str) -> Source:
+    """The source of a text that is one JSON value, whatever it stands for."""
+    return Source(name, text, _locator(0))
 
 
 _Found = tuple[int, int, dict[str, Any]]

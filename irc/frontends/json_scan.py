@@ -179,7 +179,12 @@ class _Scanner:
         first = self.text[at : at + 1]
         if first in ("{", "["):
             if len(self.open) >= self.max_depth:
-                self._fault(Code.TOO_LARGE, at, f"nested more than {self.max_depth} levels deep")
+                self._fault(
+                    Code.TOO_LARGE,
+                    at,
+                    f"nested more than {self.max_depth} levels deep",
+                    "a task needs eight levels; look for brackets that are not closed",
+                )
                 raise _Stop
             self.open.append(_Open(first, at, key_start))
             return at + 1
@@ -217,13 +222,22 @@ class _Scanner:
         number = _NUMBER.match(self.text, at)
         if number and not self.text.startswith("-I", at):
             if number.end() - at > _LONGEST_NUMBER or len(number[1] or "") > _LONGEST_EXPONENT:
-                self._fault(Code.BAD_NUMBER, at, "a number beyond all range")
+                self._fault(
+                    Code.BAD_NUMBER,
+                    at,
+                    "a number beyond all range",
+                    f"a number may have {_LONGEST_NUMBER} characters, and its exponent "
+                    f"{_LONGEST_EXPONENT} digits",
+                )
             return number.end()
         sign = 1 if self.text.startswith(("-", "+"), at) else 0
         word_match = _WORD.match(self.text, at + sign)
         if word_match and word_match[0] in _NOT_FINITE:
             self._fault(
-                Code.BAD_NUMBER, at, f"{self.text[at : word_match.end()]} is not a number in JSON"
+                Code.BAD_NUMBER,
+                at,
+                f"{self.text[at : word_match.end()]} is not a number in JSON",
+                "write a finite number, or leave the field out",
             )
             return word_match.end()
         raise self._expected(at, "a value", self.open[-1] if self.open else None)
