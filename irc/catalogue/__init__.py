@@ -96,10 +96,11 @@ def _family(raw: Mapping[str, Any]) -> Family:
     for id, fields in raw["codes"].items():
         if id not in codes:
             raise ValueError(f"the catalogue has an entry for {id}, which is no code")
-        texts = {key: value.strip() for key, value in fields.items() if key in _FLOWING}
+        texts = {key: " ".join(fields[key].split()) for key in _FLOWING}
+        texts["told"] = fields["told"].strip()
         lists = {"before": tuple(fields.get("before", ()))}
         entries.append(Entry(codes[id], **{**fields, **texts, **lists}))
-    return Family(raw["title"], raw["about"].strip(), tuple(entries))
+    return Family(raw["title"], " ".join(raw["about"].split()), tuple(entries))
 
 
-_FLOWING = ("explanation", "remedy", "told")
+_FLOWING = ("explanation", "remedy")

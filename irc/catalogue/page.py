@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from importlib.resources import files
+from textwrap import fill
 
 from irc.catalogue import Entry, Family, load_families
 
@@ -17,7 +18,7 @@ def diagnostics_page() -> str:
     for family in families:
         lines += _table(family)
     for family in families:
-        lines += [f"## {family.title}", "", family.about, ""]
+        lines += [f"## {family.title}", "", fill(family.about, 100), ""]
         for entry in family.entries:
             lines += _section(entry)
     return "\n".join(lines).rstrip() + "\n"
@@ -39,28 +40,25 @@ def _section(entry: Entry) -> Iterator[str]:
     code = entry.code
     yield f"### {code.id}"
     yield ""
-    yield f"**{code.severity}: {code.summary}.** {entry.explanation}"
+    yield f"*{code.severity}: {code.summary}.*"
+    yield ""
+    yield fill(entry.explanation, 100)
     yield ""
     yield f"What to do: {entry.remedy}."
     yield ""
     for name, text in entry.files.items():
-        yield from _fenced(f"With this `{name}`", text, _language(name))
-    for command in entry.before:
-        yield f"after `{command}`,"
+        yield from _fenced(f"With `{name}`:", text, _language(name))
     yield from _fenced(_bad_title(entry), entry.bad, _language(entry.file))
-    yield from _fenced(f"`{entry.command}` says", entry.told, "text")
-    yield from _fenced("Better", entry.good, _language(entry.file))
+    commands = " and then ".join(f"`{command}`" for command in (*entry.before, entry.command))
+    yield from _fenced(f"{commands} says", entry.told, "text")
+    yield from _fenced("Good:", entry.good, _language(entry.file))
 
 
 def _bad_title(entry: Entry) -> str:
     if entry.printed_by is not None:
-        return f"of this, printed by the engine {entry.printed_by},"
-    title = "for this" if entry.files else "For this"
-    if entry.file != "task.json" or entry.files:
-        title += f" `{entry.file}`"
-    if entry.encoding != "utf-8":
-        title += f", saved as {entry.encoding.upper()},"
-    return title
+        return f"Bad, printed by the engine {entry.printed_by}:"
+    saved = "" if entry.encoding == "utf-8" else f", saved as {entry.encoding.upper()}"
+    return f"Bad (`{entry.file}`{saved}):"
 
 
 def _fenced(title: str, text: str, language: str) -> Iterator[str]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 from irc.catalogue import Entry, load_catalogue, load_families
 from irc.cli import EXIT_USE
 from irc.cli.output import Format, fail, put, put_json
 from irc.diagnostics import did_you_mean
 
 CODES_VERSION = "1"
+
+_WIDTH = 88
 
 _LOOKALIKES = str.maketrans("OLS", "015", "- _")
 
@@ -43,8 +47,8 @@ def put_codes(format: Format) -> None:
 
 def _in_words(entry: Entry) -> str:
     code = entry.code
-    parts = [f"{code.severity}[{code.id}]: {code.summary}", entry.explanation]
-    parts.append(f"What to do: {entry.remedy}.")
+    parts = [f"{code.severity}[{code.id}]: {code.summary}", fill(entry.explanation, _WIDTH)]
+    parts.append(fill(f"What to do: {entry.remedy}.", _WIDTH))
     for name, text in entry.files.items():
         parts.append(f"With this {name}\n\n{_indented(text)}")
     parts += [f"after `{command}`," for command in entry.before]
