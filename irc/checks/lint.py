@@ -7,6 +7,18 @@ from irc.model import Action, Task
 from irc.passes.reduction import redundant_arcs
 from irc.problem import Problem
 
+_MOST_MISSPELT = 50
+"""Beyond so many unknown resources all the unused ones are told."""
+
+
+def _is_meant(resource: str, unknown: set[str]) -> bool:
+    """Whether one of the unknown names, each told already, may be this resource's misspelt."""
+    if not unknown or len(unknown) > _MOST_MISSPELT:
+        return False
+    from irc.suggest import closest
+
+    return any(closest(name, [resource]) for name in unknown)
+
 
 def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
     """Adds warnings about unused resources and notes about redundant precedences."""
@@ -17,8 +29,9 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
         used.update(r for u in action.uses for r in u.alternatives)
         used.update(c.resource for c in (*action.consumes, *action.produces))
         used.update(r for m in action.modes for u in m.uses for r in u.alternatives)
+    unknown = used.difference(r.id for r in task.resources)
     for i, resource in enumerate(task.resources):
-        if resource.id not in used:
+        if resource.id not in used and not _is_meant(resource.id, unknown):
             findings.add(
                 Code.UNUSED,
                 f"no action uses resource {resource.id!r}",

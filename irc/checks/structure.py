@@ -15,7 +15,7 @@ from irc.times import Clock, Instant, Number, TimeError
 if TYPE_CHECKING:
     from irc.checks.unknown_names import Guesses
     from irc.fixes import Fix
-    from irc.model import Group, StateVariable
+    from irc.model import Condition, Effect, Group, StateGoal, StateVariable
     from irc.model.events import CancelActions, CancelGroups, Change, Event, PrecedenceKey
 
 
@@ -104,7 +104,7 @@ def check_structure(task: Task, findings: Findings) -> None:
         if isinstance(goal, str):
             names.require("action", goal, ("goals", i))
         else:
-            _check_value(goal.var, goal.value, ("goals", i), names)
+            _check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
     if task.events:
         _check_events(task.events, names, times)
@@ -157,7 +157,8 @@ class _Times:
         try:
             return self.clock.number(value)
         except TimeError as error:
-            self.findings.add(Code.BAD_TIME, f"'{what}': {error}", pointer)
+            hint = 'a date-time is counted from the task\'s "origin": "2026-03-01T08:00:00Z"'
+            self.findings.add(Code.BAD_TIME, f"'{what}': {error}", pointer, hint=hint)
             return None
 
     def point(self, value: Instant | None, what: str, pointer: Pointer) -> Number | None:
@@ -330,11 +331,22 @@ def _value_text(value: bool | str) -> str:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def _check_value(var: str, value: bool | str, at: Pointer, names: Names) -> None:
-    if names.require("state variable", var, (*at, "var")):
-        variable = names.state[var]
-        if not _has_value(variable, value):
-            _tell_value(variable, value, (*at, "value"), names.findings)
+def _check_value(fact: Condition | Effect | StateGoal, at: Pointer, names: Names) -> None:
+    if not names.require("state variable", fact.var, (*at, "var")):
+        return
+    variable = names.state[fact.var]
+    if _has_value(variable, fact.value):
+        return
+    if "value" in fact.model_fields_set:
+        _tell_value(variable, fact.value, (*at, "value"), names.findings)
+        return
+    names.findings.add(
+        Code.UNKNOWN_VALUE,
+        f"state variable {variable.id!r} has no value true, "
+        "which is meant where no 'value' is given",
+        (*at, "value"),
+        hint=f'add "value": one of {_some(map(str, variable.values))}',
+    )
 
 
 def _check_action(
@@ -360,7 +372,7 @@ def _check_action(
                 _require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
     for field in ("conditions", "effects"):
         for i, fact in enumerate(getattr(action, field)):
-            _check_value(fact.var, fact.value, (*at, field, i), names)
+            _check_value(fact, (*at, field, i), names)
     if action.weight is not None and action.due is None:
         findings.add(
             Code.WITHOUT_EFFECT,

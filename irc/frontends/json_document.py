@@ -94,10 +94,19 @@ def decode_bytes(data: bytes, name: str) -> str:
         findings.add(
             Code.UNREADABLE,
             f"byte 0x{data[error.start]:02x} is not valid {encoding.upper()}",
-            hint="save the file as UTF-8",
+            hint=_encoding_hint(data),
             offset=offset,
         )
         raise InputError(Report(tuple(findings.items), Source(name, text))) from None
+
+
+_BINARY = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"PK\x03\x04", b"%PDF", b"\x1f\x8b", b"\x7fELF")
+
+
+def _encoding_hint(data: bytes) -> str:
+    if data.startswith(_BINARY) or b"\x00" in data[:1000]:
+        return "this does not look like a text file; give a task as JSON text"
+    return "save the file as UTF-8"
 
 
 def read_document(text: str, name: str) -> RawDocument:
@@ -107,7 +116,12 @@ def read_document(text: str, name: str) -> RawDocument:
     """
     findings = Findings()
     if text.startswith("\ufeff"):
-        findings.add(Code.BYTE_ORDER_MARK, "a byte-order mark at the start is ignored", offset=0)
+        findings.add(
+            Code.BYTE_ORDER_MARK,
+            "a byte-order mark at the start is ignored",
+            hint="nothing need be done",
+            offset=0,
+        )
         text = text[1:]
     start = _skip_blank(text, 0)
     if text.startswith("{", start):
@@ -241,6 +255,7 @@ def _note_surroundings(text: str, start: int, end: int, findings: Findings) -> N
         findings.add(
             Code.SURROUNDED,
             f"there is {what} around the JSON document; it was set aside",
+            hint="nothing need be done; only the JSON was read",
             offset=_skip_blank(text, 0) if before else _skip_blank(text, end),
         )
 

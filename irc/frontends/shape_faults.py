@@ -19,8 +19,13 @@ from irc.suggest import certain_keyword, closest
 from irc.times import TimeError
 
 _ALIASES = {new: old for old, new in (*PRECEDENCE_ALIASES.items(), ("dependencies", "precedence"))}
+_CANONICAL = {old: new for new, old in _ALIASES.items()}
 _QUOTED = re.compile(r"'([^']*)'")
 _WHOLE = re.compile(r"-?(0|[1-9]\d{0,17})", re.ASCII)
+
+_HINTS = {
+    "needs either 'resource' or 'one_of'": "name one resource, or a choice of several, not both",
+}
 
 _EXPECTED = {
     "string_type": "expected text in double quotes",
@@ -65,7 +70,7 @@ def _is_told_as_misspelt(d: Diagnostic, misspelt: set[tuple[Pointer, str | None]
 @lru_cache(maxsize=1024)
 def _field_close_to(word: str, names: tuple[str, ...]) -> str | None:
     close = certain_keyword(word, names) or closest(word, names)
-    return None if close is None else _ALIASES.get(close, close)
+    return None if close is None else _CANONICAL.get(close, close)
 
 
 def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
@@ -95,7 +100,7 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
             Code.UNKNOWN_FIELD,
             f"{_element(pointer[:-1], raw)} has no field {str(loc[-1])!r}",
             pointer,
-            hint=f"did you mean `{guess}`?" if guess else f"known fields are {', '.join(known)}",
+            hint=f"did you mean `{guess}`?" if guess else _known_fields(known),
             at_key=True,
             fix=fix,
         )
@@ -104,14 +109,18 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
     if kind == "too_short" and value:
         return  # It has entries; what is wrong with them is told of each.
     if isinstance(cause, TimeError):
-        findings.add(Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer)
+        findings.add(
+            Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer, hint=_time_hint(str(cause))
+        )
     elif kind in ("literal_error", "union_tag_invalid"):
         _add_word(fault, pointer, value, findings)
     else:
         message = _EXPECTED.get(kind) or str(cause or fault["msg"])
         found = "" if kind == "value_error" else f", found {_shown(value)}"
         fix = _as_meant(kind, pointer, value)
-        hint = f"write {_shown(fix[0].value)} without quotes" if fix else None
+        hint = f"write {_shown(fix[0].value)} without quotes" if fix else _HINTS.get(message)
+        if kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
+            hint = 'write {"before": …, "after": …}, or a pair of two names'
         findings.add(
             Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=hint, fix=fix
         )
@@ -134,6 +143,20 @@ def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> N
     )
 
 
+def _known_fields(known: Sequence[str]) -> str:
+    return f"known fields are {', '.join(known)}; other data belongs into the task's `metadata`"
+
+
+def _time_hint(message: str) -> str | None:
+    if "1 h 30 min" in message:
+        return None  # It says so itself.
+    if "'origin'" in message:
+        return 'add "origin": "2026-03-01T08:00:00Z", or count from t = 0'
+    if "date-time" in message:
+        return "write a date-time such as 2026-03-01T08:00:00Z"
+    return "write a number, or a text with units such as '1 h 30 min'"
+
+
 def _listed(words: Sequence[str]) -> str:
     quoted = [repr(word) for word in words]
     return " or ".join(filter(None, (", ".join(quoted[:-1]), *quoted[-1:])))
@@ -147,9 +170,9 @@ def _renaming(pointer: Pointer, raw: Any) -> Fix:
     siblings = _value_at(tuple(parents), raw)
     if meant is None or not isinstance(siblings, Mapping):
         return ()
-    taken = {_ALIASES.get(s, s) for s in siblings if s in names}
+    taken = {_CANONICAL.get(s, s) for s in siblings if s in names}
     others = (s for s in siblings if s not in names and s != name)
-    if _ALIASES.get(meant, meant) in taken or any(
+    if _CANONICAL.get(meant, meant) in taken or any(
         certain_keyword(str(other), names) == meant for other in others
     ):
         return ()
@@ -194,7 +217,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, Mapping):
         return "an object"
     if isinstance(value, (list, tuple)):
-        return "a list"
+        return "a list" if value else "an empty list"
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -204,8 +227,28 @@ def _shown(value: Any) -> str:
 
 
 def _where(pointer: Pointer) -> str:
+    """A field by its name, an entry of a list by its number, a name of a pair by its meaning."""
     names = [part for part in pointer if isinstance(part, str)]
-    return f"'{names[-1]}'" if names else "the task"
+    if not names:
+        return "the task"
+    *parents, last = pointer
+    if isinstance(last, str):
+        return f"'{last}'"
+    if parents and isinstance(parents[-1], int):
+        return f"'{('before', 'after')[last]}' of {_kind(names[-1])} {parents[-1] + 1}"
+    return f"{_kind(names[-1])} {last + 1}"
+
+
+def _kind(array: str) -> str:
+    """What one entry of an array is called."""
+    return {
+        "uses": "use",
+        "modes": "mode",
+        "changes": "change",
+        "dependencies": "precedence",
+        "availability": "window",
+        "one_of": "entry of 'one_of'",
+    }.get(array, array.removesuffix("s"))
 
 
 def _element(pointer: Pointer, raw: Any) -> str:
@@ -214,9 +257,7 @@ def _element(pointer: Pointer, raw: Any) -> str:
         return "the task"
     value = _value_at(pointer, raw)
     names = [part for part in pointer if isinstance(part, str)]
-    kind = {"uses": "use", "modes": "mode", "changes": "change"}.get(
-        names[-1], names[-1].removesuffix("s") if names[-1] != "uses" else "use"
-    )
+    kind = _kind(names[-1])
     if isinstance(value, Mapping) and isinstance(value.get("id"), str):
         return f"{kind} {value['id']!r}"
     last = pointer[-1]
@@ -232,7 +273,7 @@ def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
             if isinstance(raw, Mapping) and "op" in raw:
                 model = _change_model(raw["op"]) or model
             continue
-        name = {v: k for k, v in _ALIASES.items()}.get(part, part)
+        name = _CANONICAL.get(part, part)
         field = model.model_fields.get(name)
         nested = None if field is None else _model_in((field.annotation, *field.metadata))
         if nested is None:
@@ -244,7 +285,7 @@ def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
 def _names_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
     """The fields at a path and the other names they may go by."""
     fields = _fields_at(pointer, raw)
-    return (*fields, *(alias for alias, field in _ALIASES.items() if field in fields))
+    return (*fields, *(alias for alias, field in _CANONICAL.items() if field in fields))
 
 
 def _change_model(op: object) -> type[BaseModel] | None:

@@ -120,14 +120,10 @@ def test_a_code_is_explained_with_both_examples_and_what_is_told(given: str) -> 
     shown = explain_code(given).stdout
     entry = load_catalogue()["IRC201"]
     flat = "\n".join(line.removeprefix("    ") for line in shown.splitlines())
-    for part in (
-        entry.explanation,
-        entry.remedy,
-        entry.bad.strip(),
-        entry.told,
-        entry.good.strip(),
-    ):
+    for part in (entry.bad.strip(), entry.told, entry.good.strip()):
         assert part in flat
+    for part in (entry.explanation, entry.remedy):
+        assert part in " ".join(shown.split())
 
 
 def test_a_code_is_explained_to_programs() -> None:

@@ -131,7 +131,7 @@ SHAPE = [
     case(
         actions(',\n "precedence": [["a", ‸3]]'),
         "IRC103 /precedence/0/1",
-        says="'precedence': expected text",
+        says="'after' of precedence 1: expected text",
     ),
     case(
         actions(',\n "precedence": [{"before": "a", "after": "b", "type": ‸"finish-begin"}]'),
@@ -551,8 +551,8 @@ STRUCTURE = [
     case(
         actions(FACT + ',\n "goals": [‸{"var": "v"}]'),
         "IRC210 /goals/0/value",
-        says="has no value true",
-        hint="its values are `raw`, `done`",
+        says="has no value true, which is meant",
+        hint='add "value": one of `raw`, `done`',
     ),
     case(
         actions(',\n "state": [{"id": "v", "values": ["raw"], "initial": ‸"done"}]'),
