@@ -76,9 +76,9 @@ class Certain:
 
     def match(self, name: str) -> str | None:
         """The one known name that is certainly meant; None where there is doubt."""
-        same = self._by_form.get(normal_form(name))
-        if same is not None:
-            return _only(same)
+        form = normal_form(name)
+        if form in self._by_form:
+            return _only(self._by_form[form]) if form else None
         near = {
             known
             for rest in _with_one_less(name.casefold())
@@ -142,6 +142,8 @@ def _word(name: str, at: int) -> int:
     """How many letters the word has in which, or at whose end, a place is."""
     if at >= len(name) or not name[at].isalpha():
         at -= 1
+    if at < 0:
+        return 0
     start = end = at
     while start > 0 and name[start - 1].isalpha():
         start -= 1
