@@ -17,11 +17,12 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 _MANY = 5_000
 """Among more names only those that begin alike are compared for a guess."""
 
-_MOST_FOR_SLIPS = 20_000
+_MOST_FOR_SLIPS = 10_000
 """Among more names none is found by a slip, only by case and separators."""
 
 
@@ -105,7 +106,8 @@ class Certain:
         )
 
 
-def certain_keyword(word: str, known: Collection[str]) -> str | None:
+@lru_cache(maxsize=1024)
+def certain_keyword(word: str, known: tuple[str, ...]) -> str | None:
     """The field or value of the IR that is certainly meant."""
     return Certain(known, KEYWORDS).match(word)
 

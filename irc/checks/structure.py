@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
@@ -77,7 +77,7 @@ _HOW_TO_DECLARE = {
 
 
 def _some(names: Iterable[str]) -> str:
-    listed = list(names)
+    listed = list(islice(names, 6))
     shown = ", ".join(f"`{n}`" for n in listed[:5])
     return shown if len(listed) <= 5 else f"{shown}, …"
 

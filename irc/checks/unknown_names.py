@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 from irc.suggest import Certain, closest
 
-MOST_GUESSES = 200
+MOST_GUESSES = 50
 """After so many different unknown names no more guesses are made: each takes a look at all names,
 and a file with that many needs another remedy."""
 

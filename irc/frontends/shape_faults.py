@@ -132,7 +132,7 @@ def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> N
     if fault["type"] == "union_tag_invalid":
         tag = fault["ctx"]["discriminator"].strip("'")
         pointer, value = (*pointer, tag), value.get(tag)
-    words = _QUOTED.findall(expected)
+    words = tuple(_QUOTED.findall(expected))
     sure = certain_keyword(value, words) if isinstance(value, str) else None
     findings.add(
         Code.WRONG_TYPE,

@@ -94,7 +94,7 @@ def test_a_name_is_certain_where_only_one_can_be_meant(
     ],
 )
 def test_words_of_the_ir_are_certain_sooner(word: str, meant: str | None) -> None:
-    known = ["min_lag", "max_lag", "min", "max", "duration", "name", "deadline"]
+    known = ("min_lag", "max_lag", "min", "max", "duration", "name", "deadline")
     assert certain_keyword(word, known) == meant
 
 
