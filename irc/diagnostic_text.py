@@ -34,11 +34,12 @@ def render(report: Report, *, notes: bool = True) -> str:
 
 def _block(d: Diagnostic, source: Source | None) -> str:
     lines = [f"{d.severity}[{d.code.id}]: {d.message}"]
+    source = d.within or source
     if source is not None and d.offset is not None and d.column is not None:
         lines.append(f"  --> {source.name}:{d.line}:{d.column}")
-        excerpt, caret = _excerpt(source.line_at(d.offset), d.column - 1)
+        shown, caret = excerpt(source.line_at(d.offset), d.column - 1)
         number = str(d.line)
-        lines += [f" {number} | {excerpt}", f" {' ' * len(number)} | {' ' * caret}^"]
+        lines += [f" {number} | {shown}", f" {' ' * len(number)} | {' ' * caret}^"]
     elif d.pointer:
         lines.append(f"  --> {pointer_text(d.pointer)}")
     if d.hint:
@@ -46,7 +47,7 @@ def _block(d: Diagnostic, source: Source | None) -> str:
     return "\n".join(lines)
 
 
-def _excerpt(line: str, column: int) -> tuple[str, int]:
+def excerpt(line: str, column: int) -> tuple[str, int]:
     """At most `_WIDEST_EXCERPT` printable characters of a line, and the cell for the caret."""
     start = 0 if column < _WIDEST_EXCERPT else column - _WIDEST_EXCERPT // 2
     cut = "".join(c if c.isprintable() else " " for c in line[start : start + _WIDEST_EXCERPT])

@@ -89,7 +89,9 @@ class Code(Enum):
 class Diagnostic:
     """One finding. `offset` places it in the text where no element of the document does.
 
-    `fix` is a repair that is certain, as JSON patch operations; empty where none is.
+    `within` is the text it stands in where that is another one than the report's: a file that
+    the task includes. `fix` is a repair that is certain, as JSON patch operations; empty where
+    none is.
     """
 
     code: Code
@@ -100,6 +102,7 @@ class Diagnostic:
     offset: int | None = None
     line: int | None = None
     column: int | None = None
+    within: Source | None = None
     fix: Fix = ()
     end: int | None = None
     """The offset where the text that is meant ends, if it is known and within the same line."""
@@ -110,8 +113,8 @@ class Diagnostic:
         return self.code.severity
 
     def as_json(self) -> dict[str, Any]:
-        """The machine-readable form (design: "Diagnostics")."""
-        return {
+        """The machine-readable form (design: "Diagnostics"); "file" only for an included one."""
+        found = {
             "code": self.code.id,
             "severity": str(self.severity),
             "message": self.message,
@@ -121,6 +124,7 @@ class Diagnostic:
             "hint": self.hint,
             "fix": [operation.as_json() for operation in self.fix] or None,
         }
+        return found if self.within is None else {**found, "file": self.within.name}
 
 
 _ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
@@ -161,7 +165,7 @@ class Report:
         wanted |= {o.target for d in self.diagnostics for o in d.fix}
         places = self.source.locate(wanted) if wanted else {}
         placed = [_placed(d, self.source, places.get(d.pointer)) for d in self.diagnostics]
-        placed.sort(key=lambda d: (d.line or 0, d.column or 0, _ORDER[d.severity]))
+        placed.sort(key=_reading_order)
         return Report(tuple(placed), self.source)
 
     def as_json(self) -> list[dict[str, Any]]:
@@ -175,15 +179,21 @@ class Report:
         return render(self.located(), notes=notes)
 
 
+def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:
+    """By place; what stands in included files comes after the text's own, file by file."""
+    file = "" if d.within is None else d.within.name
+    return file, d.line or 0, d.column or 0, _ORDER[d.severity]
+
+
 def _placed(d: Diagnostic, source: Source, place: Range | None) -> Diagnostic:
     """A diagnostic with its place in the text, if it has one."""
     if d.fix:
         from irc.fixes import as_written
 
         d = replace(d, fix=as_written(d.fix, source))
-    offset, end = d.offset, d.end
+    offset, end, within = d.offset, d.end, d.within
     if offset is None and place is not None:
-        offset = place.start
+        offset, within = place.start, place.within
         if d.at_key and place.key_start is not None:
             offset = place.key_start
         elif place.written is None or len(place.written) == len(d.pointer):
@@ -193,10 +203,11 @@ def _placed(d: Diagnostic, source: Source, place: Range | None) -> Diagnostic:
             d = replace(d, pointer=pointer)
     if offset is None:
         return d
-    line, column = source.line_and_column(offset)
-    if end is not None and "\n" in source.text[offset:end]:
+    text = within or source
+    line, column = text.line_and_column(offset)
+    if end is not None and "\n" in text.text[offset:end]:
         end = None
-    return replace(d, line=line, column=column, offset=offset, end=end)
+    return replace(d, line=line, column=column, offset=offset, end=end, within=within)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:

@@ -27,6 +27,11 @@ _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: 
 def sarif_log(reports: Sequence[tuple[str, Report]]) -> dict[str, Any]:
     """One run of irc over some files, each given with its report."""
     located = [(file, report.located()) for file, report in reports]
+    names = dict.fromkeys(
+        name
+        for file, report in located
+        for name in (file, *(d.within.name for d in report if d.within is not None))
+    )
     codes = sorted({d.code for _, report in located for d in report}, key=lambda code: code.id)
     entries = load_catalogue()
     index = {code: k for k, code in enumerate(codes)}
@@ -47,7 +52,7 @@ def sarif_log(reports: Sequence[tuple[str, Report]]) -> dict[str, Any]:
                 },
                 # What Python counts: characters, not UTF-16 code units (3.14.17).
                 "columnKind": "unicodeCodePoints",
-                "artifacts": [{"location": {"uri": _uri(file)}} for file, _ in located],
+                "artifacts": [{"location": {"uri": _uri(file)}} for file in names],
                 "results": results,
             }
         ],
@@ -69,6 +74,8 @@ def _rule(entry: Entry, code: Code) -> dict[str, Any]:
 def _result(
     d: Diagnostic, file: str, source: Source | None, index: dict[Code, int]
 ) -> dict[str, Any]:
+    if d.within is not None:
+        file, source = d.within.name, d.within
     text = d.message if d.hint is None else f"{d.message}\n{d.hint}"
     result: dict[str, Any] = {
         "ruleId": d.code.id,

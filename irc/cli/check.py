@@ -44,18 +44,19 @@ def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
 def _checked(file: str, fix: bool) -> tuple[Report, Report | None]:
     """The report of a file; where repairs are wanted, that of the repaired file and the repaired
     findings."""
-    if fix:
-        from irc.cli.repair import repair_file
-
-        return repair_file(file)
     from irc.frontends.files import read_task
     from irc.pipeline import check_task
 
     try:
         reading = read_task(file)
-        return check_task(reading.task, reading.notes), None
+        report = check_task(reading.task, reading.notes)
     except InputError as error:
-        return error.report, None
+        report = error.report
+    if not fix:
+        return report, None
+    from irc.cli.repair import repair_file
+
+    return repair_file(file, report.located())
 
 
 def _as_json(checked: Sequence[tuple[str, Report, Report | None]]) -> dict[str, Any]:

@@ -22,17 +22,17 @@ _MARKS = {
 }
 
 
-def repair_file(file: str) -> tuple[Report, Report]:
+def repair_file(file: str, report: Report) -> tuple[Report, Report]:
     """(what is to be said of the repaired file, what was repaired, at its place before).
 
-    The file is written only if something was repaired: whole, in its own encoding, with its own
-    line ends, and changed nowhere else. Raises `irc.files.WriteError`.
+    `report` is what is to be said of the file as it is, located. The file is written only if
+    something was repaired: whole, in its own encoding, with its own line ends, and changed
+    nowhere else. Raises `InputError` or `irc.files.WriteError`.
     """
-    try:
-        data, name = read_bytes(file)
-        text = decode_bytes(data, name)
-    except InputError as error:
-        return error.report, Report()
+    if report.source is None or not text_edits(report, report.source):
+        return report, Report()
+    data, name = read_bytes(file)
+    text = decode_bytes(data, name)
     repaired, report, fixed = repair_text(text, name)
     if repaired != text:
         # Through a link to the file itself, whose permissions it keeps.

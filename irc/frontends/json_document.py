@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from itertools import product
 from typing import Any
@@ -185,8 +185,7 @@ def _locator(start: int) -> Any:
         }
         places = scan(text, start, meant.keys()).places
         return {
-            meant[written]: Range(place.start, place.end, place.key_start, written)
-            for written, place in places.items()
+            meant[written]: replace(place, written=written) for written, place in places.items()
         }
 
     return locate
