@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irc.source import Pointer, Source, pointer_text
 
-SHOWN_PER_CODE = 50
-"""Text output shows at most this many diagnostics of one code, then says how many more."""
-
-_WIDEST_EXCERPT = 100
+if TYPE_CHECKING:
+    from irc.fixes import Fix
+    from irc.source import Range
 
 
 class Severity(StrEnum):
@@ -25,7 +23,10 @@ class Severity(StrEnum):
 
 
 class Code(Enum):
-    """Every diagnostic of the project: its stable code, its severity, what it is about."""
+    """Every diagnostic of the project: its stable code, its severity, what it is about.
+
+    A new member comes with its entry in `irc/catalogue/` and a row in `tests/corpus/`.
+    """
 
     UNREADABLE = ("IRC001", Severity.ERROR, "the input cannot be read as text")
     SYNTAX = ("IRC002", Severity.ERROR, "the text is not valid JSON")
@@ -110,7 +111,8 @@ class Diagnostic:
     """One finding. `offset` places it in the text where no element of the document does.
 
     `within` is the text it stands in where that is another one than the report's: a file that
-    the task includes.
+    the task includes. `fix` is a repair that is certain, as JSON patch operations; empty where
+    none is.
     """
 
     code: Code
@@ -122,6 +124,9 @@ class Diagnostic:
     line: int | None = None
     column: int | None = None
     within: Source | None = None
+    fix: Fix = ()
+    end: int | None = None
+    """The offset where the text that is meant ends, if it is known and within the same line."""
 
     @property
     def severity(self) -> Severity:
@@ -138,6 +143,7 @@ class Diagnostic:
             "line": self.line,
             "column": self.column,
             "hint": self.hint,
+            "fix": [operation.as_json() for operation in self.fix] or None,
         }
         return found if self.within is None else {**found, "file": self.within.name}
 
@@ -169,23 +175,17 @@ class Report:
         return Report((*self.diagnostics, *more), self.source)
 
     def located(self) -> Report:
-        """The same with line and column filled in, in reading order."""
+        """The same in reading order, with line and column, and pointers as the text has them.
+
+        The checks know an element by the IR's own field names; a text may write an alias or a
+        pair instead, and pointers and fixes must lead somewhere in what the author sees.
+        """
         if self.source is None:
             return self
-        unplaced = [d.pointer for d in self.diagnostics if d.offset is None]
-        places = self.source.locate(unplaced) if unplaced else {}
-        placed = []
-        for d in self.diagnostics:
-            offset, within = d.offset, d.within
-            if offset is None and (found := places.get(d.pointer)) is not None:
-                offset, within = (
-                    found.key_start if d.at_key and found.key_start is not None else found.start,
-                    found.within,
-                )
-            if offset is not None:
-                line, column = (within or self.source).line_and_column(offset)
-                d = replace(d, line=line, column=column, offset=offset, within=within)
-            placed.append(d)
+        wanted = {d.pointer for d in self.diagnostics if d.offset is None}
+        wanted |= {o.target for d in self.diagnostics for o in d.fix}
+        places = self.source.locate(wanted) if wanted else {}
+        placed = [_placed(d, self.source, places.get(d.pointer)) for d in self.diagnostics]
         placed.sort(key=_reading_order)
         return Report(tuple(placed), self.source)
 
@@ -195,21 +195,9 @@ class Report:
 
     def render(self, *, notes: bool = True) -> str:
         """The text a person reads: each finding with the source line under a caret."""
-        report = self.located()
-        shown: Counter[Code] = Counter()
-        blocks = []
-        for d in report:
-            if d.severity is Severity.NOTE and not notes:
-                continue
-            shown[d.code] += 1
-            if shown[d.code] <= SHOWN_PER_CODE:
-                blocks.append(_render(d, self.source))
-        blocks += [
-            f"… and {count - SHOWN_PER_CODE} more of {code.id} ({code.summary})"
-            for code, count in shown.items()
-            if count > SHOWN_PER_CODE
-        ]
-        return "\n".join(blocks)
+        from irc.diagnostic_text import render
+
+        return render(self.located(), notes=notes)
 
 
 def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:
@@ -218,40 +206,37 @@ def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:
     return file, d.line or 0, d.column or 0, _ORDER[d.severity]
 
 
-def _render(d: Diagnostic, source: Source | None) -> str:
-    lines = [f"{d.severity}[{d.code.id}]: {d.message}"]
-    source = d.within or source
-    if source is not None and d.offset is not None and d.column is not None:
-        lines.append(f"  --> {source.name}:{d.line}:{d.column}")
-        shown, caret = excerpt(source.line_at(d.offset), d.column - 1)
-        number = str(d.line)
-        lines += [f" {number} | {shown}", f" {' ' * len(number)} | {' ' * caret}^"]
-    elif d.pointer:
-        lines.append(f"  --> {pointer_text(d.pointer)}")
-    if d.hint:
-        lines.append(f"  hint: {d.hint}")
-    return "\n".join(lines)
+def _placed(d: Diagnostic, source: Source, place: Range | None) -> Diagnostic:
+    """A diagnostic with its place in the text, if it has one."""
+    if d.fix:
+        from irc.fixes import as_written
 
-
-def excerpt(line: str, caret: int) -> tuple[str, int]:
-    """At most `_WIDEST_EXCERPT` printable characters of a line around a caret, and its column."""
-    start = 0 if caret < _WIDEST_EXCERPT else caret - _WIDEST_EXCERPT // 2
-    cut = "".join(c if c.isprintable() else " " for c in line[start : start + _WIDEST_EXCERPT])
-    lead = "…" if start else ""
-    tail = "…" if start + _WIDEST_EXCERPT < len(line) else ""
-    return lead + cut + tail, caret - start + len(lead)
+        d = replace(d, fix=as_written(d.fix, source))
+    offset, end, within = d.offset, d.end, d.within
+    if offset is None and place is not None:
+        offset, within = place.start, place.within
+        if d.at_key and place.key_start is not None:
+            offset = place.key_start
+        elif place.written is None or len(place.written) == len(d.pointer):
+            end = place.end
+        if place.written is not None:
+            pointer = (*place.written, *d.pointer[len(place.written) :])
+            d = replace(d, pointer=pointer)
+    if offset is None:
+        return d
+    text = within or source
+    line, column = text.line_and_column(offset)
+    if end is not None and "\n" in text.text[offset:end]:
+        end = None
+    return replace(d, line=line, column=column, offset=offset, end=end, within=within)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """A hint with the closest known name, if one is close."""
-    from difflib import get_close_matches
+    from irc.suggest import closest
 
-    candidates: Sequence[str] = list(known)
-    if len(candidates) > 5000:
-        # Close matching is quadratic in spirit; in a large file look only at similar lengths.
-        candidates = [k for k in candidates if k[:1] == name[:1] and abs(len(k) - len(name)) < 3]
-    close = get_close_matches(name, candidates[:5000], n=1, cutoff=0.6)
-    return f"did you mean `{close[0]}`?" if close else None
+    close = closest(name, known)
+    return None if close is None else f"did you mean `{close}`?"
 
 
 class InputError(Exception):
@@ -277,6 +262,7 @@ class Findings:
         hint: str | None = None,
         at_key: bool = False,
         offset: int | None = None,
+        fix: Fix = (),
     ) -> None:
         """Records one finding."""
-        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset))
+        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix))

@@ -13,7 +13,7 @@ class WriteError(Exception):
     """A file or folder that cannot be written; the text says which and why."""
 
 
-def write_whole(path: Path, text: str, *, mode: int | None = None) -> None:
+def write_whole(path: Path, content: str | bytes, *, mode: int | None = None) -> None:
     """Writes beside the target and renames, so no reader ever sees half a file.
 
     `mode` are the permissions of the file; without it, those that a new one would have.
@@ -21,8 +21,8 @@ def write_whole(path: Path, text: str, *, mode: int | None = None) -> None:
     temporary: str | None = None
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name[:50]}.", dir=path.parent)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
         # mkstemp makes private files; a result has the permissions a new file would have.
         mask = os.umask(0)
         os.umask(mask)

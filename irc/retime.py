@@ -21,7 +21,14 @@ Moment = int | Fraction
 
 
 class AnswerError(Exception):
-    """An engine's answer that no exact schedule of the task corresponds to."""
+    """An engine's answer that no exact schedule of the task corresponds to.
+
+    `line` is where in the answer's text, from 1, that shows, if it shows somewhere.
+    """
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        super().__init__(message)
+        self.line = line
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
-from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.source import Pointer, Source
 from irc.times import (
     Number,
@@ -178,18 +178,29 @@ class _Reader:
     def __init__(self, findings: Findings) -> None:
         self.findings = findings
 
-    def _fault(self, message: str, pointer: Pointer, *, at_key: bool = False) -> None:
-        self.findings.add(Code.BAD_SCHEDULE, message, pointer, at_key=at_key)
+    def _fault(
+        self, message: str, pointer: Pointer, *, hint: str | None = None, at_key: bool = False
+    ) -> None:
+        self.findings.add(Code.BAD_SCHEDULE, message, pointer, hint=hint, at_key=at_key)
+
+    def _unknown_field(self, what: str, pointer: Pointer, known: frozenset[str]) -> None:
+        key = str(pointer[-1])
+        hint = did_you_mean(key, sorted(known)) or f"known fields are {', '.join(sorted(known))}"
+        self._fault(f"{what} has no field {key!r}", pointer, hint=hint, at_key=True)
 
     def schedule(self, raw: Mapping[str, Any]) -> Schedule:
         for key in raw.keys() - _SCHEDULE_FIELDS:
-            self._fault(f"a schedule has no field {key!r}", (key,), at_key=True)
+            self._unknown_field("a schedule", (key,), _SCHEDULE_FIELDS)
         version = raw.get("irc_schedule", SCHEDULE_VERSION)
         if version != SCHEDULE_VERSION:
             self._fault(f"unknown schedule version {version!r}; expected '1'", ("irc_schedule",))
         actions = raw.get("actions")
         if not isinstance(actions, list):
-            self._fault("a schedule needs 'actions', a list", ("actions",) if actions else ())
+            self._fault(
+                "a schedule needs 'actions', a list",
+                ("actions",) if actions else (),
+                hint='expected "actions": [{"id": "a", "start": 0, "end": 3}, …]',
+            )
             actions = []
         entries = tuple(
             entry
@@ -213,7 +224,11 @@ class _Reader:
     def _status(self, raw: Mapping[str, Any]) -> Status:
         value = raw.get("status", "feasible")
         if value not in list(Status):
-            self._fault(f"unknown status {value!r}; known are {', '.join(Status)}", ("status",))
+            self._fault(
+                f"unknown status {value!r}; known are {', '.join(Status)}",
+                ("status",),
+                hint=did_you_mean(str(value), list(Status)) or "leave it out, or use one of these",
+            )
             return Status.FEASIBLE
         return Status(value)
 
@@ -237,7 +252,11 @@ class _Reader:
         stated = self.time(raw["makespan"], ("makespan",))
         if stated != schedule.makespan and not self.findings.items:
             latest = format_number(schedule.makespan)
-            self._fault(f"the latest end is {latest}, not the stated makespan", ("makespan",))
+            self._fault(
+                f"the latest end is {latest}, not the stated makespan",
+                ("makespan",),
+                hint="correct the makespan or the times, or leave the makespan out",
+            )
 
     def _objective(self, raw: Any) -> tuple[ObjectiveValue, ...]:
         if not isinstance(raw, list) or not all(
@@ -264,10 +283,11 @@ class _Reader:
             self._fault("expected an object with 'id', 'start' and 'end'", pointer)
             return None
         for key in raw.keys() - _ENTRY_FIELDS:
-            self._fault(f"an entry has no field {key!r}", (*pointer, key), at_key=True)
+            self._unknown_field("an entry", (*pointer, key), _ENTRY_FIELDS)
         for key in ("start", "end"):
             if key not in raw:
-                self._fault(f"the entry of {raw['id']!r} has no '{key}'", pointer)
+                message = f"the entry of {raw['id']!r} has no '{key}'"
+                self._fault(message, pointer, hint=f'add "{key}": …')
         mode, status = raw.get("mode"), raw.get("status")
         for key in ("mode", "status"):
             if not isinstance(raw.get(key), (str, type(None))):
@@ -304,10 +324,11 @@ class _Reader:
         try:
             value = parse_number(raw) if isinstance(raw, str) else parse_span(raw)
         except TimeError as error:
-            self._fault(str(error), pointer)
+            hint = 'write a number of the task\'s time unit, such as 3, 0.5 or "1/3"'
+            self._fault(f"'{pointer[-1]}': {error}", pointer, hint=hint)
             return 0
         if not isinstance(value, (int, Fraction)):
-            self._fault("expected a number of the task's time unit", pointer)
+            self._fault(f"'{pointer[-1]}': expected a number of the task's time unit", pointer)
             return 0
         return exact(value) if isinstance(value, Fraction) else value
 

@@ -17,12 +17,14 @@ class Range:
     """Offsets into the text: [start, end) of a value, and of its key where it has one.
 
     `within` is the text where that is another one than the task's own: a file it includes.
+    `written` is the path as the text itself spells it, for texts that JSON patches apply to.
     """
 
     start: int
     end: int
     key_start: int | None = None
     within: Source | None = None
+    written: Pointer | None = None
 
 
 def pointer_text(pointer: Pointer) -> str:

@@ -27,23 +27,25 @@ def decode_plans(problem: Problem, names: Mapping[str, Any], answer: str) -> Sch
 def best_of(problem: Problem, names: Mapping[str, Any], log: PlanLog) -> Schedule:
     """As `decode_plans`, of a text that has been read."""
     best: Schedule | None = None
-    reasons: list[str] = []
+    reasons: list[tuple[str, int]] = []
     for block in log.plans:
         if not block.complete:
             first = block.damage[0]
-            reasons.append(f"line {first.line} is damaged ({first.reason}): {first.text!r}")
+            reason = f"line {first.line} is damaged ({first.reason}): {first.text!r}"
+            reasons.append((reason, first.line))
             continue
         try:
             schedule = _schedule(problem, names, block)
         except AnswerError as error:
-            reasons.append(f"the plan of line {block.line}: {error}")
+            reasons.append((f"the plan of line {block.line}: {error}", error.line or block.line))
             continue
         if best is None or schedule.makespan <= best.makespan:
             best = schedule
     if best is not None:
         return best
     if reasons:
-        raise AnswerError(f"no plan can be used; {reasons[-1]}")
+        reason, line = reasons[-1]
+        raise AnswerError(f"no plan can be used; {reason}", line)
     if log.unsolvable:
         raise AnswerError("the planner says that there is no plan (its word is not a proof)")
     raise AnswerError("there is no plan in the text")
@@ -59,16 +61,19 @@ def _schedule(problem: Problem, names: Mapping[str, Any], block: PlanBlock) -> S
             continue
         meaning = known.get(step.name)
         if meaning is None or step.args or meaning["action"] not in index:
-            raise AnswerError(f"line {step.line}: the program has no action {step.name!r}")
+            raise AnswerError(
+                f"line {step.line}: the program has no action {step.name!r}", step.line
+            )
         i = index[meaning["action"]]
         if i in decisions:
-            raise AnswerError(f"line {step.line}: {meaning['action']!r} happens twice")
+            raise AnswerError(f"line {step.line}: {meaning['action']!r} happens twice", step.line)
         decisions[i] = Decision(
             step.start / scale, step.end / scale, _chosen(problem, i, meaning.get("uses", {}))
         )
     missing = [a.id for i, a in enumerate(problem.activities) if i not in decisions]
     if missing:
-        raise AnswerError(f"{missing[0]!r} is missing, and {len(missing) - 1} more")
+        more = f", and so are {len(missing) - 1} more" if len(missing) > 1 else ""
+        raise AnswerError(f"{missing[0]!r} is missing{more}")
     ordered = [decisions[i] for i in range(len(problem.activities))]
     return schedule_of(problem, retime(problem, ordered, _TOLERANCE / scale))
 

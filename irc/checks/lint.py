@@ -7,6 +7,18 @@ from irc.model import Action, Task
 from irc.passes.reduction import redundant_arcs
 from irc.problem import Problem
 
+_MOST_MISSPELT = 50
+"""Beyond so many unknown resources all the unused ones are told."""
+
+
+def _is_meant(resource: str, unknown: set[str]) -> bool:
+    """Whether one of the unknown names, each told already, may be this resource's misspelt."""
+    if not unknown or len(unknown) > _MOST_MISSPELT:
+        return False
+    from irc.suggest import closest
+
+    return any(closest(name, [resource]) for name in unknown)
+
 
 def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
     """Adds warnings about unused resources and notes about redundant precedences."""
@@ -17,14 +29,28 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
         used.update(r for u in action.uses for r in u.alternatives)
         used.update(c.resource for c in (*action.consumes, *action.produces))
         used.update(r for m in action.modes for u in m.uses for r in u.alternatives)
+    unknown = used.difference(r.id for r in task.resources)
     for i, resource in enumerate(task.resources):
-        if resource.id not in used:
-            findings.add(Code.UNUSED, f"no action uses resource {resource.id!r}", ("resources", i))
-    for k in redundant_arcs(problem):
+        if resource.id not in used and not _is_meant(resource.id, unknown):
+            findings.add(
+                Code.UNUSED,
+                f"no action uses resource {resource.id!r}",
+                ("resources", i),
+                hint='name it in an action\'s "uses", or remove it',
+            )
+    redundant = redundant_arcs(problem)
+    if not redundant:
+        return
+    from irc.fixes import removed
+
+    for k in redundant:
         arc = problem.arcs[k]
         before, after = problem.activities[arc.before].id, problem.activities[arc.after].id
         findings.add(
             Code.REDUNDANT,
             f"{before!r} before {after!r} follows from other precedences",
             ("precedence", arc.origin),
+            hint="it may be removed; targets leave it out",
+            # Events may cancel what it follows from, and then it would be missed.
+            fix=() if task.events else removed(("precedence", arc.origin)),
         )

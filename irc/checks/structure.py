@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
@@ -13,7 +13,9 @@ from irc.source import Pointer
 from irc.times import Clock, Instant, Number, TimeError
 
 if TYPE_CHECKING:
-    from irc.model import Group, StateVariable
+    from irc.checks.unknown_names import Guesses
+    from irc.fixes import Fix
+    from irc.model import Condition, Effect, Group, StateGoal, StateVariable
     from irc.model.events import CancelActions, CancelGroups, Change, Event, PrecedenceKey
 
 
@@ -32,23 +34,50 @@ class Names:
             "state variable": self.state,
             "group": self.groups,
         }
+        self._guesses: Guesses | None = None
 
-    def require(self, kind: str, name: str, pointer: Pointer) -> bool:
-        """Whether `name` is a declared `kind` ("action", "resource" …); tells where it is not."""
-        known = self.tables[kind]
-        if name in known:
+    def require(self, kind: str, name: str, pointer: Pointer, unlike: str | None = None) -> bool:
+        """Whether `name` is a declared `kind` ("action", "resource" …); tells where it is not.
+
+        No repair to the name `unlike` is offered: it would make another fault.
+        """
+        if name in self.tables[kind]:
             return True
-        hint = did_you_mean(name, known)
-        if hint is None:
-            hint = (
-                f"declare it, or use one of: {_some(known)}" if known else f"no {kind} is declared"
-            )
-        self.findings.add(Code.UNKNOWN_NAME, f"there is no {kind} {name!r}", pointer, hint=hint)
+        self._tell_unknown(kind, name, pointer, unlike)
         return False
+
+    def _tell_unknown(self, kind: str, name: str, pointer: Pointer, unlike: str | None) -> None:
+        from irc.checks.unknown_names import Guesses
+
+        if self._guesses is None:
+            self._guesses = Guesses(self.tables)
+        guess, certain = self._guesses.of(kind, name)
+        known = self.tables[kind]
+        if guess is not None:
+            hint = f"did you mean `{guess}`?"
+        elif known:
+            hint = f"declare it, or use one of: {_some(known)}"
+        else:
+            hint = f"no {kind} is declared; {_HOW_TO_DECLARE[kind]}"
+        fix: Fix = ()
+        if certain and guess is not None and guess != unlike:
+            from irc.fixes import replaced
+
+            fix = replaced(pointer, guess)
+        message = f"there is no {kind} {name!r}"
+        self.findings.add(Code.UNKNOWN_NAME, message, pointer, hint=hint, fix=fix)
+
+
+_HOW_TO_DECLARE = {
+    "action": 'add one to "actions"',
+    "resource": 'add one to "resources"',
+    "state variable": 'add one to "state"',
+    "group": 'add one to "groups"',
+}
 
 
 def _some(names: Iterable[str]) -> str:
-    listed = list(names)
+    listed = list(islice(names, 6))
     shown = ", ".join(f"`{n}`" for n in listed[:5])
     return shown if len(listed) <= 5 else f"{shown}, …"
 
@@ -75,10 +104,16 @@ def check_structure(task: Task, findings: Findings) -> None:
         if isinstance(goal, str):
             names.require("action", goal, ("goals", i))
         else:
-            _check_value(goal.var, goal.value, ("goals", i), names)
+            _check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
     if task.events:
         _check_events(task.events, names, times)
+
+
+def _removed(*pointers: Pointer) -> Fix:
+    from irc.fixes import removed
+
+    return removed(*pointers)
 
 
 def _check_unique(elements: Sequence[Any], kind: str, pointer: Pointer, findings: Findings) -> None:
@@ -95,6 +130,7 @@ def _check_unique(elements: Sequence[Any], kind: str, pointer: Pointer, findings
                 f"{kind} {element.id!r} is declared twice, word for word; it counts once",
                 (*pointer, i),
                 hint="remove the repetition",
+                fix=_removed((*pointer, i)),
             )
         else:
             findings.add(
@@ -103,6 +139,10 @@ def _check_unique(elements: Sequence[Any], kind: str, pointer: Pointer, findings
                 (*pointer, i, "id"),
                 hint=f"it was declared as {kind} number {earlier + 1}; rename or merge the two",
             )
+
+
+_WEIGHT = 'add "due": …, or remove the weight'
+_SWAP = "swap the two, or correct one of them"
 
 
 class _Times:
@@ -117,7 +157,8 @@ class _Times:
         try:
             return self.clock.number(value)
         except TimeError as error:
-            self.findings.add(Code.BAD_TIME, f"'{what}': {error}", pointer)
+            hint = 'a date-time is counted from the task\'s "origin": "2026-03-01T08:00:00Z"'
+            self.findings.add(Code.BAD_TIME, f"'{what}': {error}", pointer, hint=hint)
             return None
 
     def point(self, value: Instant | None, what: str, pointer: Pointer) -> Number | None:
@@ -146,6 +187,7 @@ class _Times:
                     f"the duration of {owner} is at least {write_time(raw.min)} "
                     f"but at most {write_time(raw.max)}",
                     pointer,
+                    hint=_SWAP,
                 )
         elif type(raw) is not int or raw < 0:
             self.span(raw, owner, pointer)
@@ -164,6 +206,12 @@ class _Times:
         return number
 
 
+_OTHER_KIND = {
+    "renewable": 'remove it, or say "kind": "reservoir"',
+    "reservoir": 'remove it; a reservoir has "initial", "min" and "max"',
+}
+
+
 def _check_resource(resource: Resource, at: Pointer, times: _Times, findings: Findings) -> None:
     if resource.kind == "reservoir":
         if resource.max is not None and resource.min > resource.max:
@@ -171,6 +219,7 @@ def _check_resource(resource: Resource, at: Pointer, times: _Times, findings: Fi
                 Code.EMPTY_RANGE,
                 f"reservoir {resource.id!r}: min {resource.min} is above max {resource.max}",
                 (*at, "min"),
+                hint=_SWAP,
             )
         elif not resource.min <= resource.initial or (
             resource.max is not None and resource.initial > resource.max
@@ -179,6 +228,7 @@ def _check_resource(resource: Resource, at: Pointer, times: _Times, findings: Fi
                 Code.EMPTY_RANGE,
                 f"reservoir {resource.id!r} starts at {resource.initial}, outside its limits",
                 (*at, "initial"),
+                hint=f'write an "initial" of {_limits(resource)}',
             )
         meaningless = {"capacity", "availability"} & resource.model_fields_set
     else:
@@ -189,8 +239,15 @@ def _check_resource(resource: Resource, at: Pointer, times: _Times, findings: Fi
             f"'{name}' has no meaning for a {resource.kind} resource",
             (*at, name),
             at_key=True,
+            hint=_OTHER_KIND[resource.kind],
         )
     _check_windows(resource, at, times, findings)
+
+
+def _limits(resource: Resource) -> str:
+    if resource.max is None:
+        return f"{resource.min} or more"
+    return f"{resource.min} to {resource.max}"
 
 
 def _check_windows(resource: Resource, at: Pointer, times: _Times, findings: Findings) -> None:
@@ -202,7 +259,13 @@ def _check_windows(resource: Resource, at: Pointer, times: _Times, findings: Fin
         if begin is None or end is None:
             continue
         if begin >= end:
-            findings.add(Code.EMPTY_RANGE, "this window ends before it begins", pointer)
+            findings.add(
+                Code.EMPTY_RANGE,
+                f"this window of {resource.id!r} begins at {write_time(window.from_)} "
+                f"and ends at {write_time(window.to)}, so it holds no time",
+                pointer,
+                hint=_SWAP,
+            )
         else:
             windows.append((begin, end, pointer))
     windows.sort(key=lambda w: w[0])
@@ -219,7 +282,10 @@ def _check_windows(resource: Resource, at: Pointer, times: _Times, findings: Fin
 def _check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
     if not variable.values:
         findings.add(
-            Code.EMPTY_CHOICE, f"state variable {variable.id!r} has no values", (*at, "values")
+            Code.EMPTY_CHOICE,
+            f"state variable {variable.id!r} has no values",
+            (*at, "values"),
+            hint='name at least one; without "values" it is true or false',
         )
     elif variable.start_value is None:
         findings.add(
@@ -239,20 +305,48 @@ def _has_value(variable: StateVariable, value: bool | str) -> bool:
 def _tell_value(
     variable: StateVariable, value: bool | str, at: Pointer, findings: Findings
 ) -> None:
-    texts = [str(v).lower() if isinstance(v, bool) else v for v in variable.values]
+    from irc.checks.unknown_names import value_meant
+
+    texts = [_value_text(v) for v in variable.values]
+    shown = _value_text(value) if isinstance(value, bool) else repr(value)
+    meant = value_meant(value, variable.values)
+    hint = f"its values are {_some(texts)}"
+    fix: Fix = ()
+    if meant is not None:
+        from irc.fixes import replaced
+
+        hint, fix = f"did you mean `{_value_text(meant)}`?", replaced(at, meant)
+        if str(meant) != meant:
+            hint = f"write {_value_text(meant)} without quotes"
     findings.add(
         Code.UNKNOWN_VALUE,
-        f"state variable {variable.id!r} has no value {str(value)!r}",
+        f"state variable {variable.id!r} has no value {shown}",
         at,
-        hint=did_you_mean(str(value), texts) or f"its values are {_some(texts)}",
+        hint=hint if meant is not None else did_you_mean(str(value), texts) or hint,
+        fix=fix,
     )
 
 
-def _check_value(var: str, value: bool | str, at: Pointer, names: Names) -> None:
-    if names.require("state variable", var, (*at, "var")):
-        variable = names.state[var]
-        if not _has_value(variable, value):
-            _tell_value(variable, value, (*at, "value"), names.findings)
+def _value_text(value: bool | str) -> str:
+    return str(value).lower() if isinstance(value, bool) else value
+
+
+def _check_value(fact: Condition | Effect | StateGoal, at: Pointer, names: Names) -> None:
+    if not names.require("state variable", fact.var, (*at, "var")):
+        return
+    variable = names.state[fact.var]
+    if _has_value(variable, fact.value):
+        return
+    if "value" in fact.model_fields_set:
+        _tell_value(variable, fact.value, (*at, "value"), names.findings)
+        return
+    names.findings.add(
+        Code.UNKNOWN_VALUE,
+        f"state variable {variable.id!r} has no value true, "
+        "which is meant where no 'value' is given",
+        (*at, "value"),
+        hint=f'add "value": one of {_some(map(str, variable.values))}',
+    )
 
 
 def _check_action(
@@ -281,6 +375,7 @@ def _check_action(
             "'weight' has no meaning without 'due'",
             (*at, "weight"),
             at_key=True,
+            hint=_WEIGHT,
         )
     if action.occurs != "once":
         _check_occurs(action, at, findings)
@@ -297,7 +392,7 @@ def _check_stock(action: Action, at: Pointer, names: Names) -> None:
 def _check_facts(action: Action, at: Pointer, names: Names) -> None:
     for field in ("conditions", "effects"):
         for i, fact in enumerate(getattr(action, field)):
-            _check_value(fact.var, fact.value, (*at, field, i), names)
+            _check_value(fact, (*at, field, i), names)
 
 
 def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> None:
@@ -309,16 +404,26 @@ def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> N
                 (*at, i, "one_of"),
                 hint="name at least one resource",
             )
-        if len(set(use.alternatives)) < len(use.alternatives):
-            names.findings.add(
-                Code.REPEATED_CHOICE,
-                f"{owner}: this 'one_of' names the same resource twice",
-                (*at, i, "one_of"),
-            )
+        _check_repeated_alternatives(use.alternatives, (*at, i, "one_of"), owner, names.findings)
         for j, resource in enumerate(use.alternatives):
             pointer = (*at, i, "one_of", j) if use.one_of is not None else (*at, i, "resource")
             if names.require("resource", resource, pointer):
                 _require_kind(names.resources[resource], "renewable", "uses", pointer, names)
+
+
+def _check_repeated_alternatives(
+    alternatives: Sequence[str], at: Pointer, owner: str, findings: Findings
+) -> None:
+    if len(set(alternatives)) == len(alternatives):
+        return
+    again = [j for j, name in enumerate(alternatives) if name in alternatives[:j]]
+    findings.add(
+        Code.REPEATED_CHOICE,
+        f"{owner}: this 'one_of' names {alternatives[again[0]]!r} more than once",
+        at,
+        hint='name each resource once; for more units of one, write "amount"',
+        fix=_removed(*((*at, j) for j in again)),
+    )
 
 
 def _require_kind(
@@ -326,11 +431,12 @@ def _require_kind(
 ) -> None:
     if resource.kind != kind:
         other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
+        called = {"renewable": "a renewable resource", "reservoir": "a reservoir"}
         names.findings.add(
             Code.WRONG_KIND,
-            f"'{field}' needs a {kind} resource, but {resource.id!r} is {resource.kind}",
+            f"'{field}' needs {called[kind]}, but {resource.id!r} is {called[resource.kind]}",
             pointer,
-            hint=f"a {resource.kind} resource is named in {other}",
+            hint=f"{called[resource.kind]} is named in {other}",
         )
 
 
@@ -347,6 +453,7 @@ def _check_modes(action: Action, at: Pointer, names: Names, times: _Times) -> No
             f"the 'duration' of {owner} has no meaning: its modes have their own",
             (*at, "duration"),
             at_key=True,
+            hint="remove it, or make it a mode",
         )
 
 
@@ -357,6 +464,7 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
             Code.EMPTY_RANGE,
             f"action {action.id!r} occurs at least {least} but at most {greatest} times",
             (*at, "occurs"),
+            hint=_SWAP,
         )
     if greatest is None and (action.reward or 0) > 0:
         findings.add(
@@ -370,6 +478,7 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
             Code.OCCURRENCE,
             f"action {action.id!r} has a fixed start but may occur more than once",
             (*at, "start"),
+            hint='remove the "start", or let it occur at most once',
         )
 
 
@@ -382,15 +491,15 @@ def _check_precedence(task: Task, names: Names, times: _Times, findings: Finding
     for k, edge in enumerate(task.precedence):
         before, after = edge.before, edge.after
         if before not in actions:
-            names.require("action", before, ("precedence", k, "before"))
+            names.require("action", before, ("precedence", k, "before"), unlike=after)
         if after not in actions:
-            names.require("action", after, ("precedence", k, "after"))
+            names.require("action", after, ("precedence", k, "after"), unlike=before)
         if before == after:
             findings.add(
                 Code.SELF_EDGE,
                 f"action {before!r} cannot precede itself",
                 ("precedence", k),
-                hint="remove this precedence",
+                hint="remove this precedence, or name the action that was meant",
             )
         for end in ("before", "after") if repeatable else ():
             if getattr(edge, end) in repeatable:
@@ -399,6 +508,8 @@ def _check_precedence(task: Task, names: Names, times: _Times, findings: Finding
                     f"action {getattr(edge, end)!r} may occur more than once, "
                     "so a precedence cannot name it",
                     ("precedence", k, end),
+                    hint=f"let {getattr(edge, end)!r} occur at most once, "
+                    "or remove this precedence",
                 )
         key = (before, after, edge.type, edge.min_lag, edge.max_lag)
         if key in seen:
@@ -407,6 +518,7 @@ def _check_precedence(task: Task, names: Names, times: _Times, findings: Finding
                 f"{before!r} before {after!r} is stated twice; it counts once",
                 ("precedence", k),
                 hint="remove the repetition",
+                fix=_removed(("precedence", k)),
             )
         seen.add(key)
         if edge.max_lag is not None:
@@ -421,6 +533,7 @@ def _check_lags(least: Instant, greatest: Instant, at: Pointer, times: _Times) -
             Code.EMPTY_RANGE,
             f"the lag is at least {write_time(least)} but at most {write_time(greatest)}",
             (*at, "max_lag"),
+            hint=_SWAP,
         )
 
 
@@ -436,6 +549,7 @@ def _check_groups(task: Task, names: Names, times: _Times, findings: Findings) -
                 "'weight' has no meaning without 'due'",
                 (*at, "weight"),
                 at_key=True,
+                hint=_WEIGHT,
             )
         for j, member in enumerate(group.actions):
             pointer = (*at, "actions", j)
@@ -456,6 +570,7 @@ def _check_member(
             Code.OCCURRENCE,
             f"action {action.id!r} may occur more than once, so it cannot be in a group",
             at,
+            hint=f"let {action.id!r} occur at most once, or take it out of the group",
         )
     if group.required:
         return
@@ -480,7 +595,13 @@ def _check_member(
 def _check_repeated_objectives(task: Task, findings: Findings) -> None:
     for i, name in enumerate(task.objective):
         if name in task.objective[:i]:
-            findings.add(Code.REPEATED, f"the objective {name!r} stands twice", ("objective", i))
+            findings.add(
+                Code.REPEATED,
+                f"the objective {name!r} stands twice; it counts once",
+                ("objective", i),
+                hint="remove the repetition",
+                fix=_removed(("objective", i)),
+            )
 
 
 _REFERENCES = {

@@ -43,6 +43,7 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
             f"action {activity.id!r} is fixed to start at {_units(problem, activity.start)}, "
             f"before its release at {_units(problem, activity.release)}",
             (*activity.origin, "start"),
+            hint=f"the start must be at least {_units(problem, activity.release)}",
         )
         return True
     deadline = activity.deadline
@@ -128,7 +129,7 @@ def _tell_cycle(
     more = f"; … ({len(cycle) - _LONGEST_SHOWN} more)" if len(cycle) > _LONGEST_SHOWN else ""
     findings.add(
         Code.LAGS,
-        f"these cannot hold together, by {_units(problem, excess)}: {steps}{more}",
+        f"these contradict each other by {_units(problem, excess)}: {steps}{more}",
         pointer,
         hint="raise a maximum or lower a minimum",
     )
@@ -166,6 +167,7 @@ def _check_latest(
                 f"but cannot start before {_units(problem, start)}"
                 + _because(problem, timing, times, points.start[i]),
                 (*activity.origin, "start"),
+                hint=f"the start must be at least {_units(problem, start)}",
             )
         elif activity.deadline is not None and end > activity.deadline:
             findings.add(

@@ -1,4 +1,4 @@
-"""The command line: `irc check`, `irc solve` and the others."""
+"""The command line: one module for each command's body; `irc.cli.app` declares them."""
 
 from __future__ import annotations
 

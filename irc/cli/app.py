@@ -10,14 +10,13 @@ import typer
 
 from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.output import (
+    CheckFormat,
     Format,
     errors_told,
     fail,
     put,
     put_json,
-    report_json,
     say,
-    summary,
     tell_notes,
 )
 
@@ -47,12 +46,7 @@ def build_app(only: str | None = None) -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(invoke_without_command=False)(_root)
-    commands = {
-        function.__name__.rstrip("_"): function
-        for function in (
-            *(check, compile_, solve, explain, extract, validate, convert, fmt, targets, schema),
-        )
-    }
+    commands = {function.__name__.rstrip("_").replace("_", "-"): function for function in _COMMANDS}
     for name, function in commands.items():
         if only not in commands or name == only:
             app.command(name)(function)
@@ -81,26 +75,34 @@ def _read(file: str) -> Reading:
     return read_task(file)
 
 
-def check(file: FileArgument, format: FormatOption = Format.text) -> None:
+def check(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE...", help="Tasks as JSON; '-' is standard input.")
+    ],
+    format: Annotated[CheckFormat, typer.Option("--format", help="How to answer.")] = (
+        CheckFormat.text
+    ),
+    fix: Annotated[
+        bool, typer.Option("--fix", help="Repair in place what is certain; tell what is left.")
+    ] = False,
+) -> None:
     """Show every diagnostic of a task: errors, warnings and notes, in one run."""
-    from irc.diagnostics import InputError
-    from irc.pipeline import check_task
+    from irc.cli.check import check_files
 
-    with errors_told(format):
-        try:
-            reading = _read(file)
-            report = check_task(reading.task, reading.notes)
-        except InputError as error:
-            report = error.report
-    if format is Format.json:
-        put_json(report_json(report))
+    check_files(files, format, fix)
+
+
+def explain_code(
+    code: Annotated[str | None, typer.Argument(help="A code, such as IRC201; none: all.")] = None,
+    format: FormatOption = Format.text,
+) -> None:
+    """Tell what a diagnostic means, with an example that is told it and one that is not."""
+    from irc.cli.explain_code import put_code, put_codes
+
+    if code is None:
+        put_codes(format)
     else:
-        text = report.render()
-        if text:
-            put(text)
-        put(summary(report) or "no problems found")
-    if not report.ok:
-        sys.exit(EXIT_INPUT)
+        put_code(code, format)
 
 
 def compile_(
@@ -247,10 +249,14 @@ def extract(
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
         document = read_document(*read_text(manifest))
-        raw, _ = read_bytes(answer)
-        _show_answer(
-            extract_answer(document.content, raw.decode("utf-8", "replace")), output, format
+        raw, name = read_bytes(answer)
+        extracted = extract_answer(
+            document.content,
+            raw.decode("utf-8", "replace"),
+            manifest_source=document.source,
+            answer_name=name,
         )
+        _show_answer(extracted, output, format)
 
 
 def validate(
@@ -356,3 +362,18 @@ def schema() -> None:
 
     document = Task.model_json_schema(by_alias=True)
     put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})
+
+
+_COMMANDS = (
+    check,
+    compile_,
+    solve,
+    explain,
+    extract,
+    validate,
+    convert,
+    fmt,
+    explain_code,
+    targets,
+    schema,
+)

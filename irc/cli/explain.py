@@ -9,7 +9,7 @@ from itertools import groupby
 
 from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER
 from irc.cli.output import Format, put, put_json
-from irc.diagnostics import excerpt
+from irc.diagnostic_text import excerpt
 from irc.explanation import Explanation
 from irc.explanation.result import Step, Told
 from irc.schedule import Status

@@ -22,6 +22,14 @@ class Format(StrEnum):
     json = "json"
 
 
+class CheckFormat(StrEnum):
+    """How `irc check` answers."""
+
+    text = "text"
+    json = "json"
+    sarif = "sarif"
+
+
 def say(text: str) -> None:
     """A message for people, on standard error."""
     print(_writable(text, sys.stderr), file=sys.stderr)

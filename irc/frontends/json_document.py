@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -97,10 +97,19 @@ def decode_bytes(data: bytes, name: str) -> str:
         findings.add(
             Code.UNREADABLE,
             f"byte 0x{data[error.start]:02x} is not valid {encoding.upper()}",
-            hint="save the file as UTF-8",
+            hint=_encoding_hint(data),
             offset=offset,
         )
         raise InputError(Report(tuple(findings.items), Source(name, text))) from None
+
+
+_BINARY = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"PK\x03\x04", b"%PDF", b"\x1f\x8b", b"\x7fELF")
+
+
+def _encoding_hint(data: bytes) -> str:
+    if data.startswith(_BINARY) or b"\x00" in data[:1000]:
+        return "this does not look like a text file; give a task as JSON text"
+    return "save the file as UTF-8"
 
 
 def read_document(text: str, name: str) -> RawDocument:
@@ -110,7 +119,12 @@ def read_document(text: str, name: str) -> RawDocument:
     """
     findings = Findings()
     if text.startswith("\ufeff"):
-        findings.add(Code.BYTE_ORDER_MARK, "a byte-order mark at the start is ignored", offset=0)
+        findings.add(
+            Code.BYTE_ORDER_MARK,
+            "a byte-order mark at the start is ignored",
+            hint="nothing need be done",
+            offset=0,
+        )
         text = text[1:]
     start = _skip_blank(text, 0)
     if text.startswith("{", start):
@@ -186,9 +200,16 @@ def _locator(start: int) -> Any:
             for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
         }
         places = scan(text, start, meant.keys()).places
-        return {meant[spelled]: place for spelled, place in places.items()}
+        return {
+            meant[written]: replace(place, written=written) for written, place in places.items()
+        }
 
     return locate
+
+
+def json_source(name: str, text: str) -> Source:
+    """The source of a text that is one JSON value, whatever it stands for."""
+    return Source(name, text, _locator(0))
 
 
 _Found = tuple[int, int, dict[str, Any]]
@@ -249,6 +270,7 @@ def _note_surroundings(text: str, start: int, end: int, findings: Findings) -> N
         findings.add(
             Code.SURROUNDED,
             f"there is {what} around the JSON document; it was set aside",
+            hint="nothing need be done; only the JSON was read",
             offset=_skip_blank(text, 0) if before else _skip_blank(text, end),
         )
 

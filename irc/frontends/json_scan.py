@@ -139,8 +139,10 @@ class _Scanner:
         if at >= len(self.text):
             return self._ended()
         shown = self.text[at : at + 12].split("\n")[0]
-        hint = None
-        if inner is not None:
+        hint = _habit(self.text, at)
+        if hint is None and "','" in what and shown[0] in '"{[':
+            hint = "put a comma before it"
+        if hint is None and inner is not None:
             name = "object" if inner.kind == "{" else "array"
             line = self.text.count("\n", 0, inner.start) + 1
             hint = f"the {name} that is open here began in line {line}"
@@ -179,7 +181,12 @@ class _Scanner:
         first = self.text[at : at + 1]
         if first in ("{", "["):
             if len(self.open) >= self.max_depth:
-                self._fault(Code.TOO_LARGE, at, f"nested more than {self.max_depth} levels deep")
+                self._fault(
+                    Code.TOO_LARGE,
+                    at,
+                    f"nested more than {self.max_depth} levels deep",
+                    "a task needs eight levels; look for brackets that are not closed",
+                )
                 raise _Stop
             self.open.append(_Open(first, at, key_start))
             return at + 1
@@ -195,15 +202,23 @@ class _Scanner:
             body = match[1]
             text = _unescape(body) if "\\" in body else body
             if "\ufffd" in text and "\ufffd" not in body:
-                self._fault(Code.SYNTAX, at, "this text holds half a character (a lone surrogate)")
+                self._fault(
+                    Code.SYNTAX,
+                    at,
+                    "this text holds half a character (a lone surrogate)",
+                    "write the character itself, or both halves of its escape",
+                )
             return text, match.end()
         partial = _STRING_BODY.match(self.text, at)
         stop = partial.end() if partial else at + 1
         if stop >= len(self.text) or _CUT_ESCAPE.fullmatch(self.text, stop):
-            raise self._stop(at, "the string that begins here is not closed")
+            hint = 'close it with "; the text was probably cut off'
+            raise self._stop(at, "the string that begins here is not closed", hint)
         if self.text[stop] == "\\":
             shown = self.text[stop : stop + 2]
-            raise self._stop(stop, f"the escape {shown!r} does not exist in JSON")
+            hint = r"write \\ for a backslash"
+            shown = repr(shown)[1:-1].replace("\\\\", "\\", 1)
+            raise self._stop(stop, f"the escape '{shown}' does not exist in JSON", hint)
         raise self._stop(
             stop,
             "a line break or control character inside a string",
@@ -217,16 +232,43 @@ class _Scanner:
         number = _NUMBER.match(self.text, at)
         if number and not self.text.startswith("-I", at):
             if number.end() - at > _LONGEST_NUMBER or len(number[1] or "") > _LONGEST_EXPONENT:
-                self._fault(Code.BAD_NUMBER, at, "a number beyond all range")
+                self._fault(
+                    Code.BAD_NUMBER,
+                    at,
+                    "a number beyond all range",
+                    f"a number may have {_LONGEST_NUMBER} characters, and its exponent "
+                    f"{_LONGEST_EXPONENT} digits",
+                )
             return number.end()
         sign = 1 if self.text.startswith(("-", "+"), at) else 0
         word_match = _WORD.match(self.text, at + sign)
         if word_match and word_match[0] in _NOT_FINITE:
             self._fault(
-                Code.BAD_NUMBER, at, f"{self.text[at : word_match.end()]} is not a number in JSON"
+                Code.BAD_NUMBER,
+                at,
+                f"{self.text[at : word_match.end()]} is not a number in JSON",
+                "write a finite number, or leave the field out",
             )
             return word_match.end()
         raise self._expected(at, "a value", self.open[-1] if self.open else None)
+
+
+_HABITS = {"True": "true", "False": "false", "None": "null", "undefined": "null"}
+"""Words of other languages, and how JSON writes them."""
+
+
+def _habit(text: str, at: int) -> str | None:
+    """What to do about something that other languages write so."""
+    if text.startswith(("//", "/*", "#"), at):
+        return "JSON has no comments: remove it"
+    if text.startswith(("'", "‘", "’", "“", "”"), at):
+        return 'JSON has only double quotes: "…"'
+    word = _WORD.match(text, at)
+    if word is None:
+        return None
+    if word[0] in _HABITS:
+        return f"JSON writes {_HABITS[word[0]]}"
+    return "text stands in double quotes"
 
 
 _ESCAPE = re.compile(r'\\(["\\/bfnrt]|u[0-9a-fA-F]{4})')

@@ -20,7 +20,12 @@ _ROUNDS = 3
 _STAND_IN = "\x00"
 """What the ids of nameless elements begin with; no real id does."""
 
-_NAMED = ("actions", "resources", "state", "groups")
+_NAMED = {
+    "actions": "action",
+    "resources": "resource",
+    "state": "state variable",
+    "groups": "group",
+}
 
 _ELEMENT = 2
 """Pointers into the arrays of a task begin with the array's name and an index."""
@@ -99,4 +104,5 @@ def _follows(finding: Diagnostic, faulty: set[Pointer], nameless: set[str]) -> b
         return True
     if _STAND_IN in finding.message:
         return True
-    return finding.code is Code.UNKNOWN_NAME and bool(nameless)
+    unknown = (f"there is no {_NAMED[field]} " for field in nameless)
+    return finding.code is Code.UNKNOWN_NAME and finding.message.startswith(tuple(unknown))

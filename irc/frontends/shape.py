@@ -1,41 +1,14 @@
-"""The raw document → `Task`: pydantic judges the shape, this module says it in people's words."""
+"""The raw document → `Task`: pydantic judges the shape, `shape_faults` says it in words."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from collections.abc import Mapping
+from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
-from irc.diagnostics import Code, Findings, did_you_mean
+from irc.diagnostics import Findings
 from irc.model import Task
-from irc.model.lazy import Lazy, PartError, adapter
-from irc.model.parts import PRECEDENCE_ALIASES
-from irc.source import Pointer
-from irc.times import TimeError
-
-_ALIASES = {new: old for old, new in (*PRECEDENCE_ALIASES.items(), ("dependencies", "precedence"))}
-_QUOTED = re.compile(r"'([^']*)'")
-
-_EXPECTED = {
-    "string_type": "expected text in double quotes",
-    "string_too_short": "expected a text that is not empty",
-    "string_unicode": "expected text without lone surrogates",
-    "int_type": "expected a whole number",
-    "int_parsing": "expected a whole number",
-    "int_from_float": "expected a whole number",
-    "bool_type": "expected true or false",
-    "tuple_type": "expected a list [...]",
-    "dict_type": "expected an object {...}",
-    "model_type": "expected an object {...}",
-    "model_attributes_type": "expected an object {...}",
-    "too_short": "expected at least one entry",
-    "datetime_parsing": "expected a date-time such as 2026-03-01T08:00:00Z",
-    "datetime_from_date_parsing": "expected a date-time such as 2026-03-01T08:00:00Z",
-    "datetime_type": "expected a date-time such as 2026-03-01T08:00:00Z",
-    "union_tag_not_found": "expected an object with 'op'",
-}
 
 
 def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
@@ -43,145 +16,7 @@ def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
     try:
         return Task.model_validate(raw)
     except ValidationError as error:
-        for fault in error.errors(include_url=False):
-            _add(fault, raw, findings)
+        from irc.frontends.shape_faults import faults_in_words
+
+        findings.items += faults_in_words(error, raw)
     return None
-
-
-def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
-    kind, loc = fault["type"], tuple(fault["loc"])
-    cause = (fault.get("ctx") or {}).get("error")
-    if isinstance(cause, PartError):
-        for inner in cause.faults:
-            _add({**inner, "loc": (*loc, *inner["loc"])}, raw, findings)
-        return
-    if kind == "missing":
-        parent = _pointer(loc[:-1], raw)
-        findings.add(
-            Code.MISSING_FIELD,
-            f"{_element(parent, raw)} has no '{loc[-1]}'",
-            parent,
-            hint=f'add "{loc[-1]}": …',
-        )
-        return
-    pointer = _pointer(loc, raw)
-    if kind == "extra_forbidden":
-        known = _fields_at(pointer[:-1], raw)
-        findings.add(
-            Code.UNKNOWN_FIELD,
-            f"{_element(pointer[:-1], raw)} has no field {str(loc[-1])!r}",
-            pointer,
-            hint=did_you_mean(str(loc[-1]), known) or f"known fields are {', '.join(known)}",
-            at_key=True,
-        )
-        return
-    value = _value_at(pointer, raw)
-    if kind == "too_short" and value:
-        return  # It has entries; what is wrong with them is told of each.
-    if isinstance(cause, TimeError):
-        findings.add(Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer)
-    elif kind in ("literal_error", "union_tag_invalid"):
-        expected = fault["ctx"].get("expected") or fault["ctx"].get("expected_tags", "")
-        findings.add(
-            Code.WRONG_TYPE,
-            f"{_where(pointer)}: expected {expected}, found {_shown(value)}",
-            pointer,
-            hint=did_you_mean(str(value), _QUOTED.findall(expected)),
-        )
-    else:
-        message = _EXPECTED.get(kind) or str(cause or fault["msg"])
-        found = "" if kind == "value_error" else f", found {_shown(value)}"
-        findings.add(Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer)
-
-
-def _pointer(loc: Sequence[str | int], raw: Any) -> Pointer:
-    """A pydantic location as a path that exists in the document: tags of unions are dropped."""
-    path: list[str | int] = []
-    for part in loc:
-        if isinstance(raw, Mapping) and isinstance(part, str):
-            part = part if part in raw else _ALIASES.get(part, part)
-            if part in raw:
-                path.append(part)
-                raw = raw[part]
-        elif isinstance(raw, (list, tuple)) and isinstance(part, int) and part < len(raw):
-            path.append(part)
-            raw = raw[part]
-        elif isinstance(raw, (list, tuple)) and part in ("before", "after") and len(raw) == 2:
-            index = ("before", "after").index(str(part))
-            path.append(index)
-            raw = raw[index]
-    return tuple(path)
-
-
-def _value_at(pointer: Pointer, raw: Any) -> Any:
-    for part in pointer:
-        raw = raw[part]
-    return raw
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return "an object"
-    if isinstance(value, (list, tuple)):
-        return "a list"
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return str(value).lower()
-    text = ascii(value) if isinstance(value, str) else str(value)
-    return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _where(pointer: Pointer) -> str:
-    names = [part for part in pointer if isinstance(part, str)]
-    return f"'{names[-1]}'" if names else "the task"
-
-
-def _element(pointer: Pointer, raw: Any) -> str:
-    """An element in words: "action 'boil'", "precedence 3", "the task"."""
-    if not pointer:
-        return "the task"
-    value = _value_at(pointer, raw)
-    names = [part for part in pointer if isinstance(part, str)]
-    kind = {"uses": "use", "modes": "mode", "changes": "change"}.get(
-        names[-1], names[-1].removesuffix("s") if names[-1] != "uses" else "use"
-    )
-    if isinstance(value, Mapping) and isinstance(value.get("id"), str):
-        return f"{kind} {value['id']!r}"
-    last = pointer[-1]
-    return f"{kind} {last + 1}" if isinstance(last, int) else f"'{last}'"
-
-
-def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
-    """The fields that the IR has at a path; those of its own `op` where it is a change."""
-    model: type[BaseModel] = Task
-    for part in pointer:
-        raw = raw[part]
-        if isinstance(part, int):
-            if isinstance(raw, Mapping) and "op" in raw:
-                model = _change_model(raw["op"]) or model
-            continue
-        name = {v: k for k, v in _ALIASES.items()}.get(part, part)
-        field = model.model_fields.get(name)
-        nested = None if field is None else _model_in((field.annotation, *field.metadata))
-        if nested is None:
-            return ()
-        model = nested
-    return tuple(field.alias or name for name, field in model.model_fields.items())
-
-
-def _change_model(op: object) -> type[BaseModel] | None:
-    from irc.model import Change
-
-    kinds: tuple[type[BaseModel], ...] = get_args(get_args(Change)[0])
-    return next((k for k in kinds if op in get_args(k.model_fields["op"].annotation)), None)
-
-
-def _model_in(annotation: Any) -> type[BaseModel] | None:
-    """The first model that a type mentions."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    if isinstance(annotation, Lazy):
-        return _model_in(adapter(annotation.module, annotation.name)._type)
-    inner = annotation if isinstance(annotation, tuple) else get_args(annotation)
-    return next(filter(None, map(_model_in, inner)), None)

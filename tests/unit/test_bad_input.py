@@ -195,7 +195,7 @@ SHAPE = [
     bad(
         "an unknown operation",
         '{"actions": [], "events": [{"at": 1,\n"changes": [{"op": "stop"}]}]}',
-        ("IRC103", 2, 13),
+        ("IRC103", 2, 20),
     ),
 ]
 

@@ -131,7 +131,7 @@ SHAPE = [
     case(
         actions(',\n "precedence": [["a", ‸3]]'),
         "IRC103 /precedence/0/1",
-        says="'precedence': expected text",
+        says="'after' of precedence 1: expected text",
     ),
     case(
         actions(',\n "precedence": [{"before": "a", "after": "b", "type": ‸"finish-begin"}]'),
@@ -152,9 +152,9 @@ SHAPE = [
         hint="did you mean `minimize_makespan`?",
     ),
     case(
-        actions(',\n "events": [{"at": 1, "changes": [‸{"op": "delete"}]}]'),
-        "IRC103 /events/0/changes/0",
-        says="expected 'add_actions'",
+        actions(',\n "events": [{"at": 1, "changes": [{"op": ‸"delete"}]}]'),
+        "IRC103 /events/0/changes/0/op",
+        says="'op': expected 'add_actions'",
     ),
     case(
         action('{"id": "a", "duration": ‸"soon"}'),
@@ -325,17 +325,17 @@ NAMES = [
     ),
     case(
         actions(',\n "dependencies": [{"predecessor": "a",\n "successor": ‸"c"}]'),
-        "IRC201 /precedence/0/after",
+        "IRC201 /dependencies/0/successor",
         says="there is no action 'c'",
     ),
     case(
         actions(',\n "dependencies": [["a", "b"],\n {"predecessor": ‸"c", "successor": "a"}]'),
-        "IRC201 /precedence/1/before",
+        "IRC201 /dependencies/1/predecessor",
         says="there is no action 'c'",
     ),
     case(
         actions(',\n "precedence": [["a", "b"],\n [‸"c", "a"]]'),
-        "IRC201 /precedence/1/before",
+        "IRC201 /precedence/1/0",
         says="there is no action 'c'",
     ),
     case(
@@ -345,7 +345,7 @@ NAMES = [
     ),
     case(
         actions(',\n "precedence": [["a", "b"],\n ["a", ‸"c"]]'),
-        "IRC201 /precedence/1/after",
+        "IRC201 /precedence/1/1",
         says="there is no action 'c'",
     ),
     case(
@@ -475,13 +475,13 @@ STRUCTURE = [
     case(
         actions(R, uses='[{"one_of": ‸["r", "r"]}]'),
         "IRC206 /actions/0/uses/0/one_of",
-        says="names the same resource twice",
+        says="names 'r' more than once",
     ),
     case(
         actions(STOCK, uses='[{"resource": ‸"s"}]'),
         "IRC207 /actions/0/uses/0/resource",
-        says="'uses' needs a renewable resource, but 's' is reservoir",
-        hint="a reservoir resource is named in 'consumes' and 'produces'",
+        says="'uses' needs a renewable resource, but 's' is a reservoir",
+        hint="a reservoir is named in 'consumes' and 'produces'",
     ),
     case(
         actions(STOCK, uses='[{"one_of": [‸"s"]}]'),
@@ -491,7 +491,7 @@ STRUCTURE = [
     case(
         actions(R, produces='[{"resource": ‸"r"}]'),
         "IRC207 /actions/0/produces/0/resource",
-        says="'produces' needs a reservoir resource",
+        says="'produces' needs a reservoir, but 'r' is a renewable resource",
         hint="a renewable resource is named in 'uses'",
     ),
     case(
@@ -512,7 +512,7 @@ STRUCTURE = [
     ),
     case(
         actions(',\n "precedence": [["b", ‸"a"]]', occurs='{"min": 0}'),
-        "IRC208 /precedence/0/after",
+        "IRC208 /precedence/0/1",
         says="a precedence cannot name it",
     ),
     case(
@@ -551,8 +551,8 @@ STRUCTURE = [
     case(
         actions(FACT + ',\n "goals": [‸{"var": "v"}]'),
         "IRC210 /goals/0/value",
-        says="has no value 'True'",
-        hint="its values are `raw`, `done`",
+        says="has no value true, which is meant",
+        hint='add "value": one of `raw`, `done`',
     ),
     case(
         actions(',\n "state": [{"id": "v", "values": ["raw"], "initial": ‸"done"}]'),
@@ -685,7 +685,7 @@ TEMPORAL = [
             '"after": "b", "min_lag": 2}]'
         ),
         "IRC305 /precedence/1",
-        says="these cannot hold together, by 1 s: ",
+        says="these contradict each other by 1 s: ",
         hint="raise a maximum or lower a minimum",
     ),
     case(
@@ -851,6 +851,7 @@ def test_the_machine_readable_form_has_the_fields_of_the_design() -> None:
         "line": 4,
         "column": 2,
         "hint": "did you mean `deadline`?",
+        "fix": [{"op": "move", "from": "/deadlin", "path": "/deadline"}],
     }
 
 

@@ -137,6 +137,7 @@ def test_json_is_alone_on_stdout_where_the_input_is_at_fault(bad: Path, command:
         "line",
         "column",
         "hint",
+        "fix",
     }
     assert (diagnostic["code"], diagnostic["pointer"]) == ("IRC105", "/actions/0/duration")
 

@@ -580,7 +580,7 @@ def test_a_plan_is_read_back_as_the_schedule_it_stands_for() -> None:
     [
         ("", "there is no plan in the text"),
         ("; Problem Unsolvable", "its word is not a proof"),
-        ("0.000: (a) [1.000]\n", "'b' is missing, and 0 more"),
+        ("0.000: (a) [1.000]\n", "'b' is missing"),
         ("0.000: (b) [1.000]\n2.000: (a) [1.000]\n0.000: (c) [1.000]\n", "has no action 'c'"),
         ("0.000: (a) [1.000]\n2.000: (a) [1.000]\n2.000: (b) [1.000]\n", "'a' happens twice"),
         ("0.000: (a x) [1.000]\n2.000: (b) [1.000]\n", "has no action 'a'"),

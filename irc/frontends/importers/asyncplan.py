@@ -13,43 +13,55 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
+from irc.frontends.json_document import json_source
 from irc.model import Task
+from irc.source import Pointer, Source
 
 _STEP = re.compile(r"^\s*Step\s+(\d+)\.\s*(.+?)\s*(?:\([^()]*\))?\s*$", re.MULTILINE)
+
+_EXPECTED = "expected AsyncPlan-XXL: a list of instances, each with a 'graph'"
 
 
 def import_asyncplan(text: str, name: str) -> Iterator[tuple[str, Task]]:
     """(file stem, task) of every instance. Raises `InputError` naming the instance at fault."""
     try:
         instances = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise _not_json(f"{name} is not JSON: {error.msg}", error.pos, Source(name, text)) from None
     except (ValueError, RecursionError) as error:
-        raise _refused(f"{name} is not JSON: {error}") from None
-    if isinstance(instances, Mapping):
+        raise _not_json(f"{name} is not JSON: {error}", 0, Source(name, text)) from None
+    source = json_source(name, text)
+    single = isinstance(instances, Mapping)
+    if single:
         instances = [instances]
     if not isinstance(instances, list):
-        raise _refused(f"{name} does not hold a list of instances")
+        raise _refused(f"{name} does not hold a list of instances", (), source)
     for position, instance in enumerate(instances):
+        at: Pointer = () if single else (position,)
         where = f"{name}, instance {position + 1}"
         if not isinstance(instance, Mapping) or not isinstance(instance.get("graph"), Mapping):
-            raise _refused(f"{where}: expected an object with 'graph'")
-        task = _task(instance, where)
+            raise _refused(f"{where}: expected an object with 'graph'", at, source)
+        task = _task(instance, where, at, source)
         size = instance.get("n_steps", len(task.actions))
         yield f"nodes{size}_{instance.get('id', position + 1)}", task
 
 
-def _task(instance: Mapping[str, Any], where: str) -> Task:
+def _task(instance: Mapping[str, Any], where: str, at: Pointer, source: Source) -> Task:
     graph = instance["graph"]
+    at = (*at, "graph")
     durations, edges = graph.get("durations"), graph.get("edges")
     steps = graph.get("step_to_node")
     if not isinstance(durations, list) or not isinstance(edges, list):
-        raise _refused(f"{where}: 'graph' needs the lists 'durations' and 'edges'")
+        message = f"{where}: 'graph' needs the lists 'durations' and 'edges'"
+        raise _refused(message, at, source)
     if not isinstance(steps, Mapping):
         steps = {str(i + 1): i for i in range(len(durations))}
     texts = dict(_STEP.findall(str(instance.get("question", ""))))
     try:
         step_of = {node: step for step, node in steps.items()}
         if sorted(step_of) != list(range(len(durations))):
-            raise _refused(f"{where}: 'step_to_node' does not name each node once")
+            message = f"{where}: 'step_to_node' does not name each node once"
+            raise _refused(message, (*at, "step_to_node"), source)
         return Task.model_validate(
             {
                 "name": str(instance.get("task_title") or f"instance {instance.get('id')}"),
@@ -68,10 +80,22 @@ def _task(instance: Mapping[str, Any], where: str) -> Task:
             }
         )
     except (ValueError, KeyError, TypeError) as error:
-        raise _refused(f"{where}: {str(error).splitlines()[0]}") from None
+        raise _refused(f"{where}: {_reason(error)}", at, source) from None
 
 
-def _refused(message: str) -> InputError:
+def _reason(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"an edge names the node {error}, which has no duration"
+    return str(error).splitlines()[0]
+
+
+def _refused(message: str, pointer: Pointer, source: Source) -> InputError:
     findings = Findings()
-    findings.add(Code.NOT_AN_IMPORT, message)
-    return InputError(Report(tuple(findings.items)))
+    findings.add(Code.NOT_AN_IMPORT, message, pointer, hint=_EXPECTED)
+    return InputError(Report(tuple(findings.items), source))
+
+
+def _not_json(message: str, offset: int, source: Source) -> InputError:
+    findings = Findings()
+    findings.add(Code.NOT_AN_IMPORT, message, offset=offset, hint=_EXPECTED)
+    return InputError(Report(tuple(findings.items), source))

@@ -1,0 +1,71 @@
+"""`irc check --fix`: applies the certain repairs to a file and tells what is left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from irc.diagnostics import Diagnostic, InputError, Report
+from irc.files import write_whole
+from irc.fixes import apply_fixes, text_edits
+from irc.frontends.files import parse_task, read_bytes
+from irc.frontends.json_document import decode_bytes
+from irc.pipeline import check_task
+
+MOST_ROUNDS = 8
+"""A repair can bring to light what could not be seen before; that is repaired in the next round."""
+
+_MARKS = {
+    b"\xff\xfe\x00\x00": "utf-32-le",
+    b"\x00\x00\xfe\xff": "utf-32-be",
+    b"\xff\xfe": "utf-16-le",
+    b"\xfe\xff": "utf-16-be",
+}
+
+
+def repair_file(file: str, report: Report) -> tuple[Report, Report]:
+    """(what is to be said of the repaired file, what was repaired, at its place before).
+
+    `report` is what is to be said of the file as it is, located. The file is written only if
+    something was repaired: whole, in its own encoding, with its own line ends, and changed
+    nowhere else. Raises `InputError` or `irc.files.WriteError`.
+    """
+    if report.source is None or not text_edits(report, report.source):
+        return report, Report()
+    data, name = read_bytes(file)
+    text = decode_bytes(data, name)
+    repaired, report, fixed = repair_text(text, name)
+    if repaired != text:
+        # Through a link to the file itself, whose permissions it keeps.
+        path = Path(file).resolve()
+        write_whole(path, _encoded(repaired, data), mode=path.stat().st_mode & 0o7777)
+    return report, fixed
+
+
+def repair_text(text: str, name: str) -> tuple[str, Report, Report]:
+    """(the repaired text, its report, the repaired findings)."""
+    fixed: list[Diagnostic] = []
+    report = _report(text, name)
+    for _ in range(MOST_ROUNDS):
+        if report.source is None or not text_edits(report, report.source):
+            break
+        fixed += [d for d in report if d.fix]
+        # A byte-order mark, which is no part of the source, stays.
+        lead = text[: len(text) - len(report.source.text)]
+        text = lead + apply_fixes(report, report.source)
+        report = _report(text, name)
+    return text, report, Report(tuple(fixed))
+
+
+def _report(text: str, name: str) -> Report:
+    try:
+        reading = parse_task(text, name)
+        return check_task(reading.task, reading.notes).located()
+    except InputError as error:
+        return error.report.located()
+
+
+def _encoded(text: str, original: bytes) -> bytes:
+    for mark, encoding in _MARKS.items():
+        if original.startswith(mark):
+            return mark + text.encode(encoding)
+    return text.encode()
