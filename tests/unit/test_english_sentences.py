@@ -1,3 +1,4 @@
+
 """Sentences of order: each is read exactly as it says, or refused at its place."""
 
 from __future__ import annotations
@@ -223,7 +224,7 @@ REFUSED = [
     ("Step 1,000 must precede step 4.", "IRC021", 8, 1),
     ("Step 1.5 must precede step 4.", "IRC021", 8, 1),
     ("Step 1 must precede step 4 and not step 5.", "IRC023", 8, 32),
-    ("Step 1 must precede step 4 but not step 5.", "IRC023", 8, 28),
+    ("Step 1 must precede step 4 but not step 5.", "IRC023", 8, 32),
     ("Step 2 and 3 must precede step 4 or step 5.", "IRC023", 8, 34),
 ]
 

@@ -153,11 +153,11 @@ _VAGUE = re.compile(
     re.IGNORECASE,
 )
 _CONDITION = re.compile(
-    r"\b(?:not|never|no|unless|except|excluding|without|neither|nor|or|either|if|otherwise|instead|"
-    r"whether|depending|only|but|other than|apart from|respectively|alternatively|skip|optional|"
-    r"\w+n['’]t)\b",
+    r"\b(?:not|never|unless|except|excluding|neither|nor|or|either|if|otherwise|whether|"
+    r"respectively|other than|apart from|alternatively|\w+n['’]t)\b",
     re.IGNORECASE,
 )
+_RESTRICTION = re.compile(r"\b(?:no|without|instead|depending|only|but|skip|just)\b", re.IGNORECASE)
 _LIMITED = re.compile(
     r"\b(?:person|people|(?:one|two|three|single|\d|each|same) (?:cook|chef)s?|workers?|helpers?|"
     r"friends?|alone|yourself|oneself|resources?|capacity|robots?|machines?|ovens?|stoves?|burners?|"
@@ -181,14 +181,11 @@ def not_understood(text: str, start: int, end: int) -> Problem:
             found.start(),
             "write what is certain and exact, or leave it out",
         )
-    if found := _LIMITED.search(text, start, end):
-        return Problem(
-            Code.LIMITED,
-            f"a limit that cannot be read exactly: {shown(quoted)}",
-            start,
-            _LIMIT_HINT,
-        )
-    if found := _CONDITION.search(text, start, end):
+    condition = _CONDITION.search(text, start, end)
+    if condition is None and _LIMITED.search(text, start, end):
+        message = f"a limit that cannot be read exactly: {shown(quoted)}"
+        return Problem(Code.LIMITED, message, start, _LIMIT_HINT)
+    if found := condition or _RESTRICTION.search(text, start, end):
         return Problem(
             Code.CONDITIONAL,
             f"a negation, condition or exception that is not understood: "

@@ -64,6 +64,9 @@ _PLAIN_WORD = re.compile(r"[^\W_]+")
 _PARENTHESIS = re.compile(r"[(\[][^()\[\]]{1,200}[)\]]")
 
 
+_REPEATED = re.compile(r"\b(?:twice|thrice|times|each|every|per)\b|\b[0-9]+ ?[x×]", re.IGNORECASE)
+
+
 @dataclass
 class StepText:
     """What one item says of its step."""
@@ -168,10 +171,25 @@ def _take_tails(reader: Reader, step: StepText) -> None:
             continue
         if _note(reader, step, (last, stop)):
             step.title = (start, first)
-            bare = reader.text[last : last + 3].lower() == "for"
-            if bare and _DURATION.search(reader.text, start, first):
+            if _is_doubtful(reader.text, start, first, last):
                 step.problems.append(_two_times(reader.text, start, stop))
             return
+
+
+def _is_doubtful(text: str, start: int, first: int, last: int) -> bool:
+    """Whether a duration without parentheses may not be that of the whole step.
+
+    text[start:first] is the step's text, the note begins at `last`: "pages 10 - 20 minutes".
+    """
+    bare = text[last : last + 3].lower() == "for"
+    if bare and _DURATION.search(text, start, first):
+        return True
+    if first == last and not bare:
+        return False  # "takes 5 minutes"
+    title = text[start:first].rstrip()
+    return bool(_REPEATED.search(title)) or (
+        title[-1:].isdigit() and text[first:last].strip() != ":"
+    )
 
 
 def _tails(text: str, start: int, stop: int) -> Iterator[Span]:
