@@ -191,6 +191,8 @@ class _Builder:
             ):
                 if wanted and found.setdefault(wish.at, item) != item:
                     yield f"{found[wish.at]!r} and {item!r} cannot both be {how} {wish.at!r}"
+            if wish.on_station and self.chores.comes_last(item):
+                yield f"{item!r} cannot be both directly on {wish.at!r} and upon others there"
             piled = any(upper == item for upper, _, _ in self.chores.piles)
             if not piled and not self.chores.wanted_on(item):
                 yield f"nothing can bring {item!r} to {wish.at!r} as the goal wants it"
