@@ -291,7 +291,7 @@ def test_what_is_done_already_needs_nothing() -> None:
         (("items", 2, "x"), 3, "there is no station on the cell (3, 2)"),
         (("items", 1, "stack-level"), 0, "two items lie on 'table_1' at the level 0"),
         (("items", 1, "stack-level"), 2, "with nothing below it"),
-        (("items", 2, "predicates"), ["iscuttable"], "cannot be fry: it is not isfryable"),
+        (("items", 2, "predicates"), ["iscuttable"], "cannot be fried: it is not isfryable"),
         (("items", 2, "predicates"), ["isboilable"], "there is no predicate 'isboilable'"),
         (("items", 2, "name"), "board", "an item cannot be called 'board'"),
         (("config", "num_cuts"), None, "the field 'num_cuts' is missing"),
