@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -193,6 +194,61 @@ def test_both_agree_on_random_retimings(case: tuple[Task, Schedule, Judge]) -> N
         elif starts_are_seen(task):
             assert not judge.accepts(bare_plan(other)), bare_plan(other)
     assert min(found.values()) > 3, found
+
+
+# --- plans by others ----------------------------------------------------------------------------
+
+
+def deliveries(rng: random.Random) -> str:
+    """A random problem of the domain of deliveries: a line of places, and parcels to the depot."""
+    places = ["depot", *(f"p{i}" for i in range(rng.randint(1, 3)))]
+    parcels = [f"c{i}" for i in range(rng.randint(1, 2))]
+    facts = [f"(at ann {rng.choice(places)})", f"(at van1 {rng.choice(places)})"]
+    for one, other in [pair for a, b in pairwise(places) for pair in ((a, b), (b, a))]:
+        facts += [f"(road {one} {other})", f"(path {one} {other})"]
+        facts.append(f"(= (drive-time {one} {other}) {rng.choice([1, 1.5, 4])})")
+        facts.append(f"(= (walk-time {one} {other}) {rng.choice([3, 5.25])})")
+    for parcel in parcels:
+        facts += [
+            f"(at {parcel} {rng.choice(places)})",
+            f"(= (weight {parcel}) {rng.randint(1, 4)})",
+        ]
+    goal = " ".join(f"(at {parcel} depot)" for parcel in parcels)
+    return f"""(define (problem random) (:domain deliveries)
+      (:objects {" ".join(places[1:])} - place ann - driver van1 - van {" ".join(parcels)} - parcel)
+      (:init {" ".join(facts)})
+      (:goal (and {goal} (not (taken van1)))))"""
+
+
+def planned(domain: str, problem: str) -> str | None:
+    """What kairos, which shares no code with the importer, does about the original."""
+    kairos = pytest.importorskip("kairos")
+    parsed = kairos.parse_problem(problem, kairos.parse_domain(domain))
+    options = {"timeout": 10.0, "threads": 1, "seed": 0, "anytime": False}
+    return next((str(plan) for plan in kairos.Planner().plans(parsed, **options)), None)
+
+
+def test_what_a_planner_does_about_the_original_is_a_valid_schedule() -> None:
+    files = {
+        name: [(EXAMPLES / name / f"{p}.pddl").read_text("utf-8") for p in ("domain", "problem")]
+        for name in PLANS
+    }
+    rng = random.Random(5)
+    cases = [(domain, problem) for domain, problem in files.values()]
+    cases += [(files["deliveries"][0], deliveries(rng)) for _ in range(12)]
+    tried = 0
+    for domain, problem in cases:
+        plan = planned(domain, problem)
+        if plan is None:
+            continue
+        task = imported(domain, problem)
+        useless = task.metadata.get("actions_that_change_nothing_that_matters", [])
+        schedule = numbered(scheduled(task, plan))
+        known = Schedule(tuple(e for e in schedule.entries if e.id not in useless))
+        verdict = irc.validate(task, known)
+        assert verdict.valid, f"{problem}\n{plan}\n{verdict}"
+        tried += 1
+    assert tried > 12
 
 
 # --- what a domain becomes ----------------------------------------------------------------------
@@ -388,6 +444,9 @@ def told(domain: str, problem: str) -> list[Diagnostic]:
         ("(= ?duration (len ?x))", "(at end (= ?duration 1))", "a duration constraint", 9),
         ("(:action b", "(:derived (q) (p b1)) (:action b", "the section ':derived'", 12),
         ("?x ?y - big", "?x ?y - (either big small)", "(either …)", 13),
+        ("(at end (q))", "(at end (p ?z))", "there is no parameter '?z'", 11),
+        ("(at end (q))", "(at end (p b1))", "there is no object 'b1'", 11),
+        ("(?x - thing)\n", "(?x - thingy)\n", "there is no type 'thingy'", 8),
         ("(domain d)", "(domain)", "expected (define (domain NAME) …)", 1),
         ("(domain d)", "(domain dd)", "this is a problem of 'd', not of 'dd'", 1),
         (":functions", ":functions (", "this '(' is never closed", 1),
@@ -417,7 +476,11 @@ def test_what_a_domain_has_that_is_not_taken_is_named_with_its_line(
         ("(p b1)", "(pp b1)", "there is no predicate 'pp'", 3),
         ("(= (len b2) 1.25)", "(= (len b2) x)", "expected (= (FUNCTION …) NUMBER)", 3),
         ("(= (len b2) 1.25)", "(= (len b2) 0)", "lasts from 0 to 0", None),
-        ("(p b1)", "(p b9)", "unified-planning cannot read this", None),
+        ("(p b1)", "(p b9)", "there is no object 'b9'", 3),
+        ("(p b1)", "(not (pp b1))", "there is no predicate 'pp'", 3),
+        ("- big", "- bigg", "there is no type 'bigg'", 2),
+        ("(:goal (q))", "(:goal (p ?x))", "there is no parameter '?x'", 4),
+        ("(p b1)", "(p b1) 7", "unified-planning cannot read this", 3),
     ],
 )
 def test_what_a_problem_has_that_is_not_taken_is_named_with_its_line(

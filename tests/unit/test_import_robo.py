@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
 import irc
 from irc.canonical import written_task
+from irc.cli.app import build_app
 from irc.diagnostics import Code, InputError
 from irc.frontends.importers.robo import import_robo
 from irc.model import Task
@@ -205,6 +207,13 @@ def test_an_item_that_is_further_on_needs_less() -> None:
     ]
 
 
+def test_where_nothing_is_to_be_done_the_task_is_empty() -> None:
+    idle = changed(INSTANCE, "goal", value={})
+    (task,) = imported({**idle, "temporal_constraints": []})
+    assert task.actions == ()
+    assert irc.validate(task, Schedule(())).valid
+
+
 def test_the_same_file_gives_the_same_task() -> None:
     assert written_task(imported(INSTANCE)[0]) == written_task(imported(INSTANCE)[0])
 
@@ -325,6 +334,44 @@ def test_what_is_no_list_of_instances_is_told(text: str, message: str) -> None:
     with pytest.raises(InputError) as refused:
         list(import_robo(text, "robo.json"))
     assert message in next(iter(refused.value.report)).message
+
+
+# --- the command --------------------------------------------------------------------------------
+
+
+def run(*arguments: object) -> Any:
+    return CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
+
+
+def test_the_command_reads_a_folder_in_order_and_writes_a_task_for_each(tmp_path: Path) -> None:
+    (tmp_path / "b.json").write_text(json.dumps([INSTANCE, {**MENU, "id": "menu / 1"}]))
+    (tmp_path / "a.json").write_text(json.dumps(INSTANCE))
+    (tmp_path / "notes.txt").write_text("no instance")
+    out = tmp_path / "out"
+    result = run("convert", tmp_path, "--from", "robo", "-o", out, "--format", "json")
+    assert result.exit_code == 0, result.stderr
+    assert [Path(p).name for p in json.loads(result.stdout)["written"]] == [
+        "plate.json",
+        "plate_.json",
+        "menu_1.json",
+    ]
+    assert irc.load(out / "menu_1.json") == imported({**MENU, "id": "menu / 1"})[0]
+
+
+def test_a_bad_instance_in_a_folder_is_status_1_and_nothing_is_written(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text(json.dumps(INSTANCE))
+    (tmp_path / "b.json").write_text(json.dumps(changed(INSTANCE, "items", value=3)))
+    out = tmp_path / "out"
+    result = run("convert", tmp_path, "--from", "robo", "-o", out)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "b.json:1:" in result.stderr
+    assert not out.exists()
+
+
+def test_a_folder_without_instances_is_told(tmp_path: Path) -> None:
+    result = run("convert", tmp_path, "--from", "robo", "-o", tmp_path / "out")
+    assert result.exit_code == 1
+    assert "holds no .json files" in result.stderr
 
 
 # --- the benchmark ------------------------------------------------------------------------------

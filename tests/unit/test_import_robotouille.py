@@ -232,6 +232,32 @@ def test_the_metadata_says_what_is_assumed() -> None:
         assert word in assumptions
 
 
+def test_an_item_that_is_to_be_uppermost_makes_room_first() -> None:
+    room: Any = deepcopy(KITCHEN)
+    kitchen = room["original_json"]
+    kitchen["stations"].append({"name": "table", "x": 2, "y": 2})
+    del kitchen["items"][1]
+    kitchen["goal"] = [
+        {"predicate": "item_at", "args": ["bread", "table"], "ids": [1, 2]},
+        {"predicate": "item_at", "args": ["okra", "table"], "ids": [3, 2]},
+        {"predicate": "clear", "args": ["bread"], "ids": [1]},
+    ]
+    task = imported(room)
+    plan = [
+        "take_bread_1_table_1",
+        "put_bread_1_table_3",
+        "take_okra_1_table_2",
+        "put_okra_1_table_1",
+        "take_bread_1_table_3",
+        "stack_bread_1_okra_1_table_1",
+    ]
+    verdict = irc.validate(task, carried_out(task, plan))
+    assert verdict.valid, str(verdict)
+    kitchen["goal"][0]["predicate"] = "item_on"
+    with pytest.raises(InputError, match="cannot be both directly on 'table_1' and upon others"):
+        imported(room)
+
+
 def test_a_robot_that_faces_no_station_starts_from_its_cell() -> None:
     task = imported(changed("players", 0, "direction", value=[0, 1]))
     assert next(v for v in task.state if v.id == "robot").initial == "start"
@@ -265,7 +291,7 @@ def test_what_is_done_already_needs_nothing() -> None:
         (("items", 2, "x"), 3, "there is no station on the cell (3, 2)"),
         (("items", 1, "stack-level"), 0, "two items lie on 'table_1' at the level 0"),
         (("items", 1, "stack-level"), 2, "with nothing below it"),
-        (("items", 2, "predicates"), ["iscuttable"], "cannot be fry: it is not isfryable"),
+        (("items", 2, "predicates"), ["iscuttable"], "cannot be fried: it is not isfryable"),
         (("items", 2, "predicates"), ["isboilable"], "there is no predicate 'isboilable'"),
         (("items", 2, "name"), "board", "an item cannot be called 'board'"),
         (("config", "num_cuts"), None, "the field 'num_cuts' is missing"),

@@ -166,8 +166,8 @@ def read_instances(text: str, name: str) -> tuple[list[Part], Faults]:
 
 
 def without_empty(document: Mapping[str, Any]) -> dict[str, Any]:
-    """A task document without the lists that hold nothing."""
-    return {key: value for key, value in document.items() if value != []}
+    """A task document without the lists that hold nothing; `actions` is always there."""
+    return {key: value for key, value in document.items() if value != [] or key == "actions"}
 
 
 def _called(instance: Any, otherwise: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from importlib.util import find_spec
 from typing import Any
 
@@ -23,8 +24,12 @@ def read_problem(domain: Source, problem: Source) -> Any:
 
     environment = get_environment()  # The reader makes metrics in no other one.
     environment.credits_stream = None
+    strict = environment.error_used_name
+    environment.error_used_name = False  # PDDL lets a type and a predicate have one name.
     try:
-        return PDDLReader(environment).parse_problem_string(domain.text, problem.text)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            return PDDLReader(environment).parse_problem_string(domain.text, problem.text)
     except pyparsing.ParseBaseException as error:
         raise _refused(_which(error.pstr, domain, problem), error.loc, error.msg) from None
     except (
@@ -42,6 +47,8 @@ def read_problem(domain: Source, problem: Source) -> Any:
         said = str(error).strip() or type(error).__name__
         message = f"{domain.name} with {problem.name}: unified-planning cannot read this: {said}"
         raise InputError(Report((Diagnostic(Code.NOT_AN_IMPORT, message),))) from None
+    finally:
+        environment.error_used_name = strict
 
 
 def require_unified_planning() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from irc.diagnostics import Code, Findings, did_you_mean
 from irc.frontends.importers.pddl.sexpr import Form, Word
@@ -67,6 +68,9 @@ class Scope:
         self.problem = problem
         self._arity: dict[str, int] = {}
         self._functions: dict[str, int] = {}
+        self._types = {"object"}
+        self._objects: set[str] = set()
+        self._variables: set[str] = set()
 
     def check_domain(self, form: Form) -> str | None:
         """Records what is not taken of a domain; its name, if it has one."""
@@ -76,6 +80,10 @@ class Scope:
                 declared = self._arity if section.head == ":predicates" else self._functions
                 for signature in section.forms:
                     declared[signature.head] = sum(w.startswith("?") for w in signature.words)
+            elif section.head == ":types":
+                self._types |= set(section.words[1:]) - {"-"}
+            elif section.head == ":constants":
+                self._objects |= set(_declared(section.items[1:]))
         for section in form.forms[1:]:
             if section.head == ":requirements":
                 self._requirements(section, self.domain)
@@ -83,7 +91,12 @@ class Scope:
                 self._action(section)
             elif section.head == ":durative-action":
                 self._durative_action(section)
-            elif section.head in (":types", ":constants", ":predicates"):
+            elif section.head == ":constants":
+                self._known_types(section, self.domain)
+            elif section.head in (":predicates", ":functions"):
+                for signature in section.forms:
+                    self._known_types(signature, self.domain)
+            elif section.head == ":types":
                 self._no_either(section, self.domain)
         return name
 
@@ -98,6 +111,9 @@ class Scope:
         if named is not None and domain is not None and named.words[1:] != [domain]:
             found = " ".join(named.words[1:])
             self._fault(self.problem, named, f"this is a problem of {found!r}, not of {domain!r}")
+        self._variables = set()
+        if ":objects" in sections:
+            self._objects |= set(_declared(sections[":objects"].items[1:]))
         for section in form.forms[1:]:
             if section.head == ":requirements":
                 self._requirements(section, self.problem)
@@ -109,7 +125,7 @@ class Scope:
             elif section.head == ":metric":
                 self._metric(section)
             elif section.head == ":objects":
-                self._no_either(section, self.problem)
+                self._known_types(section, self.problem)
 
     # --- sections --------------------------------------------------------------------------------
 
@@ -168,7 +184,21 @@ class Scope:
         if parameters is None:
             self._fault(self.domain, section, "an action needs :parameters (…), be they none")
         else:
-            self._no_either(parameters, self.domain)
+            self._variables = set(_declared(parameters.items))
+            self._known_types(parameters, self.domain)
+
+    def _known_types(self, declarations: Form, findings: Findings) -> None:
+        """The types of what is declared are declared themselves."""
+        self._no_either(declarations, findings)
+        for item, following in pairwise(declarations.items):
+            if isinstance(item, Word) and item.text == "-" and isinstance(following, Word):
+                self._known(following, self._types, "type", findings)
+
+    def _known(self, word: Word, known: set[str], what: str, findings: Findings) -> None:
+        if word.text not in known:
+            hint = did_you_mean(word.text, sorted(known))
+            message = f"there is no {what} {word.text!r}"
+            findings.add(Code.NOT_AN_IMPORT, message, offset=word.offset, hint=hint)
 
     def _timed(self, part: Form, what: str) -> Form | None:
         """What is inside (at start …), (at end …) or (over all …)."""
@@ -202,6 +232,8 @@ class Scope:
         elif condition.head == "=":
             if condition.forms:
                 self._fault(findings, condition, "numeric conditions ('=') are not taken")
+            else:
+                self._terms(condition, findings)
         else:
             self._literal(condition, findings)
 
@@ -227,6 +259,16 @@ class Scope:
             found = len(form.items) - 1
             message = f"the predicate {form.head!r} takes {expected} objects, not {found}"
             self._fault(findings, form, message)
+            return
+        self._terms(form, findings)
+
+    def _terms(self, form: Form, findings: Findings) -> None:
+        """The parameters and objects that a literal or an equality names are declared."""
+        for item in form.items[1:]:
+            if isinstance(item, Word) and item.text.startswith("?"):
+                self._known(item, self._variables, "parameter", findings)
+            elif isinstance(item, Word):
+                self._known(item, self._objects, "object", findings)
 
     def _init(self, section: Form) -> None:
         for fact in section.forms:
@@ -235,14 +277,14 @@ class Scope:
                 if len(fact.forms) != 1 or not _NUMBER.match(words[-1]):
                     self._fault(self.problem, fact, "expected (= (FUNCTION …) NUMBER)")
             elif fact.head == "at" and len(words) == 2 and _NUMBER.match(words[1]) and fact.forms:
-                self._timed_literal(fact.forms[0])
+                self._initial_literal(fact.forms[0])
             else:
-                self._literal(fact, self.problem)
+                self._initial_literal(fact)
 
-    def _timed_literal(self, literal: Form) -> None:
+    def _initial_literal(self, literal: Form) -> None:
         if literal.head == "=":
             self._fault(self.problem, literal, "timed numeric effects are not taken")
-        elif literal.head == "not" and literal.forms:
+        elif literal.head == "not" and len(literal.forms) == 1:
             self._literal(literal.forms[0], self.problem)
         else:
             self._literal(literal, self.problem)
@@ -260,6 +302,16 @@ class Scope:
 
     def _fault(self, findings: Findings, form: Form, message: str, hint: str | None = None) -> None:
         findings.add(Code.NOT_AN_IMPORT, message, offset=form.offset, hint=hint)
+
+
+def _declared(items: Sequence[Word | Form]) -> list[str]:
+    """The names in a typed list such as `?a ?b - place ?c`, without the types."""
+    words = [item.text for item in items if isinstance(item, Word)]
+    return [
+        word
+        for before, word in zip(["", *words], words, strict=False)
+        if word != "-" and before != "-"
+    ]
 
 
 def _given(form: Form | None) -> list[Form]:

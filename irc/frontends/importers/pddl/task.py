@@ -82,7 +82,10 @@ class _Builder:
     @cached_property
     def useful(self) -> list[Ground]:
         """The actions that change something that matters."""
-        return [a for a in self.actions if any(fact in self.kept for _, (fact, _) in a.effects)]
+        return [action for action in self.actions if self._matters(action)]
+
+    def _matters(self, action: Ground) -> bool:
+        return any(fact in self.kept for _, (fact, _) in action.effects)
 
     def state(self) -> list[Raw]:
         initial = self.lifted.initial
@@ -148,7 +151,7 @@ class _Builder:
                 yield {"var": atom_text(fact), **({} if value else {"value": False})}
 
     def metadata(self) -> Raw:
-        useless = [a.text for a in self.actions if a not in self.useful]
+        useless = [action.text for action in self.actions if not self._matters(action)]
         return {
             "pddl": {"domain": self.lifted.domain, "problem": self.lifted.problem},
             **({"actions_that_change_nothing_that_matters": useless} if useless else {}),

@@ -86,6 +86,7 @@ class Chores:
             for upper, wish in wishes.items()
             for lower, other in wishes.items()
             if upper != lower
+            and self.moves(upper)
             and wish.at is not None
             and wish.at == other.at
             and not wish.on_station
@@ -108,13 +109,24 @@ class Chores:
         if self.processing(item) or wish.at not in (None, there.station):
             return True
         if there.below is None:
-            return self._in_the_way(item) or self._others_below(item)
+            return self._in_the_way(item) or self._makes_room(item)
         return True
+
+    def _makes_room(self, item: str) -> bool:
+        """Whether the goal wants something else below an item that lies directly on its station."""
+        return self._others_below(item) or self.comes_last(item)
 
     def _others_below(self, item: str) -> bool:
         """Whether a wish to lie directly on this station is not met by lying here."""
         base = self.based.get(self.kitchen.items[item].station)
         return base not in (None, item)
+
+    def comes_last(self, item: str) -> bool:
+        """Whether an item is to be uppermost where the goal wants others as well."""
+        wish = self.wish(item)
+        return wish.clear and any(
+            other.at == wish.at for name, other in self.kitchen.wishes.items() if name != item
+        )
 
     def _in_the_way(self, item: str) -> bool:
         """Whether others must be processed where the item lies."""
@@ -126,7 +138,7 @@ class Chores:
     def laid_aside(self, item: str) -> list[str]:
         """The tables on which an item may be laid for a while: one that lies in others' way."""
         there = self.kitchen.items[item]
-        waits = there.below is not None or self._in_the_way(item) or self._others_below(item)
+        waits = there.below is not None or self._in_the_way(item) or self._makes_room(item)
         if not waits or not self.moves(item):
             return []
         taken = {
@@ -168,4 +180,4 @@ class Chores:
         elsewhere = any(
             there.station not in stations for _, stations in self.worked_at(item)
         ) or wish.at not in (None, there.station)
-        return elsewhere or self._others_below(item)
+        return elsewhere or self._makes_room(item)

@@ -16,6 +16,7 @@ from irc.frontends.importers.robotouille.grid import (
     standing_cells,
     walking_times,
 )
+from irc.frontends.importers.robotouille.wishes import unmet_wishes
 from irc.model import Task
 
 ROBOT, HAND = "robot", "hand"
@@ -47,8 +48,16 @@ Raw = dict[str, Any]
 
 def robotouille_task(kitchen: KitchenTask) -> Task | None:
     """The IR task, or None after faults have been recorded: a goal that no action can reach."""
-    builder = _Builder(kitchen, Chores(kitchen))
-    if not builder.check():
+    chores = Chores(kitchen)
+    builder = _Builder(kitchen, chores)
+    unreachable = [name for name in builder.visited if builder.cells[name] is None]
+    said = [
+        *unmet_wishes(chores),
+        *(f"the robot cannot get to {name!r}" for name in unreachable),
+    ]
+    for message in said:
+        kitchen.goal.fault(message)
+    if said:
         return None
     return Task.model_validate(
         without_empty(
@@ -154,51 +163,6 @@ class _Builder:
             for item, wish in self.kitchen.wishes.items()
             if wish.at is not None and self.chores.moves(item)
         ]
-
-    # --- what is wrong ---------------------------------------------------------------------------
-
-    def check(self) -> bool:
-        """Whether every wish can be met; where not, the faults have been recorded."""
-        said = [*self._unmet_processing(), *self._unmet_places(), *self._unreachable()]
-        for message in said:
-            self.kitchen.goal.fault(message)
-        return not said
-
-    def _unmet_processing(self) -> Iterator[str]:
-        able = {
-            "cut": ("iscuttable",),
-            "cook": ("iscookable",),
-            "fry": ("isfryable", "isfryableifcut"),
-        }
-        for name, item in self.kitchen.items.items():
-            for what, stations in self.chores.worked_at(name):
-                if not item.predicates & set(able[what]):
-                    yield f"{name!r} cannot be {what}: it is not {' or '.join(able[what])}"
-                if not stations:
-                    yield f"{name!r} cannot be {what}: the kitchen has no station for it"
-
-    def _unmet_places(self) -> Iterator[str]:
-        based: dict[str, str] = {}
-        clear: dict[str, str] = {}
-        for item, wish in self.kitchen.wishes.items():
-            if wish.at is None:
-                if wish.clear:
-                    yield f"{item!r} is to be clear, but not where; that is not taken"
-                continue
-            for wanted, found, how in (
-                (wish.on_station, based, "directly on"),
-                (wish.clear, clear, "uppermost at"),
-            ):
-                if wanted and found.setdefault(wish.at, item) != item:
-                    yield f"{found[wish.at]!r} and {item!r} cannot both be {how} {wish.at!r}"
-            piled = any(upper == item for upper, _, _ in self.chores.piles)
-            if not piled and not self.chores.wanted_on(item):
-                yield f"nothing can bring {item!r} to {wish.at!r} as the goal wants it"
-
-    def _unreachable(self) -> Iterator[str]:
-        for station in self.visited:
-            if self.cells[station] is None:
-                yield f"the robot cannot get to {station!r}"
 
     # --- variables -------------------------------------------------------------------------------
 
