@@ -61,8 +61,11 @@ def state_task(seed: int) -> Task:
     rng = random.Random(f"state {seed}")
     draft = _Draft(list(MIXES.values())[seed % len(MIXES)])
     _draw_world(rng, draft)
-    crowded = draft.features & {"repeats", "modes"}
-    for i in range(rng.randint(2, 4 if crowded else 5 if "groups" in draft.features else 6)):
+    # Modes and repetitions multiply what the oracle has to look at.
+    most = (5 if "groups" in draft.features else 6, 4, 3)[
+        len(draft.features & {"repeats", "modes"})
+    ]
+    for i in range(rng.randint(2, most)):
         _draw_action(rng, draft, i)
     document: Document = {
         "resources": draft.resources,
