@@ -23,7 +23,7 @@ MIXES: Mapping[str, frozenset[str]] = {
     "choices": frozenset({"modes", "resources", "calendars"}),
     "orders": frozenset({"groups", "due", "resources"}),
     "rewards": frozenset({"groups", "rewards", "stock", "deadline"}),
-    "repeats": frozenset({"repeats", "resources"}),
+    "repeats": frozenset({"repeats", "resources", "stock"}),
     "everything": frozenset(
         [
             *("ranges", "lags", "stock", "modes", "resources", "calendars"),
@@ -61,8 +61,11 @@ def state_task(seed: int) -> Task:
     rng = random.Random(f"state {seed}")
     draft = _Draft(list(MIXES.values())[seed % len(MIXES)])
     _draw_world(rng, draft)
-    crowded = draft.features & {"repeats", "modes"}
-    for i in range(rng.randint(2, 4 if crowded else 5 if "groups" in draft.features else 6)):
+    # Modes and repetitions multiply what the oracle has to look at.
+    most = (5 if "groups" in draft.features else 6, 4, 3)[
+        len(draft.features & {"repeats", "modes"})
+    ]
+    for i in range(rng.randint(2, most)):
         _draw_action(rng, draft, i)
     document: Document = {
         "resources": draft.resources,
@@ -113,6 +116,9 @@ def _draw_action(rng: random.Random, draft: _Draft, i: int) -> None:
     _draw_occurs(rng, draft, action)
     world = dict(draft.world)
     conditions, effects = _draw_state(rng, draft, world)
+    if isinstance(action.get("occurs"), dict) and rng.random() < 0.5:
+        # Its own effects would often keep it from happening again.
+        conditions = []
     if conditions:
         action["conditions"] = conditions
     if effects:
@@ -131,9 +137,9 @@ def _draw_action(rng: random.Random, draft: _Draft, i: int) -> None:
 def _draw_occurs(rng: random.Random, draft: _Draft, action: Document) -> None:
     if rng.random() < 0.25:
         action["occurs"] = "optional"
-    elif "repeats" in draft.features and rng.random() < 0.4:
-        least = rng.choice((0, 0, 1, 2))
-        action["occurs"] = {"min": least, "max": max(least, rng.randint(1, 2))}
+    elif "repeats" in draft.features and rng.random() < 0.5:
+        least = rng.choice((0, 1, 2))
+        action["occurs"] = {"min": least, "max": rng.randint(max(1, least), 3 if not least else 2)}
     if "occurs" in action and rng.random() < 0.4:
         draft.skipped.add(action["id"])
 
@@ -174,7 +180,9 @@ def _draw_state(
 def _draw_stock(rng: random.Random, draft: _Draft, action: Document) -> None:
     if "stock" not in draft.features or rng.random() < 0.4:
         return
-    amount, takes = rng.randint(1, 2), rng.random() < 0.55
+    repeats = isinstance(action.get("occurs"), dict)
+    takes = rng.random() < (0.2 if repeats else 0.55)
+    amount = rng.randint(1, 3 if takes and "repeats" in draft.features else 2)
     change: Document = {"resource": "flour", "amount": amount}
     if rng.random() < 0.3:
         change["at"] = rng.choice(("start", "end"))
@@ -281,8 +289,8 @@ def _draw_objective(rng: random.Random, draft: _Draft) -> list[str]:
 
 
 def _longest(action: Document) -> int:
-    ways = [mode["duration"] for mode in action.get("modes", ())] or [action["duration"]]
-    return max(way["max"] if isinstance(way, dict) else way for way in ways)
+    ways: list[Any] = [mode["duration"] for mode in action.get("modes", ())] or [action["duration"]]
+    return max(int(way["max"] if isinstance(way, dict) else way) for way in ways)
 
 
 # --- rewards ------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import chain, combinations, permutations, product
 
 from oracles.state_task import Fact, Job, Value
 
@@ -112,8 +112,9 @@ def orders(values: Values, held: frozenset[Fact], happenings: Sequence[Happening
     """All ways to play one instant; `held` must hold throughout. Dominated ways are left out."""
     found: set[Outcome] = set()
     if not any(h.contradicts_itself for h in happenings):
-        for layers, final in _Play(held, happenings).play(dict(values)):
-            demands = frozenset(_demands(layers))
+        play = _Play(held, happenings)
+        for layers, final in play.play(dict(values)):
+            demands = frozenset(play.demands(layers))
             found.add((tuple(sorted(final.items())), demands))
     return [
         (outcome, demands)
@@ -122,23 +123,29 @@ def orders(values: Values, held: frozenset[Fact], happenings: Sequence[Happening
     ]
 
 
-def _demands(layers: Sequence[Sequence[Happening]]) -> Iterator[Demand]:
-    for i, layer in enumerate(layers):
-        for one, two in combinations(layer, 2):
-            yield from filter(None, (demand(one, two, same=True), demand(two, one, same=True)))
-        for later_layer in layers[i + 1 :]:
-            for one in layer:
-                for two in later_layer:
-                    needed = demand(one, two, same=False)
-                    if needed is not None and needed[0] != needed[1]:
-                        yield needed
-
-
 @dataclass
 class _Play:
     held: frozenset[Fact]
     happenings: Sequence[Happening]
     layers: list[tuple[Happening, ...]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        pairs = list(permutations(self.happenings, 2))
+        self.clashing = {(a.node, b.node) for a, b in pairs if interfere(a, b)}
+        self.apart = {(a.node, b.node): demand(a, b, same=False) for a, b in pairs}
+        self.together = {(a.node, b.node): demand(a, b, same=True) for a, b in pairs}
+
+    def demands(self, layers: Sequence[Sequence[Happening]]) -> Iterator[Demand]:
+        """What the ranks must keep for these layers."""
+        for i, layer in enumerate(layers):
+            for one, two in permutations(layer, 2):
+                needed = self.together[one.node, two.node]
+                if needed is not None:
+                    yield needed
+            for one, two in product(layer, chain.from_iterable(layers[i + 1 :])):
+                needed = self.apart[one.node, two.node]
+                if needed is not None:
+                    yield needed
 
     def play(
         self, values: dict[str, Value]
@@ -176,13 +183,13 @@ class _Play:
         holds: list[frozenset[Fact]],
     ) -> tuple[dict[str, Value], list[frozenset[Fact]]] | None:
         """Values and holds after one more layer; None where something forbids it."""
+        if any(values[var] != value for h in layer for var, value in h.reads):
+            return None
         if any(h.follows == other.node for h in layer for other in left if h is not other):
             return None
         if self.layers and not all(self._must_wait(h, layer) for h in layer):
             return None
-        if any(values[var] != value for h in layer for var, value in h.reads):
-            return None
-        if any(interfere(one, two) for one, two in combinations(layer, 2)):
+        if any((one.node, two.node) in self.clashing for one, two in combinations(layer, 2)):
             return None
         following = dict(values)
         for happening in layer:
@@ -199,7 +206,7 @@ class _Play:
     def _must_wait(self, happening: Happening, layer: Sequence[Happening]) -> bool:
         """Whether the layer before would change its meaning: for those in it, or for its fellows
         here, without which it would come before what it must not come before."""
-        before = (demand(other, happening, same=False) for other in self.layers[-1])
+        before = (self.apart[other.node, happening.node] for other in self.layers[-1])
         if any(needed is not None and needed[2] == 1 for needed in before):
             return True
-        return any(demand(o, happening, same=True) for o in layer if o is not happening)
+        return any(self.together[o.node, happening.node] for o in layer if o is not happening)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from itertools import product
 
 from oracles.state_instant import Demand
 
@@ -16,14 +15,19 @@ def closure(demands: Iterable[Demand]) -> dict[tuple[int, int], int] | None:
 
     Ranks are dense for this purpose (only their order counts), so "above by 2" is "above".
     """
-    known: dict[tuple[int, int], int] = {}
+    above: dict[int, dict[int, int]] = {}
     for a, b, least in demands:
-        known[a, b] = max(known.get((a, b), 0), least)
-    nodes = sorted({node for pair in known for node in pair})
-    for via, a, b in product(nodes, repeat=3):
-        if (a, via) in known and (via, b) in known:
-            known[a, b] = max(known.get((a, b), 0), known[a, via], known[via, b])
-    return None if any(known.get((node, node), 0) for node in nodes) else known
+        known = above.setdefault(a, {})
+        known[b] = max(known.get(b, 0), least)
+    for via, beyond in above.items():
+        for known in above.values():
+            if via in known and known is not beyond:
+                so_far = known[via]
+                for b, least in beyond.items():
+                    known[b] = max(known.get(b, 0), so_far, least)
+    if any(known.get(a, 0) for a, known in above.items()):
+        return None
+    return {(a, b): least for a, known in above.items() for b, least in known.items()}
 
 
 def only(order: Order, nodes: Collection[int]) -> dict[tuple[int, int], int]:

@@ -25,9 +25,12 @@ Held = tuple[tuple[str, int], ...]
 _Part = TypeVar("_Part", Action, Resource, Group)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Option:
-    """One way to carry out an action: its mode, the bounds of its duration, and what it holds."""
+    """One way to carry out an action: its mode, the bounds of its duration, and what it holds.
+
+    Compared by identity: a job has each of its options once.
+    """
 
     mode: str | None
     least: int
@@ -237,7 +240,7 @@ class _Reader:
         stock += [(c.resource, c.amount, c.at != "start") for c in action.produces]
         return Job(
             id=action.id,
-            options=tuple(dict.fromkeys(self._options(action))),
+            options=tuple({(o.mode, o.held): o for o in self._options(action)}.values()),
             least=least,
             most=most,
             release=max(0, self._ticks(action.release)),

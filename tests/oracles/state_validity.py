@@ -141,9 +141,16 @@ def _stocks_hold(plain: Plain, cases: Sequence[_Case]) -> bool:
 
 
 def _all_ranks(plain: Plain, cases: Sequence[_Case]) -> Iterator[dict[tuple[int, bool], int]]:
-    """Every order, with ties, of all ranks: a map from (entry, whether its end) to a rank."""
+    """Every order, with ties, of all ranks: a map from (entry, whether its end) to a rank.
+
+    The rank of what neither touches state nor has a precedence is of no account. The others are
+    tried in all orders: seven of them have 47,293, so this is for a handful of entries.
+    """
+    bound = {j for arc in plain.arcs for j in (arc.before, arc.after)}
     nodes: list[tuple[int, bool]] = []
     for i, case in enumerate(cases):
+        if not case.job.touches_state and case.j not in bound:
+            continue
         nodes.append((i, False))
         if case.option.ends_freely:
             nodes.append((i, True))

@@ -152,6 +152,7 @@ class Walk:
         ]
         self.stocks = list(plain.stocks)
         self.outcomes: dict[object, list[Outcome]] = {}
+        self.orders: dict[object, frozenset[Demand] | None] = {}
         self.ranked = self._ranked()
 
     def _ranked(self) -> list[bool]:
@@ -342,10 +343,9 @@ class Walk:
         clipped = _clipped(lags, now)
         alive = self._alive(runs, clipped)
         for values, wanted in self._outcomes(situation, starts, due):
-            order = closure([*situation.order, *demands, *wanted])
-            if order is None:
+            kept = self._kept(frozenset([*situation.order, *demands, *wanted]), alive)
+            if kept is None:
                 continue
-            kept = frozenset((a, b, w) for (a, b), w in only(order, alive).items())
             after = Situation(tuple(states), tuple(runs), clipped, values, levels, kept)
             yield after, late, Step(path, now, starts, (*demands, *wanted))
 
@@ -434,14 +434,25 @@ class Walk:
         demands = [(start, end, 0)] if run.lasts == option.least else []
         return demands + ([(end, start, 0)] if run.lasts == option.most else [])
 
-    def _alive(self, runs: Sequence[Run | None], lags: Sequence[Lag | None]) -> set[int]:
-        alive = {
-            node for i, run in enumerate(runs) if run is not None for node in (2 * i, 2 * i + 1)
-        }
+    def _kept(self, demands: frozenset[Demand], alive: frozenset[int]) -> frozenset[Demand] | None:
+        """What demands mean for the ranks that still matter; None where no ranks keep them."""
+        key = (demands, alive)
+        if key not in self.orders:
+            order = closure(demands)
+            self.orders[key] = (
+                None
+                if order is None
+                else frozenset((a, b, w) for (a, b), w in only(order, alive).items())
+            )
+        return self.orders[key]
+
+    def _alive(self, runs: Sequence[Run | None], lags: Sequence[Lag | None]) -> frozenset[int]:
+        """The nodes whose ranks can still matter after a tick."""
+        mattering = {i for i, run in enumerate(runs) if run is not None}
         for (u, v, _), lag in zip(self.arcs, lags, strict=True):
             if lag is not None and lag.tight is not None:
-                alive |= {2 * u, 2 * u + 1, 2 * v, 2 * v + 1}
-        return alive
+                mattering |= {u, v}
+        return frozenset(node for i in mattering for node in (2 * i, 2 * i + 1))
 
     # --- state -----------------------------------------------------------------------------------
 
@@ -449,24 +460,32 @@ class Walk:
         self, situation: Situation, starts: Sequence[tuple[int, Run]], due: Sequence[int]
     ) -> list[Outcome]:
         touching = [(i, run) for i, run in starts if self.jobs[i].touches_state]
-        ending = [i for i in due if self.jobs[i].touches_state]
+        ended = ((i, situation.runs[i]) for i in due if self.jobs[i].touches_state)
+        ending = [(i, run) for i, run in ended if run is not None]
         if not touching and not ending:
             return [(situation.values, frozenset())]
-        happenings: list[Happening] = []
-        for i in ending:
-            run = situation.runs[i]
-            assert run is not None
-            happenings.append(happening_at_end(self.jobs[i], _end_node(i, run)))
-        for i, run in touching:
-            happenings += self._happenings(i, run)
-        held: set[Fact] = set()
-        for i, running in enumerate(situation.runs):
-            if running is not None and i not in due:
-                held |= {(var, value) for at, var, value in self.jobs[i].conditions if at == "all"}
-        key = (situation.values, frozenset(held), tuple(happenings))
+        # All that the happenings of an instant, and what is held throughout it, are made from.
+        key = (
+            situation.values,
+            tuple((i, run is not None) for i, run in enumerate(situation.runs)),
+            tuple((i, run.is_point, _end_node(i, run)) for i, run in touching),
+            tuple((i, _end_node(i, run)) for i, run in ending),
+        )
         if key not in self.outcomes:
-            self.outcomes[key] = orders(situation.values, frozenset(held), happenings)
+            happenings = [happening_at_end(self.jobs[i], _end_node(i, run)) for i, run in ending]
+            happenings += [h for i, run in touching for h in self._happenings(i, run)]
+            self.outcomes[key] = orders(situation.values, self._held(situation, due), happenings)
         return self.outcomes[key]
+
+    def _held(self, situation: Situation, due: Sequence[int]) -> frozenset[Fact]:
+        """What must hold throughout this tick: for those that neither start nor end in it."""
+        running = (i for i, run in enumerate(situation.runs) if run is not None and i not in due)
+        return frozenset(
+            (var, value)
+            for i in running
+            for at, var, value in self.jobs[i].conditions
+            if at == "all"
+        )
 
     def _happenings(self, i: int, run: Run) -> list[Happening]:
         job = self.jobs[i]
