@@ -24,7 +24,7 @@ from irc.explanation.statements import (
 from irc.network import Network, earliest
 from irc.problem import Problem
 
-STEPS = 2_000_000
+STEPS = 6_000_000
 """So many constraints are looked at in search of a cycle of few statements."""
 
 ROOTS = 40
@@ -41,10 +41,8 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
     cycles = _cycles(differences)
     if not cycles:
         return None
-    found = min(
-        (frozenset(_stated(cycle)) for cycle in _candidates(differences, cycles)),
-        key=lambda statements: (len(statements), sorted(statements)),
-    )
+    found = min(_candidates(differences, cycles), key=_Candidate.measure)
+    statements = found.statements
 
     def attempt(statements: frozenset[Statement]) -> Trial:
         if perf_counter() > until:
@@ -54,8 +52,41 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
             return Trial(Verdict.POSSIBLE)
         return Trial(Verdict.IMPOSSIBLE, frozenset(_stated(cycles[0])))
 
-    conflict = minimise(found, attempt, sorted(found, key=lambda s: _dispensable(problem, s)))
+    if _is_minimal(problem, found):
+        conflict = Conflict(tuple(sorted(statements)), minimal=True)
+    else:
+        order = sorted(statements, key=lambda s: _dispensable(problem, s))
+        conflict = minimise(statements, attempt, order)
     return _in_order(problem, narrow(problem, conflict, attempt))
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidate:
+    """A positive cycle; with a root, no positive way round from there has fewer statements."""
+
+    cycle: list[Difference]
+    root: int | None = None
+
+    @property
+    def statements(self) -> frozenset[Statement]:
+        return frozenset(_stated(self.cycle))
+
+    def measure(self) -> tuple[int, bool, list[Statement]]:
+        return len(self.statements), self.root is None, sorted(self.statements)
+
+
+def _is_minimal(problem: Problem, found: _Candidate) -> bool:
+    """Whether the search for few statements has already proven that each of them is needed.
+
+    A positive cycle that avoids one of them would be simple, lead through the root, and use each
+    of the others at most once: of two demands of one statement that a simple cycle could use both
+    of, one is the other turned round. So it would have fewer statements.
+    """
+    statements = found.statements
+    if found.root is None or len(list(_stated(found.cycle))) > len(statements):
+        return False
+    elsewhere = [d for d in _graph(problem, statements) if found.root not in (d.src, d.dst)]
+    return not _cycles(elsewhere)
 
 
 def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
@@ -98,17 +129,17 @@ def _stated(cycle: Iterable[Difference]) -> Iterator[Statement]:
 
 def _candidates(
     differences: Sequence[Difference], cycles: list[list[Difference]]
-) -> Iterator[list[Difference]]:
+) -> Iterator[_Candidate]:
     """The cycles, and for points on them the positive way round with the fewest statements."""
     search = _FewestStatements(differences)
     for cycle in cycles:
-        yield cycle
+        yield _Candidate(cycle)
         on_cycle = dict.fromkeys(d.src for d in cycle)
         roots = [ORIGIN] if ORIGIN in on_cycle else list(on_cycle)[:ROOTS]
         for root in roots:
             shorter = search.cycle(root)
             if shorter is not None:
-                yield shorter
+                yield _Candidate(shorter, root)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
