@@ -63,6 +63,9 @@ def _visible(text: str) -> str:
 def _infeasible(explanation: Explanation) -> Iterator[str]:
     count = len(explanation.conflict)
     yield f"{_name(explanation)}: no schedule exists"
+    if not count and explanation.reason is not None:
+        yield f"that is proven; {explanation.reason}"
+        return
     if not count:
         yield "that is proven; which statements are to blame was not found within the time limit"
         yield "hint: give it more time with --time-limit"

@@ -13,6 +13,7 @@ from irc.explanation.chain import HandOver, Link, critical_chain
 from irc.explanation.contention import horizon_without_limits, resource_conflict
 from irc.explanation.demand import demand_conflict
 from irc.explanation.minimise import Conflict
+from irc.explanation.refuter import Refuter
 from irc.explanation.result import Explanation, Step, Told, located
 from irc.explanation.statements import (
     Kind,
@@ -26,6 +27,7 @@ from irc.explanation.temporal import temporal_conflict
 from irc.explanation.wording import in_words, units
 from irc.model import Task
 from irc.passes import run_passes
+from irc.passes.mandatory import mandatory_part
 from irc.pipeline import refusals_told
 from irc.problem import Problem
 from irc.schedule import Schedule, Status
@@ -51,13 +53,14 @@ def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
     checked = run_checks(task, lint=False)
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
-    problem = checked.problem
+    # (What cannot hold of the part that every schedule contains cannot hold at all.)
+    problem = mandatory_part(checked.problem)
     if not checked.report.ok:
         explanation = _without_solver(task, problem, until)
         if explanation is None:
             raise InputError(checked.report)
     else:
-        explanation = _with_solver(task, problem, until)
+        explanation = _with_solver(task, problem, until, whole=problem is checked.problem)
     return replace(explanation, source=task.source, seconds=round(perf_counter() - began, 3))
 
 
@@ -70,20 +73,66 @@ def _without_solver(task: Task, problem: Problem, until: float) -> Explanation |
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
-def _with_solver(task: Task, problem: Problem, until: float) -> Explanation:
+def _with_solver(task: Task, problem: Problem, until: float, *, whole: bool) -> Explanation:
+    """`whole`: the problem is all of the task, not only its mandatory part."""
     # One worker and one seed: the same task gets the same explanation.
     limits = Limits(_left(until), workers=1, seed=0)
     answer = solve_task(task, TARGET, limits=limits)
     if answer.schedule.answered:
-        return _feasible(task, problem, answer)
+        return _feasible(task, problem, answer) if whole else _solved(task, answer)
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = get_backend(TARGET).refuter()
+    if not whole and not _is_refuted(problem, refuter, until):
+        return Explanation(
+            Status.INFEASIBLE,
+            task.name,
+            task.time_unit,
+            minimal=False,
+            by="solver",
+            reason=_RICH,
+        )
     with refusals_told(task):
         conflict = None if refuter is None else resource_conflict(problem, refuter, until)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
+
+
+_RICH = (
+    "state, stock, calendars or choices play a part in it; which statements is told only of "
+    "durations, precedence, dates and resources"
+)
+
+
+def _is_refuted(problem: Problem, refuter: Refuter | None, until: float) -> bool:
+    """Whether the mandatory part alone has no schedule."""
+    if refuter is None:
+        return False
+    seconds = min(_left(until) or _REFUTING_SECONDS, _REFUTING_SECONDS)
+    horizon = horizon_without_limits(problem)
+    return refuter.decide(problem, horizon, seconds) is Status.INFEASIBLE
+
+
+_REFUTING_SECONDS = 60.0
+
+
+def _solved(task: Task, answer: Answer) -> Explanation:
+    """Of a task with state, stock or choices: what it came to, and how far that is proven."""
+    schedule = answer.schedule
+    first = schedule.objective[0]
+    if schedule.status is Status.OPTIMAL:
+        proof = f"nothing is better: proved by {schedule.engine}"
+    else:
+        proof = "something better may exist"
+    return Explanation(
+        schedule.status,
+        task.name,
+        task.time_unit,
+        schedule=schedule,
+        bound=first.bound,
+        proof=f"{proof}; a chain is told only of tasks without state, stock, calendars and choices",
+    )
 
 
 def _left(until: float) -> float | None:

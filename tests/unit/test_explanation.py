@@ -142,7 +142,7 @@ def _modules_after_explaining(actions: Any, arcs: Any, deadline: int) -> set[str
     return {name.split(".")[0] for name in done.stdout.split()}
 
 
-def test_a_conflict_is_found_among_elements_that_no_target_takes() -> None:
+def test_a_conflict_is_found_among_elements_that_are_not_explained() -> None:
     document = task(
         *(a("a", 5), a("b", 3), p("a", "b")),
         deadline=7,
@@ -150,9 +150,12 @@ def test_a_conflict_is_found_among_elements_that_no_target_takes() -> None:
     )
     document["actions"][0]["effects"] = [{"at": "end", "var": "lit", "value": True}]
     assert len(irc.explain(document).conflict) == 4
-    with pytest.raises(irc.InputError) as refused:
-        irc.explain({**document, "deadline": 8})
-    assert {d.code.id for d in refused.value.report.errors} == {"IRC501"}
+    solved = irc.explain({**document, "deadline": 8})
+    assert (solved.feasible, solved.bound, solved.chain, solved.slack) == (True, 8, (), {})
+    document["actions"][1]["conditions"] = [{"at": "start", "var": "lit", "value": False}]
+    stuck = irc.explain({**document, "deadline": 8})
+    assert (stuck.feasible, stuck.conflict, stuck.minimal) == (False, (), False)
+    assert "state" in (stuck.reason or "")
 
 
 def test_other_faults_are_told_as_ever() -> None:
