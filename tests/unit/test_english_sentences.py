@@ -1,4 +1,3 @@
-
 """Sentences of order: each is read exactly as it says, or refused at its place."""
 
 from __future__ import annotations
