@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from irc.compiler import Answer
     from irc.frontends.files import Reading
 
-FileArgument = Annotated[str, typer.Argument(help="A task as JSON; '-' is standard input.")]
+FileArgument = Annotated[
+    str, typer.Argument(help="A task as JSON or in English; '-' is standard input.")
+]
 FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")]
 OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]
 
