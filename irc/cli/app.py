@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from irc.frontends.files import Reading
 
 FileArgument = Annotated[
-    str, typer.Argument(help="A task as JSON or in the DSL; '-' is standard input.")
+    str, typer.Argument(help="A task: JSON, the DSL, or English; '-' is standard input.")
 ]
 FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")]
 OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]

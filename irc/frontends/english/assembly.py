@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from irc.diagnostics import Code
 from irc.frontends.english.names import Names
-from irc.frontends.english.reasons import Problem, Unclear, because, shown
+from irc.frontends.english.reasons import Problem, Unclear, shown
+from irc.frontends.english.references import MOST_EDGES, Finder, Said, Step
 from irc.frontends.english.statements import (
     Apart,
     AtATime,
@@ -26,13 +27,9 @@ from irc.frontends.english.statements import (
     Refs,
     Statement,
     Takes,
-    Time,
     Told,
 )
 from irc.source import Pointer, Range
-
-MOST_EDGES = 1_000_000
-"""A text whose sentences mean more precedences than this is refused."""
 
 _TYPES = {
     ("end", "start"): "finish-start",
@@ -42,30 +39,6 @@ _TYPES = {
 }
 _SEARCHED = 5_000_000
 """Edges looked at to find statements of freedom that an order contradicts."""
-
-
-@dataclass
-class Step:
-    """A step of the list."""
-
-    label: int | str | None
-    title: str
-    place: Range
-    time: Time | None = None
-    time_place: Range | None = None
-
-    def id(self, position: int) -> str:
-        """Its id in the IR."""
-        return f"step{position + 1 if self.label is None else self.label}"
-
-
-@dataclass(frozen=True)
-class Said:
-    """Where a statement stands, and the step (by position) whose item it stands in."""
-
-    start: int
-    end: int
-    step: int | None = None
 
 
 @dataclass
@@ -95,18 +68,10 @@ class Assembly:
     _story: list[int] | None = None
     _covered: set[int] = field(default_factory=set)
     _opened: Said | None = None
-    _by_label: dict[int | str, int] = field(default_factory=dict)
+    find: Finder = field(init=False)
 
     def __post_init__(self) -> None:
-        unlabelled = all(step.label is None for step in self.steps)
-        for position, step in enumerate(self.steps):
-            label = position + 1 if unlabelled else step.label
-            if label is not None:
-                self._by_label.setdefault(label, position)
-
-    def position(self, label: int | str | None) -> int | None:
-        """The step with a label."""
-        return None if label is None else self._by_label.get(label)
+        self.find = Finder(self.text, self.steps, self.names)
 
     def take(self, statements: Sequence[Statement], said: Said) -> None:
         """Takes up what a sentence says; its faults become problems."""
@@ -121,7 +86,7 @@ class Assembly:
             case Order():
                 self._order(statement, said)
             case Chain():
-                groups = [self._positions(refs, said) for refs in statement.groups]
+                groups = [self.find.positions(refs, said) for refs in statement.groups]
                 self._chain(groups, said)
                 self._story, self._covered = groups[-1], {p for g in groups for p in g}
             case Told():
@@ -147,116 +112,6 @@ class Assembly:
             case _:
                 raise TypeError(f"no way to take {statement!r}")
 
-    # References
-
-    def _positions(self, refs: Refs, said: Said, others: Sequence[int] | None = None) -> list[int]:
-        """The steps that references mean. `others`: those on the other side of the order."""
-        found: dict[int, None] = {}
-        for ref in refs:
-            for position in self._resolved(ref, said, others):
-                found[position] = None
-                if len(found) > MOST_EDGES:
-                    raise self._too_many(said)
-        return list(found)
-
-    def _resolved(self, ref: Ref, said: Said, others: Sequence[int] | None) -> Iterator[int]:
-        count = len(self.steps)
-        match ref.kind:
-            case "label":
-                yield self._labelled(ref.value[0], ref)
-            case "range":
-                yield from self._range(ref, said)
-            case "name":
-                yield self._named(ref)
-            case "nth" | "first" | "last":
-                place = {"first": 1, "last": count}.get(ref.kind) or ref.value[0]
-                yield self._nth(place, ref, said)
-            case "this":
-                if said.step is None:
-                    raise Unclear(self._because("this", said, ref.start))
-                yield said.step
-            case "all":
-                yield from (p for p in range(count) if others is None or p not in others)
-            case "all_other" if others is not None:
-                beside = set(others)
-                yield from (p for p in range(count) if p not in beside)
-            case "previous" | "all_previous" if others is not None and len(others) == 1:
-                yield from self._previous(ref, others[0], said)
-            case "previous" if said.step is not None:
-                yield from self._previous(ref, said.step, said)
-            case _:
-                raise Unclear(self._because("nested", said, ref.start))
-
-    def _previous(self, ref: Ref, position: int, said: Said) -> Iterator[int]:
-        if ref.kind == "all_previous":
-            yield from range(position)
-        elif position == 0:
-            raise Unclear(self._unknown("there is no step before the first", ref.start))
-        else:
-            yield position - 1
-
-    def _labelled(self, label: int | str, ref: Ref) -> int:
-        position = self._by_label.get(label)
-        if position is None:
-            raise Unclear(self._unknown(f"there is no step {label}", ref.start))
-        return position
-
-    def _range(self, ref: Ref, said: Said) -> Iterator[int]:
-        low, high = ref.value
-        if not (isinstance(low, int) and isinstance(high, int)) or low > high:
-            raise Unclear(self._unknown(f"{low} to {high} is no range of steps", ref.start))
-        if high - low > MOST_EDGES:
-            raise Unclear(self._unknown(f"there is no step {high}", ref.start))
-        for label in range(low, high + 1):
-            yield self._labelled(label, ref)
-
-    def _named(self, ref: Ref) -> int:
-        positions = self.names.steps(ref.value[0])
-        if not positions:
-            raise Unclear(self._unknown(f"there is no step {shown(ref.value[0])}", ref.start))
-        if len(positions) > 1:
-            raise Unclear(
-                Problem(
-                    Code.AMBIGUOUS,
-                    f"{len(positions)} steps have the text {shown(ref.value[0])}",
-                    ref.start,
-                    "name the step by its number",
-                )
-            )
-        return positions[0]
-
-    def _nth(self, place: int, ref: Ref, said: Said) -> int:
-        """The step at a place of the list; where the steps have numbers they must agree."""
-        if place > len(self.steps):
-            raise Unclear(self._unknown(f"there is no step {place}", ref.start))
-        label = self.steps[place - 1].label
-        if isinstance(label, int) and label != place and ref.kind == "nth":
-            raise Unclear(self._because("label", said, ref.start))
-        return place - 1
-
-    def _unknown(self, message: str, offset: int) -> Problem:
-        labels = [str(s.label) for s in self.steps if s.label is not None]
-        hint = "the text lists no steps"
-        if labels:
-            hint = f"the steps listed are {labels[0]} to {labels[-1]} ({len(labels)} steps)"
-        elif self.steps:
-            hint = "name a step by its text in quotes"
-        return Problem(Code.UNKNOWN_STEP, message, offset, hint)
-
-    def _because(self, reason: str, said: Said, offset: int | None = None) -> Problem:
-        start = said.start if offset is None else offset
-        return because(reason, start, self.text[said.start : said.end])
-
-    def _too_many(self, said: Said) -> Unclear:
-        return Unclear(
-            Problem(
-                Code.TOO_LARGE,
-                f"the sentences mean more than {MOST_EDGES:,} precedences",
-                said.start,
-                "put a step of no duration between the groups",
-            )
-        )
-
     # Order
 
     def _tell(self) -> None:
@@ -265,7 +120,7 @@ class Assembly:
 
     def _unopen(self) -> None:
         if self._opened is not None:
-            self.problems.append(self._because("first", self._opened))
+            self.problems.append(self.find.because("first", self._opened))
             self._opened = None
 
     def _order(self, order: Order, said: Said) -> None:
@@ -273,15 +128,15 @@ class Assembly:
         first_relative = any(ref.kind in relative for ref in order.before.refs)
         second_relative = any(ref.kind in relative for ref in order.after.refs)
         if first_relative and second_relative:
-            raise Unclear(self._because("nested", said))
+            raise Unclear(self.find.because("nested", said))
         if first_relative:
-            after = self._positions(order.after.refs, said)
-            before = self._positions(order.before.refs, said, after)
+            after = self.find.positions(order.after.refs, said)
+            before = self.find.positions(order.before.refs, said, after)
         else:
-            before = self._positions(order.before.refs, said)
-            after = self._positions(order.after.refs, said, before)
+            before = self.find.positions(order.before.refs, said)
+            after = self.find.positions(order.after.refs, said, before)
         if order.most is not None and len(before) > 1:
-            raise Unclear(self._because("lag of several", said))
+            raise Unclear(self.find.because("lag of several", said))
         self.ordered = True
         if said.step is None or not any(r.kind == "this" for r in order.after.refs):
             self._tell()
@@ -306,7 +161,7 @@ class Assembly:
         places: tuple[Range, Range] | None = None,
     ) -> None:
         if len(self.precedence) >= MOST_EDGES:
-            raise self._too_many(said)
+            raise self.find.too_many(said)
         whole = Range(said.start, said.end)
         ids = (self.steps[first].id(first), self.steps[second].id(second))
         self.precedence.append({"before": ids[0], "after": ids[1], **(lag or {})})
@@ -325,40 +180,40 @@ class Assembly:
         self._unopen()
         for earlier, later in itertools.pairwise(groups):
             if not set(earlier).isdisjoint(later):
-                raise Unclear(self._because("nested", said))
+                raise Unclear(self.find.because("nested", said))
             for first in earlier:
                 for second in later:
                     self._imply(first, second, said)
 
     def _told(self, told: Told, said: Said) -> None:
-        positions = self._positions(told.refs, said)
+        positions = self.find.positions(told.refs, said)
         if told.when == "first":
             self._unopen()
             self._opened = said
             self._story, self._covered = positions, set(positions)
             return
         if self._story is None:
-            raise Unclear(self._because("then", said))
+            raise Unclear(self.find.because("then", said))
         self._opened = None
         if told.when == "finally":
             beside = set(range(len(self.steps))) - set(positions)
             if not beside <= self._covered:
-                raise Unclear(self._because("finally", said))
+                raise Unclear(self.find.because("finally", said))
         self._chain([self._story, positions], said)
         self._covered |= set(positions)
         self._story = positions if told.when == "then" else None
 
     def _place(self, place: Place, said: Said) -> None:
-        positions = self._positions(place.refs, said)
+        positions = self.find.positions(place.refs, said)
         self.ordered = True
         self._tell()
         if place.where == "in order":
             if len(positions) < 2:
-                raise Unclear(self._because("alone", said))
+                raise Unclear(self.find.because("alone", said))
             self._chain([[p] for p in positions], said)
             return
         if len(positions) > 1:
-            raise Unclear(self._because("nested", said))
+            raise Unclear(self.find.because("nested", said))
         for other in range(len(self.steps)):
             first, second = (
                 (positions[0], other) if place.where == "first" else (other, positions[0])
@@ -366,11 +221,11 @@ class Assembly:
             self._imply(first, second, said)
 
     def _others_after(self, statement: OthersAfter, said: Said) -> None:
-        before = self._positions(statement.point.refs, said)
+        before = self.find.positions(statement.point.refs, said)
         after = (Ref("all_other", (), said.start, said.end),)
         order = Order(statement.point, Point(after, "start"))
         if len(before) * len(self.steps) > MOST_EDGES:
-            raise self._too_many(said)
+            raise self.find.too_many(said)
         self._order(order, said)
 
     def _free(self, free: Free, said: Said) -> None:
@@ -378,7 +233,7 @@ class Assembly:
         if any(ref.kind == "all" for ref in free.refs):
             self.ordered, self.none_ordered = True, said
             return
-        self.free.append((free, self._positions(free.refs, said), said))
+        self.free.append((free, self.find.positions(free.refs, said), said))
 
     # Limits
 
@@ -394,19 +249,19 @@ class Assembly:
             self.uses.setdefault(position, []).append(name)
 
     def _apart(self, apart: Apart, said: Said) -> None:
-        positions = self._positions(apart.refs, said)
+        positions = self.find.positions(apart.refs, said)
         if apart.others:
-            others = self._positions(apart.others, said, positions)
+            others = self.find.positions(apart.others, said, positions)
             pairs = [(a, b) for a in positions for b in others if a != b]
         elif len(positions) > 2 and apart.pair:
-            raise Unclear(self._because("three apart", said))
+            raise Unclear(self.find.because("three apart", said))
         elif len(positions) < 2:
-            raise Unclear(self._because("alone", said))
+            raise Unclear(self.find.because("alone", said))
         else:
             self._share(positions, said)
             return
         if len(pairs) > 1000:
-            raise self._too_many(said)
+            raise self.find.too_many(said)
         for pair in pairs:
             self._share(pair, said)
 
@@ -424,9 +279,9 @@ class Assembly:
     # Durations and the frame
 
     def _takes(self, takes: Takes, said: Said) -> None:
-        positions = self._positions(takes.refs, said)
+        positions = self.find.positions(takes.refs, said)
         if len(positions) > 1 and not takes.each:
-            raise Unclear(self._because("each", said))
+            raise Unclear(self.find.because("each", said))
         for position in positions:
             step = self.steps[position]
             if step.time is not None and step.time != takes.time:

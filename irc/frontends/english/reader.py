@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
-from irc.frontends.english.assembly import Assembly, Said, Step
+from irc.frontends.english.assembly import Assembly
 from irc.frontends.english.layout import (
     Block,
     Item,
@@ -19,6 +19,7 @@ from irc.frontends.english.layout import (
 )
 from irc.frontends.english.names import Names
 from irc.frontends.english.reasons import Problem, Unclear, not_understood, shown
+from irc.frontends.english.references import Said, Step
 from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Frame, Statement
 from irc.frontends.english.steps import StepText, hidden_order, is_optional, order_cue, read_step
@@ -238,7 +239,7 @@ class _Text:
     def _take_item(self, item: Item, assembly: Assembly) -> None:
         """An item that is no step: a sentence of the list, with or without its marker."""
         text = self.reader.text
-        labelled = assembly.position(_label(item))
+        labelled = assembly.find.position(_label(item))
         if labelled is not None and self._is_bare_note(item):
             try:
                 said = self.reader.note(*item.body) or ()
