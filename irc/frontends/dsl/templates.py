@@ -46,7 +46,10 @@ def _filled(token: Lexeme, values: Mapping[str, Value]) -> Lexeme:
         )
     if kind == "TIME":
         found = list(lexemes(text, 0, len(text)))
-        if len(found) != 1 or not isinstance(found[0], Lexeme) or found[0].type != "TIME":
+        if len(found) == 1 and isinstance(found[0], Lexeme) and found[0].type != "STRING":
+            # `{item}s` may be a number of seconds, and as well many of an item.
+            kind = found[0].type
+        else:
             raise Fault(
                 Code.DSL_TEMPLATE, f"`{text}` is not a time", token.start_pos, token.end_pos
             )

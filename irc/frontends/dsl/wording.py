@@ -75,7 +75,8 @@ def _hint(token: Lexeme, accepted: set[str], tokens: Sequence[Lexeme]) -> str | 
     if token.type == "WORD":
         words = sorted(_word(k) for k in accepted if k not in _UNSAID and k not in _SAID)
         return did_you_mean(token.value, words)
-    if token.type in _OWN_MEANING and "WORD" in accepted:
+    of_name = "WORD" in accepted or (before is not None and before.type in ("WORD", "INT"))
+    if token.type in _OWN_MEANING and of_name:
         return f"`{token}` has a meaning of its own; in a name, {_QUOTE}"
     if token.type in ("INT", "TIME"):
         if (
