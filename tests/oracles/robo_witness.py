@@ -40,7 +40,7 @@ def witness_schedule(instance: dict[str, Any]) -> Schedule:
 def as_once_task(document: dict[str, Any]) -> dict[str, Any]:
     """A makespan task without state: each item's processing in its order, as precedence."""
     edges = []
-    for variable in document["state"]:
+    for variable in document.get("state", ()):
         made_by = {
             effect["value"]: action["id"]
             for action in document["actions"]

@@ -7,6 +7,7 @@ damaged one must not be.
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import replace
@@ -24,9 +25,10 @@ from irc.diagnostics import Code, InputError
 from irc.frontends.importers.robo import import_robo
 from irc.model import Task
 from irc.schedule import Entry, Schedule
-from oracles.robo_witness import as_once_task, witness_schedule
+from oracles.robo_witness import STATION, as_once_task, witness_schedule
 
 Raw = dict[str, Any]
+ACTIONS = (*STATION, "stack")
 
 INSTANCE: Raw = {
     "id": "plate",
@@ -334,6 +336,67 @@ def test_what_is_no_list_of_instances_is_told(text: str, message: str) -> None:
     with pytest.raises(InputError) as refused:
         list(import_robo(text, "robo.json"))
     assert message in next(iter(refused.value.report)).message
+
+
+# --- tasks of the same kind ---------------------------------------------------------------------
+
+KINDS: list[tuple[Raw, str]] = [
+    ({"predicates": ["iscookable"]}, "grilled"),
+    ({"predicates": ["isfryable"]}, "fried"),
+    ({"predicates": ["iscuttable"]}, "cut"),
+    ({"predicates": ["isboilable"]}, "boiled"),
+    ({"predicates": []}, "toasted"),
+    ({"predicates": ["isboilable"], "mash_requires_boiled": True}, "mashed"),
+    ({"predicates": ["iscuttable", "isfryableifcut"], "fry_requires_cut": True}, "fried"),
+    ({"predicates": ["iscuttable", "ismarinatable"]}, "marinated"),
+    (
+        {
+            "predicates": ["iscuttable", "ismarinatable", "iscookableifmarinated"],
+            "grill_requires_marinated": True,
+        },
+        "grilled",
+    ),
+]
+
+
+def random_instance(rng: random.Random) -> Raw:
+    kinds = [rng.choice(KINDS) for _ in range(rng.randint(1, 5))]
+    items: Raw = {f"i{n}": {"state": "raw", **kind} for n, (kind, _) in enumerate(kinds)}
+    wanted = {f"i{n}": state for n, (_, state) in enumerate(kinds)}
+    items["plate"] = {"state": "ready"}
+    order = rng.sample(sorted(items), rng.randint(0, len(items)))
+    waits = [item for item in order if item in wanted]
+    last = {"grilled": "grill", "fried": "fry", "boiled": "boil", "toasted": "toast"}
+    lags = [
+        {
+            "before": {"action": last[wanted[item]], "item": item},
+            "after": {"action": "stack", "item": item},
+            "min_lag": rng.randint(0, 7),
+        }
+        for item in waits
+        if wanted[item] in last and rng.random() < 0.5
+    ]
+    return {
+        "id": "random",
+        "objective_type": "minimize_makespan",
+        "items": items,
+        "goal": {"required_states": wanted, "stack_order": order},
+        "action_durations": {action: rng.randint(1, 9) for action in ACTIONS},
+        "stations": {station: rng.randint(1, 2) for station in sorted(set(STATION.values()))},
+        "temporal_constraints": lags,
+        "robots": [f"r{n}" for n in range(rng.randint(0, 3))],
+    }
+
+
+def test_random_instances_can_be_scheduled_and_their_schedules_are_valid() -> None:
+    rng = random.Random(11)
+    for _ in range(40):
+        (task,) = imported(random_instance(rng))
+        assert irc.check(task).ok
+        schedule = irc.solve(as_once_task(written_task(task)), target="cpsat")
+        assert schedule.status == "optimal"
+        verdict = irc.validate(task, Schedule(schedule.entries))
+        assert verdict.valid, str(verdict)
 
 
 # --- the command --------------------------------------------------------------------------------

@@ -276,10 +276,23 @@ class Scope:
             if fact.head == "=":
                 if len(fact.forms) != 1 or not _NUMBER.match(words[-1]):
                     self._fault(self.problem, fact, "expected (= (FUNCTION …) NUMBER)")
+                else:
+                    self._function(fact.forms[0])
             elif fact.head == "at" and len(words) == 2 and _NUMBER.match(words[1]) and fact.forms:
                 self._initial_literal(fact.forms[0])
             else:
                 self._initial_literal(fact)
+
+    def _function(self, form: Form) -> None:
+        found = len(form.items) - 1
+        if form.head not in self._functions:
+            hint = did_you_mean(form.head, self._functions)
+            self._fault(self.problem, form, f"there is no function {form.head!r}", hint)
+        elif form.forms or found != self._functions[form.head]:
+            message = f"the function {form.head!r} takes {self._functions[form.head]} objects"
+            self._fault(self.problem, form, f"{message}, not {found}")
+        else:
+            self._terms(form, self.problem)
 
     def _initial_literal(self, literal: Form) -> None:
         if literal.head == "=":

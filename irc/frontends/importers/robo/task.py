@@ -25,6 +25,9 @@ from irc.frontends.importers.robo.kitchen import (
 )
 from irc.model import Task
 
+_LONGEST_ORDER = 500
+"""Where items may be left out, each is ordered with all that may be next to it: by pairs."""
+
 
 @dataclass(frozen=True)
 class Work:
@@ -235,6 +238,9 @@ def _check(robo: RoboTask, works: Sequence[Work]) -> None:
         needed = {step.action for step in work.steps} | ({STACK} if work.stacked else set())
         for action in sorted(needed - kitchen.durations.keys()):
             part.fault(f"'action_durations' has no {action!r}, which {work.item.name!r} needs")
+    if robo.candidates and len(robo.stack_order) > _LONGEST_ORDER:
+        found = len(robo.stack_order)
+        part.fault(f"with candidate goals at most {_LONGEST_ORDER} items are stacked, not {found}")
     by_item = {work.item.name: work for work in works}
     for candidate in robo.candidates:
         if candidate.item in by_item and not by_item[candidate.item].actions:

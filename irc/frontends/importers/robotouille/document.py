@@ -28,6 +28,9 @@ _CONTENT = (
     "goal",
 )
 _MOST_CUTS = 1000
+_MOST_STATIONS = 60
+_MOST_ITEMS = 60
+"""Walks and stacks go by pairs, so that larger kitchens would become very large tasks."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +131,15 @@ def _cell(fields: Mapping[str, Part], width: int, height: int) -> Cell | None:
     return x, y
 
 
+def _at_most(most: int, part: Part) -> list[Part]:
+    """The entries of a list; none, and a fault, where there are more than `most`."""
+    items = part.items()
+    if len(items) > most:
+        part.fault(f"at most {most} are taken, found {len(items)}")
+        return []
+    return items
+
+
 def numbered(names: Iterable[str]) -> list[str]:
     """Names of their own, in order: "table_1", "stove_1", "table_2"."""
     counts: Counter[str] = Counter()
@@ -140,7 +152,7 @@ def numbered(names: Iterable[str]) -> list[str]:
 
 def _stations(part: Part, width: int, height: int) -> tuple[dict[str, Cell], dict[str, str]]:
     read: list[tuple[str, Cell, Part]] = []
-    for inner in part.items():
+    for inner in _at_most(_MOST_STATIONS, part):
         fields = inner.record(("name", "x", "y"), ())
         kind = fields["name"].one_of(STATION_KINDS, "kind of station") if "name" in fields else None
         cell = _cell(fields, width, height)
@@ -159,7 +171,7 @@ def _stations(part: Part, width: int, height: int) -> tuple[dict[str, Cell], dic
 
 def _items(part: Part, stations: Mapping[str, Cell], config: Part) -> dict[str, Item]:
     at = {cell: name for name, cell in stations.items()}
-    parts = part.items()
+    parts = _at_most(_MOST_ITEMS, part)
     read = [inner.record(("name", "x", "y", "stack-level"), ("predicates",)) for inner in parts]
     kinds = [fields["name"].text() if "name" in fields else None for fields in read]
     names = numbered(kind or "?" for kind in kinds)
