@@ -14,18 +14,31 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 from graphs import random_graph
 
 
-def measure(command: list[str]) -> tuple[float, float]:
-    """Seconds of wall-clock time and peak memory in GiB of a whole process."""
+class Spent(NamedTuple):
+    """Seconds of wall-clock and of CPU time, and peak memory in GiB, of a whole process.
+
+    On a machine with nothing else to do the two times agree: it is one thread.
+    """
+
+    wall: float
+    cpu: float
+    memory: float
+
+
+def measure(command: list[str]) -> Spent:
+    """What a command costs."""
     began = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     if status:
         raise RuntimeError(f"{command} ended with status {status}")
-    return time.perf_counter() - began, usage.ru_maxrss / 2**20
+    cpu = usage.ru_utime + usage.ru_stime
+    return Spent(time.perf_counter() - began, cpu, usage.ru_maxrss / 2**20)
 
 
 def main() -> None:
@@ -35,7 +48,7 @@ def main() -> None:
     parser.add_argument("--edges", type=int, default=300_000)
     options = parser.parse_args()
     irc = str(Path(sys.executable).with_name("irc"))
-    rows: dict[str, list[float]] = {}
+    rows: dict[str, list[Spent]] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for factor in (1, 2):
@@ -47,15 +60,18 @@ def main() -> None:
                 "solve by critical path": ["solve", "-o", str(folder / "s.json")],
             }
             for label, words in commands.items():
-                seconds, memory = measure([irc, words[0], str(task), *words[1:]])
-                rows.setdefault(label, []).append(seconds)
+                spent = measure([irc, words[0], str(task), *words[1:]])
+                rows.setdefault(label, []).append(spent)
                 print(
-                    f"{actions:,} actions, {edges:,} edges, {label}: "
-                    f"{seconds:.1f} s, {memory:.2f} GiB",
+                    f"{actions:,} actions, {edges:,} edges, {label}: {spent.wall:.1f} s "
+                    f"({spent.cpu:.1f} s of CPU), {spent.memory:.2f} GiB",
                     flush=True,
                 )
     for label, (one, two) in rows.items():
-        print(f"{label}: twice the size costs × {two / one:.2f}")
+        print(
+            f"{label}: twice the size costs × {two.wall / one.wall:.2f} "
+            f"(CPU × {two.cpu / one.cpu:.2f})"
+        )
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ def main() -> None:
     from irc.cli.app import build_app
 
     # A compiler builds large acyclic structures and ends: searching them for cycles is in vain.
-    gc.set_threshold(200_000, 50, 100)
+    gc.set_threshold(10_000_000, 50, 100)
     # Ended from outside we still end the planners we started.
     signal.signal(signal.SIGTERM, _terminated)
     try:
