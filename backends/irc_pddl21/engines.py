@@ -195,7 +195,7 @@ class Planner(Engine):
         problem = at_bound or program.problem
         grounded = encode(problem, self.epsilon)
         text = grounded.encoding
-        return text.domain_text(), text.problem_text(), names_of(problem, grounded)
+        return text.domain_text(), text.problem_text(), names_of(grounded)
 
     def _run(self, job: _Job, watcher: _Watcher, folder: Path) -> ProcessResult:
         memory = job.limits.memory_mb or DEFAULT_MEMORY_MB
