@@ -19,7 +19,7 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report, did_you_mean
 from irc.features import Feature, FeatureUse, features_of
 from irc.model import Task
 from irc.problem import Problem
-from irc.times import format_number
+from irc.times import Number, format_number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status
@@ -57,10 +57,23 @@ OnProgress = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, slots=True)
+class ObjectiveLevel:
+    """The value reached for one objective, and a bound on it among the best of those before it.
+
+    In the task's unit where it is a time. A bound of None: none is known.
+    """
+
+    name: str
+    value: Number
+    bound: Number | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """How an engine's run ended: an honest status and the best schedule seen.
 
-    `bound` is a proven lower bound on the makespan in ticks.
+    `bound` is a proven lower bound on the makespan in ticks. `levels` are the objectives in their
+    order, where there is more to say than that.
     """
 
     status: Status
@@ -69,6 +82,7 @@ class Outcome:
     bound: int = 0
     seconds: float = 0.0
     notes: tuple[Diagnostic, ...] = ()
+    levels: tuple[ObjectiveLevel, ...] = ()
 
 
 class EngineMissing(Exception):

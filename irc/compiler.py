@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,7 @@ from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.times import format_number
+from irc.worth import worth
 
 if TYPE_CHECKING:
     from irc.source import Source
@@ -203,34 +205,55 @@ def _engine(backend: Backend, name: str) -> Engine:
 
 
 def schedule_of(problem: Problem, placed: Sequence[Placed]) -> Schedule:
-    """Placed activities as a schedule in the task's time unit, by start, end and name."""
+    """What is present of the placed activities, in the task's time unit, by start, end and name.
+
+    Occurrences of one action are numbered by start, whichever activities stand for them.
+    """
     order = sorted(
-        range(len(placed)), key=lambda i: (placed[i].start, placed[i].end, problem.activities[i].id)
+        (i for i, place in enumerate(placed) if place.present),
+        key=lambda i: (placed[i].start, placed[i].end, problem.activities[i].id, placed[i].rank),
     )
-    return Schedule(tuple(_entry(problem, i, placed[i]) for i in order), task=problem.name)
+    entries = tuple(_entry(problem, i, placed[i]) for i in order)
+    if len({entry.id for entry in entries}) < len(entries):
+        entries = _numbered(entries)
+    return Schedule(entries, task=problem.name)
+
+
+def _numbered(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Entries in order of time, the k-th of each action as its k-th occurrence."""
+    counts: Counter[str] = Counter()
+    numbered = []
+    for entry in entries:
+        counts[entry.id] += 1
+        numbered.append(replace(entry, occurrence=counts[entry.id]))
+    return tuple(numbered)
 
 
 def _entry(problem: Problem, index: int, placed: Placed) -> Entry:
     activity = problem.activities[index]
     held: dict[str, int] = {}
     for use, r in zip(activity.uses, placed.resources, strict=True):
-        name = problem.resources[r].id
-        held[name] = held.get(name, 0) + use.amount
-    return Entry(activity.id, problem.to_units(placed.start), problem.to_units(placed.end), held)
+        if r is not None:
+            name = problem.resources[r].id
+            held[name] = held.get(name, 0) + use.amount
+    return Entry(
+        activity.id,
+        problem.to_units(placed.start),
+        problem.to_units(placed.end),
+        held,
+        mode=None if placed.mode is None else activity.details.modes[placed.mode].id,
+        rank=placed.rank,
+        end_rank=None if placed.end_rank == placed.rank else placed.end_rank,
+    )
 
 
 def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
-    """The outcome as the schedule that is reported: status, objective and bound filled in."""
+    """The outcome as the schedule that is reported: status, objective and bounds filled in."""
     schedule = outcome.schedule or Schedule(())
-    bound = problem.to_units(max(outcome.bound, problem.bound.value))
     status = outcome.status
     objective: tuple[ObjectiveValue, ...] = ()
     if outcome.schedule is not None:
-        if schedule.makespan == bound and status is Status.FEASIBLE:
-            status = Status.OPTIMAL
-        if status is Status.OPTIMAL:
-            bound = schedule.makespan
-        objective = (ObjectiveValue("makespan", schedule.makespan, bound),)
+        status, objective = _judged(problem, outcome, schedule)
     return replace(
         schedule,
         status=status,
@@ -241,3 +264,22 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
         engine=outcome.engine,
         seconds=round(seconds, 3),
     )
+
+
+def _judged(
+    problem: Problem, outcome: Outcome, schedule: Schedule
+) -> tuple[Status, tuple[ObjectiveValue, ...]]:
+    """What each objective came to, and whether all of them meet proven bounds."""
+    values = worth(problem, schedule)
+    known = {level.name: level.bound for level in outcome.levels}
+    if problem.objectives[0] == "makespan":
+        ours = problem.to_units(max(outcome.bound, problem.bound.value))
+        known["makespan"] = max(ours, known.get("makespan") or 0)
+    optimal = outcome.status is Status.OPTIMAL
+    objective = tuple(
+        ObjectiveValue(name, values[name], values[name] if optimal else known.get(name))
+        for name in problem.objectives
+    )
+    if all(o.bound is not None and o.value == o.bound for o in objective):
+        return Status.OPTIMAL, objective
+    return outcome.status, objective

@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from irc.network import earliest
 from irc.problem import Problem
-from irc.timing import timing_network
+from irc.timing import PointMap, timing_network
 
 Moment = int | Fraction
 
@@ -60,20 +60,25 @@ class Placed:
     end_rank: int = 0
 
 
+ABSENT_PLACE = Placed(0, 0, (), present=False)
+
+
 def retime(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
 ) -> tuple[Placed, ...]:
-    """The earliest schedule with the same choices and the same order on every resource.
+    """The earliest schedule with the same choices and the same order on every resource,
+    reservoir and state variable.
 
     `tolerance` (ticks) is how far the engine's times may be off: an end that is later than the
-    next start by no more than that still counts as before it. Raises `AnswerError` where choices
-    and order contradict the task's lags, or the choices leave no resource to take.
+    next start by no more than that still counts as before it. Repeated actions must have been
+    unrolled. Raises `AnswerError` where choices and order contradict the task's lags, the choices
+    leave no resource to take, or a condition finds another value than it needs.
     """
-    # No answer can make an action shorter than the task says (some print no durations at all).
-    decisions = [
-        d if d.end - d.start >= a.duration_min else replace(d, end=d.start + a.duration_min)
-        for a, d in zip(problem.activities, decisions, strict=True)
-    ]
+    if not _is_simple(problem):
+        from irc.retiming.rich import retime_rich
+
+        return retime_rich(problem, decisions, tolerance)
+    decisions = long_enough(problem, decisions)
     chosen = assign(problem, decisions, tolerance)
     timing = timing_network(problem)
     points, network = timing.points, timing.network
@@ -86,18 +91,7 @@ def retime(
     times = earliest(network, timing.floors)
     if times.cycles:
         raise AnswerError("the order of the answer contradicts the lags of the task")
-    placed = []
-    for i, resources in enumerate(chosen):
-        start = times.t[points.start[i]]
-        end = times.t[points.end[i]] + points.end_offset[i]
-        fixed = problem.activities[i].start
-        if fixed is not None and start > fixed:
-            raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
-        deadline = problem.effective_deadline(i)
-        if deadline is not None and end > deadline:
-            raise AnswerError(f"{problem.activities[i].id!r} cannot end by its deadline")
-        placed.append(Placed(start, end, resources))
-    _require_capacity(problem, placed)
+    placed = placed_at(problem, times.t, points, chosen)
     shrunk = (
         p.resources and p.start == p.end and d.end - d.start > tolerance
         for p, d in zip(placed, decisions, strict=True)
@@ -108,6 +102,45 @@ def retime(
     return tuple(placed)
 
 
+def _is_simple(problem: Problem) -> bool:
+    """Whether only lags and resources of constant capacity say what comes after what."""
+    return (
+        problem.is_plain
+        and not problem.sequel
+        and not any(resource.windows for resource in problem.resources)
+    )
+
+
+def long_enough(problem: Problem, decisions: Sequence[Decision]) -> list[Decision]:
+    """No answer can make an action shorter than the task says (some print no durations at all)."""
+    return [
+        d if d.end - d.start >= a.duration_min else replace(d, end=d.start + a.duration_min)
+        for a, d in zip(problem.activities, decisions, strict=True)
+    ]
+
+
+def placed_at(
+    problem: Problem, times: Sequence[int], points: PointMap, chosen: Sequence[tuple[int, ...]]
+) -> list[Placed]:
+    """The activities at the times of their points.
+
+    Raises `AnswerError` where one misses its fixed start or deadline, or a resource runs out.
+    """
+    placed = []
+    for i, resources in enumerate(chosen):
+        start = times[points.start[i]]
+        end = times[points.end[i]] + points.end_offset[i]
+        fixed = problem.activities[i].start
+        if fixed is not None and start > fixed:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
+        deadline = problem.effective_deadline(i)
+        if deadline is not None and end > deadline:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot end by its deadline")
+        placed.append(Placed(start, end, resources))
+    _require_capacity(problem, placed)
+    return placed
+
+
 def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
     """Raises `AnswerError` where an answer holds more of a resource than there is.
 
@@ -116,15 +149,28 @@ def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
     changes: dict[int, list[tuple[int, int]]] = {}
     for activity, place in zip(problem.activities, placed, strict=True):
         for use, r in zip(activity.uses, place.resources, strict=True):
-            if place.end > place.start:
+            if r is not None and place.end > place.start:
                 changes.setdefault(r, []).append((place.start, use.amount))
                 changes[r].append((place.end, -use.amount))
     for r, steps in changes.items():
+        capacity, taken = _capacity(problem, r)
+        for start, end, amount in taken:
+            steps += [(start, amount), (end, -amount)]
         level = 0
         for _, amount in sorted(steps):  # At one instant what is freed comes first.
             level += amount
-            if level > problem.resources[r].capacity:
+            if level > capacity:
                 raise AnswerError(f"more of {problem.resources[r].id!r} is held than there is")
+
+
+def _capacity(problem: Problem, r: int) -> tuple[int, list[tuple[int, int, int]]]:
+    """The greatest capacity of a resource, and what its calendar takes away of it."""
+    resource = problem.resources[r]
+    if not resource.windows:
+        return resource.capacity, []
+    from irc.retiming.calendar import calendar_load
+
+    return calendar_load(resource)
 
 
 def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
@@ -150,10 +196,15 @@ def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
 def _placed(problem: Problem, decisions: Sequence[Decision]) -> tuple[Placed, ...]:
     """Decisions at whole ticks as they are, with a resource for each use."""
     chosen = assign(problem, decisions)
-    return tuple(
+    placed = tuple(
         Placed(int(d.start), int(d.end), resources)
         for d, resources in zip(decisions, chosen, strict=True)
     )
+    if not problem.sequel:
+        return placed
+    from irc.retiming.ranks import with_ranks
+
+    return with_ranks(problem, placed, ())
 
 
 def resource_orders(
@@ -225,6 +276,11 @@ def _hand_out(
     tolerance: Fraction | int,
 ) -> None:
     held: dict[int, list[tuple[Moment, Moment, int]]] = {}
+    capacity = [resource.capacity for resource in problem.resources]
+    for k, resource in enumerate(problem.resources):
+        if resource.windows:
+            capacity[k], load = _capacity(problem, k)
+            held[k] = [*load]
     for i, chosen in enumerate(result):
         for u, r in enumerate(chosen):
             if r is not None:
@@ -243,8 +299,7 @@ def _hand_out(
                     r
                     for r in use.alternatives
                     if held_over.end <= decision.start
-                    or _free(held.get(r, []), held_over, problem.resources[r].capacity)
-                    >= use.amount
+                    or _free(held.get(r, []), held_over, capacity[r]) >= use.amount
                 ),
                 None,
             )

@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from irc.compiler import schedule_of
-from irc.problem import Problem
-from irc.retime import AnswerError, Decision, retime
+from irc.passes.unroll import unroll
+from irc.problem import Activity, Problem
+from irc.retime import ABSENT, AnswerError, Decision, retime
 from irc.schedule import Schedule
+from irc_cpsat.depth import FILE_DEPTH
 
 _STATUS = re.compile(r"\bstatus:\s*(\w+)")
 _VALUES = re.compile(r"\bsolution:\s*(?:\[([^\]]*)\]|(-?\d+))")
@@ -39,29 +41,60 @@ def decode_response(problem: Problem, names: Mapping[str, Any], answer: str) -> 
         raise AnswerError("the response belongs to another model") from None
 
 
-def _taken(literals: Mapping[str, int], value: Callable[[int], int]) -> str:
-    """The alternative that a use takes."""
-    for name, index in literals.items():
-        if value(index):
-            return name
-    raise AnswerError("the response takes none of the alternatives of a use")
+Value = Callable[[int], int]
 
 
-def _schedule(problem: Problem, names: Mapping[str, Any], value: Callable[[int], int]) -> Schedule:
-    decisions = []
-    for activity in problem.activities:
-        variables = names["actions"][activity.id]
-        start = value(variables["start"])
-        end = value(variables["end"]) if "end" in variables else start + activity.duration_min
-        taken = {
-            int(use): _taken(literals, value)
-            for use, literals in variables.get("choices", {}).items()
-        }
-        chosen: list[int | None] = [None] * len(activity.uses)
-        for claim in activity.claims:
+def _taken(literals: Mapping[str, int], value: Value) -> str | None:
+    """The alternative that a use takes, or the mode that is chosen."""
+    return next((name for name, index in literals.items() if value(index)), None)
+
+
+def _schedule(problem: Problem, names: Mapping[str, Any], value: Value) -> Schedule:
+    unrolled = unroll(problem, names.get("occurrences", FILE_DEPTH))
+    variables = [names["actions"][activity.id] for activity in problem.activities]
+    variables += names.get("further", ())
+    decisions = [
+        _decision(unrolled, activity, own, value)
+        for activity, own in zip(unrolled.activities, variables, strict=True)
+    ]
+    return schedule_of(unrolled, retime(unrolled, decisions))
+
+
+def _decision(
+    problem: Problem, activity: Activity, variables: Mapping[str, Any], value: Value
+) -> Decision:
+    if "present" in variables and not value(variables["present"]):
+        return ABSENT
+    start = value(variables["start"])
+    end = value(variables["end"]) if "end" in variables else start + activity.duration_min
+    modes = variables.get("modes", {})
+    mode = _taken(modes, value)
+    if modes and mode is None:
+        raise AnswerError(f"the response chooses no mode of {activity.id!r}")
+    ranks = variables.get("ranks")
+    return Decision(
+        start,
+        end,
+        _chosen(problem, activity, variables.get("choices", {}), value),
+        mode=None if mode is None else [m.id for m in activity.details.modes].index(mode),
+        rank=value(ranks[0]) if ranks else 0,
+        end_rank=value(ranks[1]) if ranks else 0,
+    )
+
+
+def _chosen(
+    problem: Problem, activity: Activity, choices: Mapping[str, Mapping[str, int]], value: Value
+) -> tuple[int | None, ...]:
+    """The resource of each use, as far as the response says which."""
+    chosen: list[int | None] = [None] * len(activity.uses)
+    for claim in activity.claims:
+        shared: int | None = claim.alternatives[0]
+        if str(claim.use) in choices:
             options = {problem.shared[r].id: r for r in claim.alternatives}
-            shared = options[taken[claim.use]] if claim.use in taken else claim.alternatives[0]
-            members = problem.shared[shared].members
-            chosen[claim.use] = members[0] if len(members) == 1 else None
-        decisions.append(Decision(start, end, tuple(chosen)))
-    return schedule_of(problem, retime(problem, decisions))
+            taken = _taken(choices[str(claim.use)], value)
+            if taken is None and activity.details.use_mode(claim.use) is None:
+                raise AnswerError("the response takes none of the alternatives of a use")
+            shared = None if taken is None else options[taken]
+        members = () if shared is None else problem.shared[shared].members
+        chosen[claim.use] = members[0] if len(members) == 1 else None
+    return tuple(chosen)

@@ -7,14 +7,28 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from irc.backend import Engine, EngineFailed, Limits, OnProgress, Outcome, Program, Progress
+from irc.backend import (
+    Engine,
+    EngineFailed,
+    Limits,
+    ObjectiveLevel,
+    OnProgress,
+    Outcome,
+    Program,
+    Progress,
+)
 from irc.compiler import schedule_of
+from irc.diagnostics import Code, Diagnostic
+from irc.passes.unroll import unroll
 from irc.problem import Problem
-from irc.retime import Decision, retime
+from irc.retime import retime
 from irc.schedule import Schedule, Status
+from irc.worth import in_units, worth
+from irc_cpsat.depth import depths, enough, fits_a_model
 
 if TYPE_CHECKING:
-    from irc_cpsat.encode import Hint, Model
+    from irc_cpsat.builder import Hint, Model
+    from irc_cpsat.levels import Answer
 
 
 class OrTools(Engine):
@@ -31,53 +45,135 @@ class OrTools(Engine):
     def solve(
         self, program: Program, limits: Limits, on_progress: OnProgress | None = None
     ) -> Outcome:
-        """Minimises the makespan; `optimal` and `infeasible` are CP-SAT's own proofs."""
+        """The objectives in their order; `optimal` and `infeasible` are CP-SAT's own proofs.
+
+        Where actions repeat, the model is deepened until there is a schedule, and then to the
+        depth that leaves nothing out, if there is one.
+        """
+        return _Run(self.name, program.problem, limits, on_progress).run()
+
+
+class _Run:
+    def __init__(
+        self, engine: str, problem: Problem, limits: Limits, on_progress: OnProgress | None
+    ) -> None:
+        self.engine, self.problem = engine, problem
+        self.limits, self.on_progress = limits, on_progress
+        self.began = time.perf_counter()
+
+    def run(self) -> Outcome:
+        best: Outcome | None = None
+        depth = 0
+        for depth in depths(self.problem):
+            best = self._at(depth)
+            if best.schedule is not None or self._spent():
+                break
+        if best is None:
+            return Outcome(Status.UNKNOWN, self.engine, seconds=self._seconds())
+        return self._completed(best, depth)
+
+    def _completed(self, best: Outcome, depth: int) -> Outcome:
+        """The answer at a depth that leaves nothing out, or the word that this one may."""
+        limit = self.problem.deadline
+        if best.schedule is not None and self.problem.objectives[0] == "makespan":
+            reached = int(best.schedule.makespan / self.problem.tick)
+            limit = reached if limit is None else min(limit, reached)
+        needed = enough(self.problem, limit)
+        if needed is not None and needed > depth and fits_a_model(self.problem, needed):
+            if not self._spent():
+                deeper = self._at(needed)
+                if deeper.schedule is not None or deeper.status is Status.INFEASIBLE:
+                    return deeper
+        elif needed is not None and needed <= depth:
+            return best
+        return self._unproven(best, depth)
+
+    def _unproven(self, best: Outcome, depth: int) -> Outcome:
+        if best.status not in (Status.OPTIMAL, Status.INFEASIBLE):
+            return best
+        told = Diagnostic(
+            Code.NO_ANSWER,
+            f"at most {depth} occurrences of each repeated action were tried; "
+            "more of them might do better",
+            hint="a deadline of the task, or a 'max' for 'occurs', would make the answer certain",
+        )
+        status = Status.FEASIBLE if best.schedule is not None else Status.UNKNOWN
+        levels = tuple(replace(level, bound=None) for level in best.levels)
+        return replace(best, status=status, bound=0, levels=levels, notes=(*best.notes, told))
+
+    def _seconds(self) -> float:
+        return time.perf_counter() - self.began
+
+    def _left(self) -> float | None:
+        return None if self.limits.seconds is None else self.limits.seconds - self._seconds()
+
+    def _spent(self) -> bool:
+        left = self._left()
+        return left is not None and left <= 0
+
+    def _at(self, depth: int) -> Outcome:
+        from irc_cpsat.builder import Builder
+        from irc_cpsat.levels import solve_levels
+
+        problem = unroll(self.problem, depth)
+        built = Builder(problem, self.limits.bounds, self.limits.hints).build()
+        try:
+            answer = solve_levels(built, self._solve, self._left())
+        except ValueError as error:
+            raise EngineFailed(f"CP-SAT rejects the model: {error}") from None
+        return self._outcome(problem, built, answer)
+
+    def _solve(self, model: Any, objective: str, seconds: float | None) -> tuple[Any, Any]:
         from ortools.sat.python import cp_model
 
-        from irc_cpsat.encode import build_model
-
-        began = time.perf_counter()
-        built = build_model(program.problem, bounds=limits.bounds, hints=limits.hints)
         solver = cp_model.CpSolver()
-        _set_limits(solver, limits, time.perf_counter() - began)
-        if on_progress is None:
-            status = solver.solve(built.model)
-        else:
-            status = solver.solve(built.model, _reporter(self.name, built, on_progress))
-        seconds = time.perf_counter() - began
-        verdicts = {
-            cp_model.OPTIMAL: Status.OPTIMAL,
-            cp_model.FEASIBLE: Status.FEASIBLE,
-            cp_model.INFEASIBLE: Status.INFEASIBLE,
-        }
-        if status == cp_model.MODEL_INVALID:
-            raise EngineFailed(f"CP-SAT rejects the model: {built.model.validate()}")
-        verdict = verdicts.get(status, Status.UNKNOWN)
-        if verdict not in (Status.OPTIMAL, Status.FEASIBLE):
-            if verdict is Status.UNKNOWN and built.hint is not None:
+        parameters = solver.parameters
+        parameters.random_seed = self.limits.seed
+        if seconds is not None:
+            parameters.max_time_in_seconds = max(0.01, seconds)
+        if self.limits.memory_mb is not None:
+            parameters.max_memory_in_mb = self.limits.memory_mb
+        if self.limits.workers is not None:
+            parameters.num_workers = self.limits.workers
+        if self.on_progress is None or objective != "makespan":
+            return solver.solve(model), solver
+        return solver.solve(model, _reporter(self.engine, self.on_progress)), solver
+
+    def _outcome(self, problem: Problem, built: Model, answer: Answer) -> Outcome:
+        if answer.status in (Status.INFEASIBLE, Status.UNKNOWN):
+            if answer.status is Status.UNKNOWN and built.hint is not None:
                 # Nothing within the limits, but the hint is a schedule.
-                schedule = _listed(program.problem, built.hint)
-                return Outcome(Status.FEASIBLE, self.name, schedule, 0, seconds)
-            return Outcome(verdict, self.name, seconds=seconds)
-        # The bound is an integer of ticks; the tolerance only undoes its way through a double.
-        bound = int(-(-(solver.best_objective_bound - 1e-6) // 1))
+                schedule = _listed(problem, built.hint)
+                return Outcome(Status.FEASIBLE, self.engine, schedule, 0, self._seconds())
+            return Outcome(answer.status, self.engine, seconds=self._seconds())
+        placed = retime(problem, answer.decisions)
+        schedule = schedule_of(problem, placed)
+        first = answer.levels[0]
         return Outcome(
-            verdict, self.name, _schedule(program.problem, built, solver), bound, seconds
+            answer.status,
+            self.engine,
+            schedule,
+            first.bound if first.name == "makespan" else 0,
+            self._seconds(),
+            levels=_levels(problem, answer, schedule),
         )
 
 
-def _set_limits(solver: Any, limits: Limits, spent: float) -> None:
-    parameters = solver.parameters
-    parameters.random_seed = limits.seed
-    if limits.seconds is not None:
-        parameters.max_time_in_seconds = max(0.01, limits.seconds - spent)
-    if limits.memory_mb is not None:
-        parameters.max_memory_in_mb = limits.memory_mb
-    if limits.workers is not None:
-        parameters.num_workers = limits.workers
+def _levels(problem: Problem, answer: Answer, schedule: Schedule) -> tuple[ObjectiveLevel, ...]:
+    """Each objective with the bound among the best of those before it; none behind a gap."""
+    values = worth(problem, schedule)
+    reached = {level.name: level for level in answer.levels}
+    found = []
+    certain = True
+    for name in problem.objectives:
+        level = reached.get(name) if certain else None
+        bound = None if level is None else in_units(problem, name, level.bound)
+        found.append(ObjectiveLevel(name, values[name], bound))
+        certain = level is not None and level.proven
+    return tuple(found)
 
 
-def _reporter(engine: str, built: Model, on_progress: OnProgress) -> Any:
+def _reporter(engine: str, on_progress: OnProgress) -> Any:
     from ortools.sat.python import cp_model
 
     class Reporter(cp_model.CpSolverSolutionCallback):
@@ -96,33 +192,18 @@ def _reporter(engine: str, built: Model, on_progress: OnProgress) -> Any:
 
 def _listed(problem: Problem, hint: Hint) -> Schedule:
     """The list schedule that the model was given as a hint."""
+    from irc_cpsat.levels import members_taken
+
     decisions, choices = hint
     chosen = [
-        replace(decision, chosen=_members(problem, i, choices[i]))
+        replace(decision, chosen=members_taken(problem, i, choices[i]))
         for i, decision in enumerate(decisions)
     ]
     return schedule_of(problem, retime(problem, chosen))
 
 
-def _members(problem: Problem, i: int, taken: tuple[int, ...]) -> tuple[int | None, ...]:
-    """The resource of each use, where the shared resource taken is not a pool."""
-    activity = problem.activities[i]
-    chosen: list[int | None] = [None] * len(activity.uses)
-    for claim, r in zip(activity.claims, taken, strict=True):
-        members = problem.shared[r].members
-        chosen[claim.use] = members[0] if len(members) == 1 else None
-    return tuple(chosen)
+def schedule_from(problem: Problem, built: Model, solver: Any) -> Schedule:
+    """The exact schedule behind the values a solver gave to a model's variables."""
+    from irc_cpsat.levels import decisions_of
 
-
-def _schedule(problem: Problem, built: Model, solver: Any) -> Schedule:
-    decisions = []
-    for i, activity in enumerate(problem.activities):
-        start = solver.value(built.starts[i])
-        end_var = built.ends[i]
-        end = start + activity.duration_min if end_var is None else solver.value(end_var)
-        taken = tuple(
-            next((r for r, literal in literals if solver.value(literal)), claim.alternatives[0])
-            for claim, literals in zip(activity.claims, built.literals[i], strict=True)
-        )
-        decisions.append(Decision(start, end, _members(problem, i, taken)))
-    return schedule_of(problem, retime(problem, decisions))
+    return schedule_of(problem, retime(problem, decisions_of(built, solver)))

@@ -33,8 +33,8 @@ def unroll(problem: Problem, depth: int) -> Problem:
     return replace(
         problem,
         activities=(*activities, *(a for _, a in further)),
-        heads=_extended(problem.heads, whose),
-        tails=_extended(problem.tails, whose),
+        heads=_further_heads(problem, further),
+        tails=_further_tails(problem, further),
         settled={
             **problem.settled,
             **{
@@ -66,5 +66,26 @@ def _occurrence(activity: Activity, k: int, previous: int | None, least: int) ->
     )
 
 
-def _extended(values: tuple[int, ...], whose: list[int]) -> tuple[int, ...]:
-    return (*values, *(values[i] for i in whose)) if values else ()
+def _further_heads(problem: Problem, further: list[tuple[int, Activity]]) -> tuple[int, ...]:
+    """Before the k-th occurrence k - 1 others have run."""
+    heads = problem.heads
+    return heads and (
+        *heads,
+        *(heads[i] + (a.details.occurrence - 1) * a.duration_min for i, a in further),
+    )
+
+
+def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tuple[int, ...]:
+    """Behind the k-th occurrence run those that must be there."""
+    tails = problem.tails
+    return tails and (
+        *tails,
+        *(
+            max(0, _least(problem.activities[i]) - a.details.occurrence) * a.duration_min
+            for i, a in further
+        ),
+    )
+
+
+def _least(activity: Activity) -> int:
+    return activity.details.repeats[0] if activity.details.repeats else 1

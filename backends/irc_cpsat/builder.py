@@ -1,0 +1,568 @@
+"""The elements of a problem in a CP-SAT model, one method for each kind of element.
+
+An activity is a start and, where it can move by itself, an end; what may be absent has a literal.
+Where state is left, every happening also has a rank, and `moment = time × ranks + rank` is one
+integer that orders happenings (design, section 3, rule 6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from irc.backend import Refusal
+from irc.horizon import safe_horizon
+from irc.list_schedule import list_schedule
+from irc.problem import PLAIN, Activity, Claim, Problem, Shared
+from irc.retime import Decision
+
+_MAX_SUM = 2**62
+"""CP-SAT computes sums in 64-bit integers; a model that comes near is refused."""
+
+Hint = tuple[list[Decision], list[tuple[int, ...]]]
+"""A list schedule: a decision for each activity, and the shared resource of each claim."""
+
+Literal = cp_model.IntVar
+Expression = Any
+"""A linear expression, a variable or a number."""
+
+
+@dataclass
+class Users:
+    """The intervals that claim one shared resource, with their amounts."""
+
+    intervals: list[cp_model.IntervalVar] = field(default_factory=list)
+    amounts: list[int] = field(default_factory=list)
+
+
+@dataclass
+class Model:
+    """A CP-SAT model and the variables that carry its answer.
+
+    `literals[i][c]` lists, for claim c of activity i, (shared resource, literal that takes it);
+    a claim with one alternative has no literals. `present[i]` is None where activity i always is;
+    `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
+    its end's rank, None where there is no state. `values` are the objectives' expressions.
+    """
+
+    model: cp_model.CpModel
+    problem: Problem
+    starts: list[cp_model.IntVar]
+    ends: list[cp_model.IntVar | None]
+    makespan: cp_model.IntVar
+    literals: list[list[list[tuple[int, Literal]]]]
+    sizes: dict[int, cp_model.IntVar]
+    positive: dict[int, Literal]
+    present: list[Literal | None]
+    modes: list[list[Literal]]
+    ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None]
+    values: dict[str, Expression]
+    hint: Hint | None = None
+
+
+class Builder:
+    """Writes a problem, whose repeats are unrolled, into a model.
+
+    `bounds` and `hints` add what the compiler already knows. `horizon` (ticks) replaces the one
+    that the problem would be given. Raises `Refusal` where sums would not fit 64 bits.
+    """
+
+    def __init__(
+        self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
+    ) -> None:
+        self.problem = problem
+        self.bounds = bounds
+        self.model = cp_model.CpModel()
+        self.users = [Users() for _ in problem.shared]
+        plain = problem.is_plain and not any(s.windows for s in problem.shared)
+        found = list_schedule(problem) if plain and (bounds or hints) else None
+        self.hint = found if hints else None
+        self.ranked = bool(problem.variables)
+        self.rank_count = self._rank_count()
+        by_makespan = bounds and problem.objectives[:1] == ("makespan",)
+        self.horizon = self._horizon(horizon, found[0] if by_makespan and found else None)
+        self.sizes: dict[int, cp_model.IntVar] = {}
+        self.positive: dict[int, Literal] = {}
+        self.pairs: dict[tuple[int, int], Literal] = {}
+        self.both_of: list[tuple[Literal, Literal, Literal]] = []
+        self.starts: list[cp_model.IntVar] = []
+        self.ends: list[cp_model.IntVar | None] = []
+        self.present: list[Literal | None] = []
+        self.modes: list[list[Literal]] = []
+        self.ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None] = []
+        self.groups: list[Literal | None] = []
+
+    def _rank_count(self) -> int:
+        """So many ranks are enough: one for each happening that can have its own."""
+        if not self.ranked:
+            return 1
+        return 1 + sum(1 if a.is_fixed else 2 for a in self.problem.activities)
+
+    def _horizon(self, given: int | None, known: Sequence[Any] | None) -> int:
+        problem = self.problem
+        horizon = safe_horizon(problem) if given is None else given
+        widest = max((s.capacity for s in problem.shared), default=1)
+        worth = sum(abs(a.details.reward) + abs(a.details.cost) for a in problem.activities)
+        worth += sum(abs(g.reward) for g in problem.groups)
+        weights = sum(a.details.weight for a in problem.activities if a.details.due is not None)
+        weights += sum(g.weight for g in problem.groups if g.due is not None)
+        times = (horizon + 1) * self.rank_count
+        factor = max(1, widest, weights) * max(1, len(problem.activities))
+        if times * factor >= _MAX_SUM or worth >= _MAX_SUM:
+            raise Refusal(
+                f"the times of this task reach {horizon} ticks, "
+                "beyond what CP-SAT's 64-bit sums can hold",
+                hint="use a coarser common unit for its times",
+            )
+        if known is not None:
+            horizon = min(horizon, max((int(d.end) for d in known), default=0))
+        return max(horizon, problem.bound.value)
+
+    # --- the whole ---
+
+    def build(self, *, objective: bool = True) -> Model:
+        """The model; without `objective` any schedule will do."""
+        problem = self.problem
+        self._presence()
+        for i, activity in enumerate(problem.activities):
+            start, end = self._points(i, activity)
+            self.starts.append(start)
+            self.ends.append(end)
+        if self.ranked:
+            self._ranks()
+        for k in range(len(problem.arcs)):
+            self._arc(k)
+        self._occurrences()
+        literals = [self._claims(i, a) for i, a in enumerate(problem.activities)]
+        for shared, users in zip(problem.shared, self.users, strict=True):
+            self._resource(shared, users)
+        if problem.reservoirs:
+            self._reservoirs()
+        if self.ranked:
+            from irc_cpsat.state import add_state
+
+            add_state(self)
+        built = Model(
+            model=self.model,
+            problem=problem,
+            starts=self.starts,
+            ends=self.ends,
+            makespan=self._makespan(),
+            literals=literals,
+            sizes=self.sizes,
+            positive=self.positive,
+            present=self.present,
+            modes=self.modes,
+            ranks=self.ranks,
+            values={},
+        )
+        built.values.update(self._values(built))
+        if objective:
+            name = problem.objectives[0]
+            if name == "reward":
+                self.model.maximize(built.values[name])
+            else:
+                self.model.minimize(built.values[name])
+        if self.hint is not None:
+            self._add_hint(built, *self.hint)
+            built.hint = self.hint
+        return built
+
+    # --- presence and modes ---
+
+    def _presence(self) -> None:
+        model, problem = self.model, self.problem
+        by_group: dict[int, Literal] = {}
+        for group in problem.groups:
+            literal = None if group.required else model.new_bool_var(f"group {group.id}")
+            self.groups.append(literal)
+            if literal is None:
+                continue
+            if not group.members:
+                model.add(literal == 0)
+            for i in group.members:
+                if not problem.activities[i].details.optional:
+                    model.add(literal == 1)
+                elif i in by_group:
+                    model.add(literal == by_group[i])
+                else:
+                    by_group[i] = literal
+        for i, activity in enumerate(problem.activities):
+            details = activity.details
+            if not details.optional:
+                self.present.append(None)
+            elif i in by_group:
+                self.present.append(by_group[i])
+            else:
+                self.present.append(model.new_bool_var(f"present {_name(activity)}"))
+        for i in problem.wanted:
+            if (literal := self.present[i]) is not None:
+                model.add(literal == 1)
+        for i, activity in enumerate(problem.activities):
+            self.modes.append(self._modes(i, activity))
+
+    def _modes(self, i: int, activity: Activity) -> list[Literal]:
+        modes = activity.details.modes
+        if not modes:
+            return []
+        literals = [
+            self.model.new_bool_var(f"mode {mode.id} of {_name(activity)}") for mode in modes
+        ]
+        absent = self._absent(i)
+        self.model.add_exactly_one([*literals, *absent])
+        return literals
+
+    def _absent(self, i: int) -> list[Any]:
+        literal = self.present[i]
+        return [] if literal is None else [~literal]
+
+    def enforced(self, constraint: Any, *whose: int, also: Sequence[Any] = ()) -> None:
+        """Makes a constraint bind only where some activities (and other literals) are there."""
+        literals = [p for i in whose if (p := self.present[i]) is not None]
+        literals += also
+        if literals:
+            constraint.only_enforce_if(literals)
+
+    # --- times ---
+
+    def _points(self, i: int, activity: Activity) -> tuple[cp_model.IntVar, cp_model.IntVar | None]:
+        deadline = self.problem.effective_deadline(i)
+        latest_end = self.horizon if deadline is None else min(self.horizon, deadline)
+        earliest = max(activity.release, self.problem.heads[i] if self.bounds else 0)
+        name = _name(activity)
+        fits = earliest + activity.duration_min <= latest_end
+        literal = self.present[i]
+        if not fits and literal is not None:
+            self.model.add(literal == 0)
+            latest_end = earliest + activity.duration_max
+        if activity.start is not None:
+            domain = cp_model.Domain(activity.start, activity.start)
+        else:
+            domain = cp_model.Domain(earliest, max(earliest, latest_end - activity.duration_min))
+        start = self.model.new_int_var_from_domain(domain, f"start {name}")
+        if (not fits and literal is None) or activity.start is not None:
+            self.enforced(self.model.add(start + activity.duration_min <= latest_end), i)
+        if activity.start is not None and activity.start < activity.release:
+            self.enforced(self.model.add(start >= activity.release), i)
+        if activity.is_fixed:
+            return start, None
+        end = self.model.new_int_var(0, max(0, latest_end, self._latest(activity)), f"end {name}")
+        if activity.start is not None or not fits:
+            self.enforced(self.model.add(end <= latest_end), i)
+        longest = max(activity.duration_min, min(activity.duration_max, self.horizon))
+        size = self.model.new_int_var(activity.duration_min, longest, f"duration {name}")
+        self.model.add(start + size == end)
+        self.sizes[i] = size
+        for mode, chosen in zip(activity.details.modes, self.modes[i], strict=True):
+            self.model.add(size >= mode.duration_min).only_enforce_if(chosen)
+            if mode.duration_max < longest:
+                self.model.add(size <= mode.duration_max).only_enforce_if(chosen)
+        return start, end
+
+    def _latest(self, activity: Activity) -> int:
+        """A fixed start may be so late that its end, if it is absent, needs room."""
+        if activity.start is None:
+            return 0
+        return activity.start + min(activity.duration_max, max(activity.duration_min, self.horizon))
+
+    def _end(self, i: int) -> Any:
+        end = self.ends[i]
+        return self.starts[i] + self.problem.activities[i].duration_min if end is None else end
+
+    def _ranks(self) -> None:
+        """A rank for each start; a fixed duration gives its end the same one."""
+        concerned = {i for arc in self.problem.arcs for i in (arc.before, arc.after)}
+        for i, activity in enumerate(self.problem.activities):
+            details = activity.details
+            touches = bool(details.conditions or details.effects) or i in concerned
+            last = self.rank_count - 1 if touches else 0
+            start = self.model.new_int_var(0, last, f"rank {_name(activity)}")
+            if activity.is_fixed:
+                self.ranks.append((start, start))
+                continue
+            end = self.model.new_int_var(0, last, f"end rank {_name(activity)}")
+            self.ranks.append((start, end))
+            self._duration_in_ranks(i, activity)
+
+    def _duration_in_ranks(self, i: int, activity: Activity) -> None:
+        """Bounds on a duration hold in moments too; a mode of fixed duration has one rank."""
+        lasts = self.moment(i, at_end=True) - self.moment(i, at_end=False)
+        k = self.rank_count
+        modes = activity.details.modes
+        if not modes:
+            self.model.add(lasts >= k * activity.duration_min)
+            self.model.add(lasts <= k * activity.duration_max)
+        for mode, chosen in zip(modes, self.modes[i], strict=True):
+            self.model.add(lasts >= k * mode.duration_min).only_enforce_if(chosen)
+            self.model.add(lasts <= k * mode.duration_max).only_enforce_if(chosen)
+
+    def moment(self, i: int, *, at_end: bool) -> Any:
+        """time × ranks + rank of a happening; plain time where there are no ranks."""
+        time = self._end(i) if at_end else self.starts[i]
+        ranks = self.ranks[i] if self.ranked else None
+        return time if ranks is None else time * self.rank_count + ranks[at_end]
+
+    def _arc(self, k: int) -> None:
+        arc = self.problem.arcs[k]
+        i, j, factor = arc.before, arc.after, self.rank_count
+        # Lags beyond the horizon never bind, and may be beyond 64 bits.
+        if arc.min_lag > -self.horizon:
+            apart = self.moment(j, at_end=arc.to_end) - self.moment(i, at_end=arc.from_end)
+            sequel = self.ranked and (i, j) in self._sequel
+            least = factor * arc.min_lag + (1 if sequel and arc.min_lag == 0 else 0)
+            self.enforced(self.model.add(apart >= least), i, j)
+        if arc.max_lag is not None and arc.max_lag < self.horizon:
+            before = self._end(i) if arc.from_end else self.starts[i]
+            after = self._end(j) if arc.to_end else self.starts[j]
+            self.enforced(self.model.add(after - before <= arc.max_lag), i, j)
+
+    @property
+    def _sequel(self) -> frozenset[tuple[int, int]]:
+        return frozenset(self.problem.sequel)
+
+    def _occurrences(self) -> None:
+        """Occurrences of one action come one after the other, without gaps in their numbers."""
+        for i, activity in enumerate(self.problem.activities):
+            previous = activity.details.previous
+            if previous is None:
+                continue
+            self.enforced(self.model.add(self.starts[i] >= self._end(previous)), i)
+            here, there = self.present[i], self.present[previous]
+            if here is not None and there is not None:
+                self.model.add_implication(here, there)
+
+    # --- resources ---
+
+    def _claims(self, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
+        if not activity.claims:
+            return []
+        held = self._holding(i, activity)
+        return [self._claim(i, claim, c, held) for c, claim in enumerate(activity.claims)]
+
+    def _holding(self, i: int, activity: Activity) -> Literal | None:
+        """A literal that says the activity has a length; None where it always has."""
+        if activity.duration_min > 0:
+            return None
+        literal = self.model.new_bool_var(f"holds {_name(activity)}")
+        self.model.add(self.sizes[i] >= 1).only_enforce_if(literal)
+        self.model.add(self.sizes[i] == 0).only_enforce_if(~literal)
+        self.positive[i] = literal
+        return literal
+
+    def _claim(
+        self, i: int, claim: Claim, c: int, held: Literal | None
+    ) -> list[tuple[int, Literal]]:
+        activity = self.problem.activities[i]
+        mode = activity.details.use_mode(claim.use)
+        there = self.present[i] if mode is None else self.modes[i][mode]
+        if len(claim.alternatives) == 1:
+            taken = self._all_of(i, claim, claim.alternatives[0], there, held)
+            self._take(claim.alternatives[0], self._interval(i, taken), claim.amount)
+            return []
+        literals: list[tuple[int, Literal]] = []
+        for r in claim.alternatives:
+            name = f"use {c} of {_name(activity)} on {self.problem.shared[r].id}"
+            literal = self.model.new_bool_var(name)
+            literals.append((r, literal))
+            if claim.amount > self.problem.shared[r].capacity and activity.duration_min > 0:
+                self.model.add(literal == 0)
+                continue
+            taken = self._all_of(i, claim, r, held, literal)
+            self._take(r, self._interval(i, taken), claim.amount)
+        absent = [] if there is None else [~there]
+        self.model.add_exactly_one([*(literal for _, literal in literals), *absent])
+        return literals
+
+    def _all_of(self, i: int, claim: Claim, r: int, *literals: Literal | None) -> Literal | None:
+        """A literal under which the claim takes shared resource r; None where it always does."""
+        together: Literal | None = None
+        for literal in literals:
+            if literal is not None:
+                together = literal if together is None else self.both(literal, together)
+        return together
+
+    def both(self, a: Literal, b: Literal) -> Literal:
+        """A literal that is true where both are."""
+        key = (min(a.index, b.index), max(a.index, b.index))
+        if key not in self.pairs:
+            both = self.model.new_bool_var("")
+            self.model.add_bool_and(a, b).only_enforce_if(both)
+            self.model.add_bool_or(~a, ~b, both)
+            self.pairs[key] = both
+            self.both_of.append((both, a, b))
+        return self.pairs[key]
+
+    def _interval(self, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+        activity, start = self.problem.activities[i], self.starts[i]
+        name = _name(activity)
+        if activity.is_fixed:
+            size = activity.duration_min
+            if literal is None:
+                return self.model.new_fixed_size_interval_var(start, size, name)
+            return self.model.new_optional_fixed_size_interval_var(start, size, literal, name)
+        length, end = self.sizes[i], self._end(i)
+        if literal is None:
+            return self.model.new_interval_var(start, length, end, name)
+        return self.model.new_optional_interval_var(start, length, end, literal, name)
+
+    def _take(self, r: int, interval: cp_model.IntervalVar, amount: int) -> None:
+        self.users[r].intervals.append(interval)
+        self.users[r].amounts.append(amount)
+
+    def _resource(self, shared: Shared, users: Users) -> None:
+        if not users.intervals:
+            return
+        if shared.windows:
+            users = self._with_windows(shared, users)
+        capacity = shared.capacity
+        if 2 * min(users.amounts) > capacity and max(users.amounts) <= capacity:
+            self.model.add_no_overlap(users.intervals)
+        else:
+            self.model.add_cumulative(users.intervals, users.amounts, capacity)
+
+    def _with_windows(self, shared: Shared, users: Users) -> Users:
+        """What is missing from the greatest capacity is held by an interval that cannot move."""
+        filled = Users(list(users.intervals), list(users.amounts))
+        base = shared.capacity if shared.base is None else shared.base
+        end_of_time = max(self.horizon, shared.windows[-1].end) + 1
+        at = 0
+        for window in (*shared.windows, None):
+            until = end_of_time if window is None else window.start
+            self._fill(filled, shared, at, until, base)
+            if window is not None:
+                self._fill(filled, shared, window.start, window.end, window.capacity)
+                at = window.end
+        return filled
+
+    def _fill(self, filled: Users, shared: Shared, start: int, end: int, capacity: int) -> None:
+        if start < end and capacity < shared.capacity:
+            away = self.model.new_fixed_size_interval_var(start, end - start, f"away {shared.id}")
+            filled.intervals.append(away)
+            filled.amounts.append(shared.capacity - capacity)
+
+    # --- stock ---
+
+    def _reservoirs(self) -> None:
+        """Levels count from the initial one; changes of one instant are seen together."""
+        times: list[list[Any]] = [[] for _ in self.problem.reservoirs]
+        amounts: list[list[int]] = [[] for _ in self.problem.reservoirs]
+        actives: list[list[Any]] = [[] for _ in self.problem.reservoirs]
+        for i, activity in enumerate(self.problem.activities):
+            for change in activity.details.stock:
+                r = change.reservoir
+                times[r].append(self._end(i) if change.at_end else self.starts[i])
+                amounts[r].append(change.amount)
+                literal = self.present[i]
+                actives[r].append(True if literal is None else literal)
+        for r, reservoir in enumerate(self.problem.reservoirs):
+            if not times[r]:
+                continue
+            if sum(map(abs, amounts[r])) + abs(reservoir.initial) >= _MAX_SUM:
+                raise Refusal(
+                    f"the amounts of reservoir {reservoir.id!r} are beyond CP-SAT's 64-bit sums",
+                    reservoir.origin,
+                )
+            most = sum(a for a in amounts[r] if a > 0)
+            greatest = reservoir.greatest
+            above = most if greatest is None else min(most, greatest - reservoir.initial)
+            below = sum(a for a in amounts[r] if a < 0)
+            self.model.add_reservoir_constraint_with_active(
+                times[r],
+                amounts[r],
+                actives[r],
+                max(below, reservoir.least - reservoir.initial),
+                above,
+            )
+
+    # --- what counts ---
+
+    def _makespan(self) -> cp_model.IntVar:
+        least = self.problem.bound.value if self.bounds else 0
+        makespan = self.model.new_int_var(least, self.horizon, "makespan")
+        for i in range(len(self.starts)):
+            tail = self.problem.tails[i] if self.bounds else 0
+            self.enforced(self.model.add(makespan >= self._end(i) + tail), i)
+        return makespan
+
+    def _values(self, built: Model) -> dict[str, Expression]:
+        values: dict[str, Expression] = {"makespan": built.makespan}
+        objectives = self.problem.objectives
+        if "tardiness" in objectives:
+            values["tardiness"] = self._tardiness()
+        if "reward" in objectives:
+            worth = [(a.details.reward, p) for a, p in self._occurring() if a.details.reward]
+            worth += [
+                (g.reward, self.groups[k])
+                for k, g in enumerate(self.problem.groups)
+                if g.reward and g.members
+            ]
+            values["reward"] = _weighted(worth)
+        if "cost" in objectives:
+            values["cost"] = _weighted(
+                [(a.details.cost, p) for a, p in self._occurring() if a.details.cost]
+            )
+        return values
+
+    def _occurring(self) -> list[tuple[Activity, Literal | None]]:
+        return list(zip(self.problem.activities, self.present, strict=True))
+
+    def _tardiness(self) -> Expression:
+        late = []
+        for i, activity in enumerate(self.problem.activities):
+            due, weight = activity.details.due, activity.details.weight
+            if due is not None and weight:
+                late.append(weight * self._late([i], due, self.present[i], _name(activity)))
+        for k, group in enumerate(self.problem.groups):
+            if group.due is not None and group.weight and group.members:
+                late.append(
+                    group.weight
+                    * self._late(list(group.members), group.due, self.groups[k], group.id)
+                )
+        return sum(late) if late else 0
+
+    def _late(self, whose: list[int], due: int, literal: Literal | None, name: str) -> Expression:
+        late = self.model.new_int_var(0, max(0, self.horizon - due), f"late {name}")
+        for i in whose:
+            constraint = self.model.add(late >= self._end(i) - due)
+            if literal is not None:
+                constraint.only_enforce_if(literal)
+        return late
+
+    # --- hint ---
+
+    def _add_hint(
+        self, built: Model, decisions: Sequence[Any], choices: Sequence[tuple[int, ...]]
+    ) -> None:
+        """A complete assignment, so that CP-SAT starts from a schedule."""
+        for i, decision in enumerate(decisions):
+            self.model.add_hint(built.starts[i], decision.start)
+            end = built.ends[i]
+            if end is not None:
+                self.model.add_hint(end, decision.end)
+            for taken, literals in zip(choices[i], built.literals[i], strict=True):
+                for r, literal in literals:
+                    self.model.add_hint(literal, int(r == taken))
+        for i, size in built.sizes.items():
+            self.model.add_hint(size, decisions[i].end - decisions[i].start)
+        for i, literal in built.positive.items():
+            self.model.add_hint(literal, int(decisions[i].end > decisions[i].start))
+        hinted = self.model.proto.solution_hint
+        values = dict(zip(hinted.vars, hinted.values, strict=True))
+        for both, a, b in self.both_of:
+            self.model.add_hint(both, values[a.index] * values[b.index])
+        latest = max((int(d.end) for d in decisions), default=0)
+        self.model.add_hint(built.makespan, max(latest, self.problem.bound.value))
+
+
+def _name(activity: Activity) -> str:
+    if activity.details is PLAIN or activity.details.occurrence == 1:
+        return activity.id
+    return f"{activity.id} ({activity.details.occurrence})"
+
+
+def _weighted(worth: Sequence[tuple[int, Literal | None]]) -> Expression:
+    """Σ amount · present."""
+    return sum(amount if literal is None else amount * literal for amount, literal in worth)

@@ -1,0 +1,124 @@
+"""Re-timing of problems with choices, state, stock or calendars.
+
+First the times, the least that keep all orders weakly; then ranks, where times have become equal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+from irc.network import Network, earliest
+from irc.problem import Problem
+from irc.retime import (
+    AnswerError,
+    Decision,
+    Placed,
+    assign,
+    long_enough,
+    placed_at,
+    resource_orders,
+)
+from irc.retiming.calendar import raise_floors
+from irc.retiming.ranks import with_ranks
+from irc.retiming.selection import select
+from irc.retiming.state import Order, is_one_happening, state_orders
+from irc.retiming.stock import keep_stock
+from irc.timing import PointMap, timing_network
+
+ROUNDS = 20
+"""How often what was re-timed is re-timed again, at most; all but odd cases need one."""
+
+
+def retime_rich(
+    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
+) -> tuple[Placed, ...]:
+    """See `irc.retime.retime`.
+
+    What has moved may have stopped overlapping, or lost its length, and so have an order that
+    leaves more room than the first one; so this goes on until nothing moves any more.
+    """
+    selection = select(problem, decisions)
+    placed = _retime_once(selection.problem, selection.decisions, tolerance)
+    for _ in range(ROUNDS):
+        again = _retime_once(selection.problem, [_decision(p) for p in placed], 0)
+        if again == placed:
+            break
+        placed = again
+    return selection.spread(problem, placed)
+
+
+def _decision(place: Placed) -> Decision:
+    return Decision(
+        place.start,
+        place.end,
+        place.resources,
+        rank=place.rank,
+        end_rank=place.end_rank,
+    )
+
+
+def _retime_once(
+    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
+) -> tuple[Placed, ...]:
+    decisions = long_enough(problem, decisions)
+    chosen = assign(problem, decisions, tolerance)
+    timing = timing_network(problem)
+    points, network, floors = timing.points, timing.network, timing.floors
+    orders = state_orders(problem, decisions, tolerance)
+    for before, after in (
+        *resource_orders(problem, decisions, chosen, tolerance),
+        *_occurrence_orders(problem, decisions),
+    ):
+        network.add(points.end[before], points.start[after], points.end_offset[before])
+    _keep_lengths(problem, decisions, points, network, tolerance)
+    _keep_orders(orders, points, network)
+    keep_stock(problem, decisions, points, network, floors)
+    raise_floors(problem, decisions, chosen, points.start, floors, tolerance)
+    times = earliest(network, floors)
+    if times.cycles:
+        raise AnswerError("the order of the answer contradicts the lags of the task")
+    return with_ranks(problem, placed_at(problem, times.t, points, chosen), orders)
+
+
+def _keep_lengths(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    points: PointMap,
+    network: Network,
+    tolerance: Fraction | int,
+) -> None:
+    """Chosen to have no length: it must not grow into somebody else's time."""
+    for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
+        if not activity.is_fixed and (
+            decision.end - decision.start <= tolerance or is_one_happening(activity, decision)
+        ):
+            network.add(points.end[i], points.start[i], 0)
+
+
+def _keep_orders(orders: Sequence[Order], points: PointMap, network: Network) -> None:
+    for (a, a_ends), (b, b_ends), _ in orders:
+        before, offset = (points.end[a], points.end_offset[a]) if a_ends else (points.start[a], 0)
+        after, back = (points.end[b], points.end_offset[b]) if b_ends else (points.start[b], 0)
+        network.add(before, after, offset - back)
+
+
+def _occurrence_orders(problem: Problem, decisions: Sequence[Decision]) -> list[tuple[int, int]]:
+    """Occurrences of one action, each with the next: they do not overlap.
+
+    Which activity stands for which occurrence means nothing; they are numbered by start.
+    """
+    occurrences: dict[str, list[int]] = {}
+    for i, activity in enumerate(problem.activities):
+        occurrences.setdefault(activity.id, []).append(i)
+    orders: list[tuple[int, int]] = []
+    for same in occurrences.values():
+        if len(same) > 1:
+            orders += pairwise(sorted(same, key=lambda i: occurrence_key(decisions[i])))
+    return orders
+
+
+def occurrence_key(place: Decision | Placed) -> tuple[Fraction | int, ...]:
+    """How occurrences of one action are numbered."""
+    return place.start, place.end, place.rank, place.end_rank

@@ -1,0 +1,56 @@
+"""What a schedule of a problem is worth: the values of its objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from irc.problem import Group, Problem
+from irc.schedule import Entry, Schedule
+from irc.times import Number
+
+TIMES = frozenset(["makespan", "tardiness"])
+"""Objectives whose values are times; the others are plain numbers."""
+
+
+def in_units(problem: Problem, objective: str, value: int) -> Number:
+    """The value of an objective, which engines count in ticks where it is a time."""
+    return problem.to_units(value) if objective in TIMES else value
+
+
+def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
+    """Makespan, tardiness, reward and cost, in the task's unit; each occurrence counts."""
+    activities = {a.id: a for a in problem.activities if a.details.occurrence == 1}
+    tardiness: Number = 0
+    reward = cost = 0
+    by_id: dict[str, list[Entry]] = {}
+    for entry in schedule.entries:
+        by_id.setdefault(entry.id, []).append(entry)
+        details = activities[entry.id].details
+        reward += details.reward
+        cost += details.cost
+        if details.due is not None:
+            tardiness += details.weight * _late(problem, entry.end, details.due)
+    for group in problem.groups:
+        ends = _ends(problem, group, by_id)
+        if ends:
+            reward += group.reward
+            if group.due is not None:
+                tardiness += group.weight * _late(problem, max(ends), group.due)
+    return {
+        "makespan": schedule.makespan,
+        "tardiness": tardiness,
+        "reward": reward,
+        "cost": cost,
+    }
+
+
+def _late(problem: Problem, end: Number, due: int) -> Number:
+    return max(0, end - problem.to_units(due))
+
+
+def _ends(problem: Problem, group: Group, by_id: Mapping[str, list[Entry]]) -> list[Number]:
+    """The ends of a group's members where all are present; nothing where not."""
+    members = [by_id.get(problem.activities[i].id) for i in group.members]
+    if not all(members):
+        return []
+    return [entry.end for entries in members for entry in entries or ()]
