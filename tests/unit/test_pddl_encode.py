@@ -516,7 +516,7 @@ def test_all_slack_together_stays_below_one_tick(epsilon: Fraction) -> None:
         if not envelopes and not windows:
             assert (grounded.scale, grounded.slack) == (1, 0)
             continue
-        happenings = 2 * (len(problem.activities) + len(grounded.waits))
+        happenings = 2 * (len(problem.activities) + len(grounded.planner_only))
         assert grounded.slack >= epsilon * happenings
         assert grounded.slack * (envelopes + windows) < grounded.scale, task
         bounded += 1
