@@ -90,6 +90,7 @@ class Kairos(Planner):
     """The kairos planner (pip install kairos-planner), embedded."""
 
     name: ClassVar[str] = "kairos"
+    searches: ClassVar[tuple[str, ...]] = ("novelty", "")
 
     def missing(self) -> str | None:
         """Why kairos cannot be imported, if it cannot."""
@@ -122,6 +123,7 @@ class Kairos(Planner):
             str(job.limits.workers or 1),
             str(job.limits.seed),
             "first" if job.wish.first_plan else "best",
+            job.wish.search or "auto",
         ]
 
 

@@ -52,11 +52,13 @@ class Wish(NamedTuple):
 
     `problem` is what it reads: the program's own, or one with less choice or an earlier deadline.
     `first_plan`: any plan of it will do. A plan whose makespan is `enough` (ticks) ends the run.
+    `search` is one of the planner's kinds of search, "" its usual one.
     """
 
     problem: Problem
     first_plan: bool
     enough: int
+    search: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +137,9 @@ class Planner(Engine):
 
     under_deadlines: ClassVar[bool] = True
     """Whether it finds plans under hard deadlines quickly."""
+
+    searches: ClassVar[tuple[str, ...]] = ("",)
+    """The kinds of search to try in turn where one plan is wanted."""
 
     @abstractmethod
     def command(self, job: Job) -> list[str]:

@@ -20,15 +20,17 @@ LEAST_SECONDS = 0.1
 class Tactics:
     """Parts of the strategies, so that measurements can switch them off.
 
-    `bound`: ask for a plan under the deadline "makespan = lower bound". `tighten`: ask for one
-    that is a tick shorter than the best so far. `anytime`: let the planner minimise by itself.
-    `quick`: ask under the makespan of the list schedule before asking for just any plan.
+    `bound`: ask for a plan under the deadline "makespan = lower bound". `hint`: show the planner
+    the order of the list schedule. `tighten`: ask for a plan that is a tick shorter than the best.
+    `steps`: ask for one that also differs from it in a few places only. `anytime`: let the planner
+    minimise by itself.
     """
 
     bound: bool = True
+    hint: bool = True
     tighten: bool = True
+    steps: bool = True
     anytime: bool = True
-    quick: bool = True
 
 
 ALL_TACTICS = Tactics()
@@ -71,13 +73,19 @@ class Session:
         return self.runs > 0 and self.left < LEAST_SECONDS
 
     def ask(
-        self, problem: Problem, seconds: float, *, enough: int, first_plan: bool = True
+        self,
+        problem: Problem,
+        seconds: float,
+        *,
+        enough: int,
+        first_plan: bool = True,
+        search: str = "",
     ) -> Schedule | None:
         """One run of the planner on `problem`, and what it found; the best of all is kept."""
         if self.is_over:
             return None
         self.runs += 1
-        wish = Wish(problem, first_plan, enough)
+        wish = Wish(problem, first_plan, enough, search)
         given = max(LEAST_SECONDS, min(seconds, self.left))
         try:
             outcome = self.planner.attempt(self.program, wish, self.limits, given, self.on_progress)

@@ -6,7 +6,7 @@ from irc.backend import Limits, OnProgress, Outcome, Program
 from irc.problem import Problem
 from irc.schedule import Status
 from irc_pddl21.runs import Planner
-from irc_pddl21.session import ALL_TACTICS, Session, Tactics
+from irc_pddl21.session import ALL_TACTICS, Session, Tactics, ticks
 from irc_pddl21.shortest import shorten
 from irc_pddl21.worth import worth_of
 
@@ -25,7 +25,7 @@ def solve_with(
     session = Session(planner, program, limits, on_progress, tactics)
     problem = program.problem
     best = shorten(session, problem)
-    met = best is not None and best == problem.bound.value
+    met = best is not None and ticks(problem, best) <= problem.bound.value
     return session.outcome(Status.OPTIMAL if met and problem.objectives == ("makespan",) else None)
 
 
