@@ -17,7 +17,7 @@ from pathlib import Path
 from irc.backend import Limits
 from irc.compiler import solve_task
 from irc.diagnostics import InputError
-from irc.frontends.asyncplan import import_asyncplan
+from irc.frontends.importers.asyncplan import import_asyncplan
 from irc.model import Task
 from irc.schedule import Status
 from raw_plans import raw_plan_faults

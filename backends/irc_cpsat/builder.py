@@ -243,14 +243,15 @@ class Builder:
         else:
             domain = cp_model.Domain(earliest, max(earliest, latest_end - activity.duration_min))
         start = self.model.new_int_var_from_domain(domain, f"start {name}")
-        if (not fits and literal is None) or activity.start is not None:
+        late = activity.start is not None and activity.start + activity.duration_min > latest_end
+        if (not fits and literal is None) or late:
             self.enforced(self.model.add(start + activity.duration_min <= latest_end), i)
         if activity.start is not None and activity.start < activity.release:
             self.enforced(self.model.add(start >= activity.release), i)
         if activity.is_fixed:
             return start, None
         end = self.model.new_int_var(0, max(0, latest_end, self._latest(activity)), f"end {name}")
-        if activity.start is not None or not fits:
+        if self._latest(activity) > latest_end:
             self.enforced(self.model.add(end <= latest_end), i)
         longest = max(activity.duration_min, min(activity.duration_max, self.horizon))
         size = self.model.new_int_var(activity.duration_min, longest, f"duration {name}")

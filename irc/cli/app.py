@@ -254,18 +254,29 @@ def validate(
 
 
 def convert(
-    file: Annotated[str, typer.Argument(help="What to read; '-' is standard input.")],
+    file: Annotated[
+        str, typer.Argument(help="What to read: a file, a folder of instances, or '-'.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", help="A file, or a folder for many.")],
     source: Annotated[
-        str, typer.Option("--from", help="The format of the input: irc, asyncplan.")
+        str,
+        typer.Option(
+            "--from", help="The format of the input: irc, asyncplan, robo, robotouille, pddl."
+        ),
     ] = "irc",
+    problem: Annotated[
+        str | None, typer.Option("--problem", help="The problem of a PDDL domain.")
+    ] = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Write a task as IR JSON; an importer writes one task per instance into a folder."""
-    from irc.frontends.convert import convert_file
+    from irc.frontends.convert import ConversionUseError, convert_file
 
     with errors_told(format):
-        written = convert_file(file, source, output)
+        try:
+            written = convert_file(file, source, output, problem)
+        except ConversionUseError as error:
+            fail(EXIT_USE, str(error), format)
         if format is Format.json:
             put_json({"written": [str(path) for path in written]})
         else:

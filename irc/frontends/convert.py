@@ -4,41 +4,91 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
 from pathlib import Path
 
 from irc.backend import UnknownTarget
 from irc.canonical import written_task
+from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.files import write_folder, write_whole
-from irc.frontends.asyncplan import import_asyncplan
 from irc.frontends.files import read_task, read_text
 from irc.model import Task
 from irc.schedule import dump_json
 
 Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
+"""(text, name) → (file stem, task) of each instance in the text."""
 
-IMPORTERS: Mapping[str, Importer] = {"asyncplan": import_asyncplan}
-"""Formats with many instances in a file: (text, name) → (file stem, task) of each."""
+IMPORTERS: Mapping[str, str] = {
+    "asyncplan": "irc.frontends.importers.asyncplan:import_asyncplan",
+    "robo": "irc.frontends.importers.robo:import_robo",
+    "robotouille": "irc.frontends.importers.robotouille:import_robotouille",
+}
+"""Formats with many instances in a file, and where their `Importer` is; loaded when asked for."""
+
+PDDL = "pddl"
+"""The format that is two files, a domain and a problem, and one task."""
+
+FORMATS = ("irc", *IMPORTERS, PDDL)
 
 _UNSAFE = re.compile(r"[^\w.-]+")
 
 
-def convert_file(file: str, source: str, output: Path) -> list[Path]:
+class ConversionUseError(Exception):
+    """The options do not fit the format; the text says what to do."""
+
+
+def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
     """Writes the task (or one task per instance) and returns the files written.
 
-    Raises `InputError`, `WriteError`, or `UnknownTarget` for an unknown format.
+    An importer of instances also takes a folder, whose `.json` files it reads in order of name.
+    Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` where an importer
+    needs an extra that is not installed, or `UnknownTarget` for an unknown format.
     """
-    if source == "irc":
-        write_whole(output, dump_json(written_task(read_task(file).task)))
-        return [output]
-    if source not in IMPORTERS:
-        raise UnknownTarget("input format", source, ["irc", *IMPORTERS])
-    text, name = read_text(file)
+    if source not in FORMATS:
+        raise UnknownTarget("input format", source, list(FORMATS))
+    if problem is not None and source != PDDL:
+        raise ConversionUseError(f"--problem is for --from {PDDL}")
+    if source in IMPORTERS:
+        return _convert_instances(file, load_importer(source), output)
+    task = read_task(file).task if source == "irc" else _read_pddl(file, problem)
+    write_whole(output, dump_json(written_task(task)))
+    return [output]
+
+
+def load_importer(source: str) -> Importer:
+    """The importer of a format in `IMPORTERS`."""
+    module, _, function = IMPORTERS[source].partition(":")
+    importer: Importer = getattr(import_module(module), function)
+    return importer
+
+
+def _convert_instances(file: str, importer: Importer, output: Path) -> list[Path]:
     # All instances are read before the first file is written.
     files: dict[str, str] = {}
-    for stem, task in IMPORTERS[source](text, name):
-        safe = _UNSAFE.sub("_", stem)[:100]
-        while f"{safe}.json" in files:
-            safe += "_"
-        files[f"{safe}.json"] = dump_json(written_task(task))
+    for one in _files(file):
+        for stem, task in importer(*read_text(one)):
+            safe = _UNSAFE.sub("_", stem)[:100]
+            while f"{safe}.json" in files:
+                safe += "_"
+            files[f"{safe}.json"] = dump_json(written_task(task))
     write_folder(output, files)
     return [output / name for name in files]
+
+
+def _files(file: str) -> list[str]:
+    folder = Path(file)
+    if not folder.is_dir():
+        return [file]
+    found = sorted(str(path) for path in folder.iterdir() if path.suffix == ".json")
+    if not found:
+        message = f"the folder {file!r} holds no .json files"
+        raise InputError(Report((Diagnostic(Code.UNREADABLE, message),)))
+    return found
+
+
+def _read_pddl(domain: str, problem: str | None) -> Task:
+    if problem is None:
+        raise ConversionUseError(f"--from {PDDL} needs the problem as well: --problem FILE")
+    from irc.frontends.importers.pddl import import_pddl
+
+    return import_pddl(read_text(domain), read_text(problem))

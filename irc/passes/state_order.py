@@ -53,6 +53,9 @@ def _orders(problem: Problem, v: int, order: _Order) -> set[tuple[int, int]] | N
     touching = {t.activity for t in (*effects, *conditions)}
     if not _same_presence(problem, touching):
         return None
+    is_goal = any(goal_var == v for goal_var, _ in problem.goals)
+    if is_goal and any(problem.activities[i].details.optional for i in touching):
+        return None  # The goal also says who must be there.
     if any(e.at == "start" for e in effects):
         return None
     if len({e.activity for e in effects}) < len(effects):

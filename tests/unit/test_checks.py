@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 
 from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
-from irc.frontends.asyncplan import import_asyncplan
 from irc.frontends.files import parse_task
+from irc.frontends.importers.asyncplan import import_asyncplan
 from irc.model import Task
 from irc.pipeline import check_task
 from irc.source import pointer_text

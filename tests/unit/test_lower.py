@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from irc.diagnostics import InputError
 from irc.lower import lower
 from irc.model import Task
+from irc.passes.mandatory import mandatory_part
 from irc.pipeline import compile_task
 from irc.problem import Arc, Problem, Requirement
 from irc.times import exact
@@ -71,9 +72,9 @@ def test_lags_count_for_the_tick_with_either_sign() -> None:
     assert lowered(actions=both, precedence=[{**edge, "max_lag": 9}]).tick == 3
 
 
-def test_times_of_what_is_left_out_do_not_count() -> None:
-    problem = lowered(actions=[one(6), {"id": "b", "duration": 1, "occurs": "optional"}])
-    assert (problem.tick, [a.id for a in problem.activities]) == (6, ["a"])
+def test_times_of_what_may_be_absent_count_too() -> None:
+    problem = lowered(actions=[one(6), {"id": "b", "duration": 4, "occurs": "optional"}])
+    assert (problem.tick, [a.id for a in problem.activities]) == (2, ["a", "b"])
 
 
 def test_a_date_time_is_counted_from_the_origin() -> None:
@@ -198,11 +199,13 @@ def test_modes_become_the_range_of_their_durations() -> None:
 def test_of_a_calendar_the_greatest_capacity_counts() -> None:
     window = {"from": 1, "to": 2, "capacity": 5}
     problem = lowered(resources=[{"id": "r", "availability": [window]}], actions=[])
-    assert problem.resources[0].capacity == 5
+    assert problem.resources[0].windows == ((1, 2, 5),)
+    assert (problem.shared[0].capacity, problem.shared[0].least_capacity) == (5, 1)
+    assert mandatory_part(problem).resources[0].capacity == 5
 
 
-def test_what_may_be_absent_is_left_out() -> None:
-    problem = lowered(
+def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
+    whole = lowered(
         actions=[
             one(1),
             {"id": "b", "duration": 1, "occurs": "optional"},
@@ -217,8 +220,11 @@ def test_what_may_be_absent_is_left_out() -> None:
         ],
         precedence=[["a", "b"], ["a", "c"], ["e", "f"]],
     )
-    assert [a.id for a in problem.activities] == ["a", "c", "f"]
+    problem = mandatory_part(whole)
+    assert [a.id for a in problem.activities] == ["a", "c", "d", "f"]
     assert problem.arcs == (Arc(0, 1, origin=1),)
+    assert [a.id for a in whole.activities if a.details.optional] == ["b", "e"]
+    assert whole.activities[3].details.repeats == (1, 2)
 
 
 @settings(
@@ -231,7 +237,8 @@ def test_any_task_can_be_lowered(task: Task) -> None:
     problem = lower(task)
     names = [a.id for a in problem.activities]
     assert names == sorted(set(names))
-    assert {a.id for a in task.actions if a.occurs == "optional"}.isdisjoint(names)
+    sound = {a.id for a in task.actions if type(a.duration) is int and a.duration >= 0}
+    assert sound <= set(names)
     for activity in problem.activities:
         written = task.actions[activity.origin[1]]
         assert written.id == activity.id

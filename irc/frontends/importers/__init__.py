@@ -1,0 +1,1 @@
+"""Importers of other people's formats: benchmark instances and planning domains → IR tasks."""

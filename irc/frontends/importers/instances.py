@@ -1,0 +1,254 @@
+"""Reading benchmark files: JSON with one instance or a list of them, every fault located.
+
+An importer asks a `Part` for what it needs; what is missing or of the wrong type becomes a
+diagnostic that names the instance and the field, and reading goes on, so that one run tells all.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal, InvalidOperation
+from typing import Any, NoReturn
+
+from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
+from irc.frontends.json_document import MAX_DEPTH
+from irc.source import Pointer, Range, Source
+from irc.times import Span, TimeError, parse_span
+
+_DIGITS = 100
+"""Longer whole numbers are no amounts of anything."""
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What is wrong with a file, in the order of finding."""
+
+    source: Source
+    findings: Findings = field(default_factory=Findings)
+
+    def add(
+        self, message: str, pointer: Pointer = (), *, hint: str | None = None, key: bool = False
+    ) -> None:
+        """Records one fault; `pointer` is its place in the file (`key`: the key itself)."""
+        self.findings.add(Code.NOT_AN_IMPORT, message, pointer, hint=hint, at_key=key)
+
+    def raise_any(self) -> None:
+        """Raises `InputError` with all faults, if there are any."""
+        if self.findings.items:
+            raise InputError(Report(tuple(self.findings.items), self.source))
+
+
+@dataclass(frozen=True)
+class Part:
+    """A value of a foreign document: what it is, whose it is, and where it stands."""
+
+    value: Any
+    pointer: Pointer
+    owner: str
+    """How messages call the instance."""
+    faults: Faults
+
+    def fault(self, message: str, *, hint: str | None = None, key: bool = False) -> None:
+        """Records a fault of this value."""
+        inner = ".".join(map(str, self._inside))
+        where = f"{self.owner}, {inner}" if inner else self.owner
+        self.faults.add(f"{where}: {message}", self.pointer, hint=hint, key=key)
+
+    @property
+    def _inside(self) -> Pointer:
+        return (
+            self.pointer[1:]
+            if self.pointer and isinstance(self.pointer[0], int)
+            else (self.pointer)
+        )
+
+    def child(self, key: str | int, value: Any) -> Part:
+        """An element of this value."""
+        return Part(value, (*self.pointer, key), self.owner, self.faults)
+
+    def members(self) -> dict[str, Part]:
+        """The fields of an object; none, and a fault, where it is not one."""
+        if not isinstance(self.value, Mapping):
+            self.fault(f"expected an object, found {_shown(self.value)}")
+            return {}
+        return {str(key): self.child(key, value) for key, value in self.value.items()}
+
+    def items(self) -> list[Part]:
+        """The entries of a list; none, and a fault, where it is not one."""
+        if not isinstance(self.value, list):
+            self.fault(f"expected a list, found {_shown(self.value)}")
+            return []
+        return [self.child(position, value) for position, value in enumerate(self.value)]
+
+    def text(self) -> str | None:
+        """A text that is not empty; None, and a fault, where it is not one."""
+        if isinstance(self.value, str) and self.value:
+            return self.value
+        self.fault(f"expected a text, found {_shown(self.value)}")
+        return None
+
+    def whole(self, least: int = 0) -> int | None:
+        """A whole number of at least `least`; None, and a fault, where it is not one."""
+        value = self.value
+        if isinstance(value, Decimal) and value == value.to_integral_value():
+            value = int(value) if abs(value.adjusted()) < _DIGITS else value
+        if type(value) is int and least <= value < 10**_DIGITS:
+            return value
+        self.fault(f"expected a whole number, {least} or more, found {_shown(self.value)}")
+        return None
+
+    def flag(self) -> bool:
+        """true or false; false, and a fault, where it is neither."""
+        if not isinstance(self.value, bool):
+            self.fault(f"expected true or false, found {_shown(self.value)}")
+        return self.value is True
+
+    def time(self) -> Span | None:
+        """A length of time, 0 or more; None, and a fault, where it is not one."""
+        try:
+            span = parse_span(self.value) if not isinstance(self.value, bool) else None
+        except TimeError as error:
+            self.fault(str(error))
+            return None
+        if span is None or not isinstance(self.value, (int, Decimal)):
+            self.fault(f"expected a number, found {_shown(self.value)}")
+        elif self.value < 0:
+            self.fault(f"expected a time of 0 or more, found {self.value}")
+        else:
+            return span
+        return None
+
+    def one_of(self, known: Collection[str], what: str) -> str | None:
+        """A text among `known`; None, and a fault with the nearest one, where it is not."""
+        text = self.text()
+        if text is not None and text not in known:
+            hint = did_you_mean(text, known) or f"known are {', '.join(known) or 'none'}"
+            self.fault(f"there is no {what} {text!r}", hint=hint)
+            return None
+        return text
+
+    def record(self, required: Collection[str], optional: Collection[str]) -> dict[str, Part]:
+        """An object's fields, after faults for those that are missing and those not known.
+
+        A field that is null counts as absent.
+        """
+        members = self.members()
+        if isinstance(self.value, Mapping):
+            known = [*required, *optional]
+            for key in members.keys() - set(known):
+                hint = did_you_mean(key, known) or f"known fields are {', '.join(known)}"
+                members[key].fault("this importer does not know the field", hint=hint, key=True)
+            for key in required:
+                if self.value.get(key) is None:
+                    self.fault(f"the field '{key}' is missing")
+        return {key: part for key, part in members.items() if part.value is not None}
+
+
+def read_instances(text: str, name: str) -> tuple[list[Part], Faults]:
+    """The instances of a file: its objects, each called by its id where it has one.
+
+    Raises `InputError` where the file is not JSON, or is neither an object nor a list of them.
+    """
+    faults = Faults(Source(name, text, _locate))
+    content = _decode(text, name, faults)
+    if isinstance(content, Mapping):
+        return [Part(content, (), _called(content, name), faults)], faults
+    if not isinstance(content, list) or not content:
+        faults.add(f"{name} holds neither an instance (an object) nor a list of them")
+        faults.raise_any()
+    instances = [
+        Part(item, (i,), _called(item, f"{name}, instance {i + 1}"), faults)
+        for i, item in enumerate(content)
+    ]
+    return instances, faults
+
+
+def without_empty(document: Mapping[str, Any]) -> dict[str, Any]:
+    """A task document without the lists that hold nothing."""
+    return {key: value for key, value in document.items() if value != []}
+
+
+def _called(instance: Any, otherwise: str) -> str:
+    name = instance.get("id") if isinstance(instance, Mapping) else None
+    return repr(name) if isinstance(name, str) and name else otherwise
+
+
+def _decode(text: str, name: str, faults: Faults) -> Any:
+    decoder = json.JSONDecoder(
+        object_pairs_hook=_members, parse_float=_decimal, parse_int=_whole, parse_constant=_reject
+    )
+    try:
+        content = decoder.decode(text.removeprefix("\ufeff"))
+    except (ValueError, RecursionError) as error:
+        place = error.pos if isinstance(error, json.JSONDecodeError) else None
+        said = error.msg if isinstance(error, json.JSONDecodeError) else str(error)
+        message = f"{name} is not JSON: {said}"
+        faults.findings.add(Code.NOT_AN_IMPORT, message, offset=place)
+        faults.raise_any()
+    if _too_deep(content):
+        faults.add(f"{name} is nested more than {MAX_DEPTH} deep")
+        faults.raise_any()
+    return content
+
+
+def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    members: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in members:
+            raise ValueError(f"the key {_shown(key)} is given twice in one object")
+        members[key] = value
+    return members
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:
+        raise ValueError(f"the number {text[:40]} is out of range") from None
+
+
+def _whole(text: str) -> int:
+    if len(text) > _DIGITS:
+        raise ValueError(f"the number {text[:40]}… is out of range")
+    return int(text)
+
+
+def _reject(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not a number of JSON")
+
+
+def _too_deep(content: Any) -> bool:
+    level = [content]
+    for _ in range(MAX_DEPTH):
+        level = [inner for outer in level for inner in _inner(outer)]
+        if not level:
+            return False
+    return True
+
+
+def _inner(value: Any) -> Iterator[Any]:
+    if isinstance(value, Mapping):
+        yield from value.values()
+    elif isinstance(value, list):
+        yield from value
+
+
+def _locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+    from irc.frontends.json_scan import scan
+
+    return scan(text, 1 if text.startswith("\ufeff") else 0, wanted).places
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "an object"
+    if isinstance(value, list):
+        return "a list"
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return str(value).lower()
+    text = ascii(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 40 else text[:37] + "..."

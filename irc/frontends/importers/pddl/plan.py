@@ -1,0 +1,141 @@
+"""A schedule of an imported task → a time-triggered plan of the original PDDL problem.
+
+PDDL2.1 separates what depends on each other by some epsilon; a schedule has ranks instead, epsilons
+made infinitesimal. Here they become real again: each happening moves by a whole number of epsilons
+such that what has one rank before another at the same instant comes before it, durations stay
+exactly what they are, and timed initial literals stay where they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+from irc.frontends.importers.pddl.task import EVENT
+from irc.model import DurationRange, Task
+from irc.schedule import Entry, Schedule
+from irc.times import Number
+from irc.validation import validate
+from irc.validation.ranked import NoRanksError, Ranks, ranks_of
+
+LARGEST_EPSILON = Fraction(1, 1000)
+"""What planners customarily separate by."""
+
+
+class PlanError(ValueError):
+    """A schedule that cannot be written as a plan; the text says why."""
+
+
+def plan_text(task: Task, schedule: Schedule) -> str:
+    """The plan: a line `time: (action objects) [duration]` for each entry, in order of time.
+
+    Times are exact. Raises `PlanError` for a schedule that is not valid, has a time that no
+    decimal number equals, or is only valid for an infinitesimal epsilon.
+    """
+    verdict = validate(task, schedule)
+    if not verdict.valid:
+        raise PlanError(f"the schedule is {verdict}")
+    try:
+        found = ranks_of(task, schedule)
+    except NoRanksError as error:
+        raise PlanError(f"the schedule's ranks are needed: {error}") from None
+    steps = _offsets(schedule.entries, found)
+    moved = [(steps[start], steps[end]) for start, end in found.nodes]
+    epsilon = _epsilon(task, schedule.entries, moved)
+    lines = []
+    for entry, (at_start, at_end) in zip(schedule.entries, moved, strict=True):
+        if entry.id.startswith(EVENT):
+            continue
+        start = entry.start + at_start * epsilon
+        lasts = entry.end + at_end * epsilon - start
+        duration = f" [{_decimal(lasts)}]" if lasts else ""
+        lines.append((start, entry.id, f"{_decimal(start)}: {entry.id}{duration}\n"))
+    return "".join(line for _, _, line in sorted(lines))
+
+
+@dataclass(frozen=True)
+class _Tie:
+    """offset(later) ≥ offset(earlier) + least"""
+
+    earlier: int
+    later: int
+    least: int
+
+
+def _offsets(entries: Sequence[Entry], found: Ranks) -> list[int]:
+    """By how many epsilons each rank node moves (Bellman and Ford's difference constraints)."""
+    origin = len(found.ranks)
+    ties = [_Tie(a, b, least) for a, b, least in found.edges]
+    instants: dict[Number, dict[int, set[int]]] = {}
+    for entry, (start, end) in zip(entries, found.nodes, strict=True):
+        if entry.id.startswith(EVENT):
+            ties += [_Tie(origin, start, 0), _Tie(start, origin, 0)]
+        elif entry.start == 0:
+            ties.append(_Tie(origin, start, 0))
+        for time, node in ((entry.start, start), (entry.end, end)):
+            instants.setdefault(time, {}).setdefault(found.ranks[node], set()).add(node)
+    for ranks in instants.values():
+        # What has one rank stays together: what happens just after it needs no higher one.
+        for level in ranks.values():
+            first, *others = sorted(level)
+            ties += [tie for b in others for tie in (_Tie(first, b, 0), _Tie(b, first, 0))]
+        for lower, upper in pairwise(sorted(ranks)):
+            ties.append(_Tie(min(ranks[lower]), min(ranks[upper]), 1))
+    offsets = [0] * (origin + 1)
+    for _ in range(len(offsets) + 1):
+        changed = False
+        for tie in ties:
+            if offsets[tie.earlier] > offsets[tie.later] - tie.least:
+                offsets[tie.earlier] = offsets[tie.later] - tie.least
+                changed = True
+        if not changed:
+            return [offset - offsets[origin] for offset in offsets[:origin]]
+    raise PlanError(
+        "the schedule leaves no room for any epsilon: something must come just before t = 0 or "
+        "just before a timed initial literal that it cannot come before"
+    )
+
+
+def _epsilon(task: Task, entries: Iterable[Entry], moved: Sequence[tuple[int, int]]) -> Fraction:
+    """A power of ten so small that nothing overtakes anything and ranges of durations hold."""
+    steps = [step for pair in moved for step in pair]
+    most = max(steps, default=0) - min(steps, default=0) + 1
+    times = sorted(
+        {Fraction(time) for entry in entries for time in (entry.start, entry.end)} | {Fraction(0)}
+    )
+    room = [later - earlier for earlier, later in pairwise(times)]
+    durations = {action.id: action.duration for action in task.actions}
+    for entry in entries:
+        duration = durations[entry.id]
+        if isinstance(duration, DurationRange):
+            lasts = entry.end - entry.start
+            bounds = (lasts - task.number(duration.min), task.number(duration.max) - lasts)
+            room += [Fraction(slack) for slack in bounds if slack]
+    wanted = min([LARGEST_EPSILON, *(gap / (2 * most) for gap in room)])
+    epsilon = LARGEST_EPSILON
+    while epsilon > wanted:
+        epsilon /= 10
+    return epsilon
+
+
+def _decimal(value: Number) -> str:
+    """The exact decimal number; `PlanError` where there is none."""
+    value = Fraction(value)
+    digits, rest = 0, value.denominator
+    for factor in (2, 5):
+        count = 0
+        while rest % factor == 0:
+            rest //= factor
+            count += 1
+        digits = max(digits, count)
+    if rest != 1:
+        raise PlanError(f"no decimal number equals the time {value}")
+    whole = str(abs(value.numerator) * 10**digits // value.denominator).rjust(digits + 1, "0")
+    sign = "-" if value < 0 else ""
+    return (
+        f"{sign}{whole[: len(whole) - digits]}.{whole[len(whole) - digits :]}"
+        if digits
+        else (f"{sign}{whole}")
+    )

@@ -1,0 +1,66 @@
+"""PDDL text → unified-planning's model of it."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Any
+
+from irc.backend import EngineMissing
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.source import Source
+
+
+def read_problem(domain: Source, problem: Source) -> Any:
+    """What unified-planning makes of a domain and a problem.
+
+    Raises `InputError` with its complaint, and `EngineMissing` where it is not installed.
+    """
+    require_unified_planning()
+    import pyparsing
+    from unified_planning.environment import get_environment
+    from unified_planning.exceptions import UPException
+    from unified_planning.io import PDDLReader
+
+    environment = get_environment()  # The reader makes metrics in no other one.
+    environment.credits_stream = None
+    try:
+        return PDDLReader(environment).parse_problem_string(domain.text, problem.text)
+    except pyparsing.ParseBaseException as error:
+        raise _refused(_which(error.pstr, domain, problem), error.loc, error.msg) from None
+    except (
+        UPException,
+        SyntaxError,
+        ArithmeticError,
+        AssertionError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+        TypeError,
+        ValueError,
+    ) as error:
+        # The reader checks much by assertion, and says in words where it says where at all.
+        said = str(error).strip() or type(error).__name__
+        message = f"{domain.name} with {problem.name}: unified-planning cannot read this: {said}"
+        raise InputError(Report((Diagnostic(Code.NOT_AN_IMPORT, message),))) from None
+
+
+def require_unified_planning() -> None:
+    """Raises `EngineMissing` where the extra `up` is not installed."""
+    if find_spec("unified_planning") is None:
+        raise EngineMissing(
+            "PDDL is read by unified-planning, which is not installed;"
+            " pip install 'irc-compiler[up]'"
+        )
+
+
+def _which(text: str, domain: Source, problem: Source) -> Source:
+    """The file whose text the parser was reading: it changes case and tabs, but no length."""
+    shown = text.strip()[:200].lower()
+    return domain if domain.text.strip().replace("\t", " ").lower().startswith(shown) else problem
+
+
+def _refused(source: Source, offset: int, message: str) -> InputError:
+    diagnostic = Diagnostic(
+        Code.NOT_AN_IMPORT, f"unified-planning cannot read this: {message}", offset=offset
+    )
+    return InputError(Report((diagnostic,), source))

@@ -1,0 +1,144 @@
+"""The rules of the Robo kitchen: what may be done to an item, and which way leads to a state.
+
+Each process takes an item from one state to another, so the way to a wanted state is found from
+its end: one process makes a state, and it starts from one state. Nothing else is needed, and
+whatever else could be done to an item could only make a schedule longer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irc.times import Span
+
+STACK = "stack"
+"""Puts an item on the dish; needs no station."""
+
+
+@dataclass(frozen=True)
+class Process:
+    """A kind of processing: the state it leaves an item in, and the station it holds."""
+
+    action: str
+    result: str
+    station: str
+
+
+PROCESSES = (
+    Process("grill", "grilled", "grill"),
+    Process("cut", "cut", "cutting_board"),
+    Process("fry", "fried", "fryer"),
+    Process("boil", "boiled", "boiler"),
+    Process("toast", "toasted", "toaster"),
+    Process("marinate", "marinated", "marinator"),
+    Process("mash", "mashed", "cutting_board"),
+)
+STATIONS = tuple(dict.fromkeys(process.station for process in PROCESSES))
+ACTIONS = (*(process.action for process in PROCESSES), STACK)
+STATES = ("raw", "ready", *(process.result for process in PROCESSES))
+PREDICATES = (
+    "iscookable",
+    "iscookableifmarinated",
+    "iscuttable",
+    "isfryable",
+    "isfryableifcut",
+    "isboilable",
+    "ismarinatable",
+)
+_MAKES = {process.result: process for process in PROCESSES}
+
+
+@dataclass(frozen=True)
+class Item:
+    """An ingredient: its first state, what may be done to it, and what that needs."""
+
+    name: str
+    state: str
+    predicates: frozenset[str] = frozenset()
+    grill_requires_marinated: bool = False
+    fry_requires_cut: bool = False
+    mash_requires_boiled: bool = False
+    """Said of items to be mashed; anything boiled may be, and nothing else."""
+
+
+@dataclass(frozen=True)
+class Kitchen:
+    """What all work shares: durations by action, capacities by station, and the robots."""
+
+    durations: dict[str, Span]
+    stations: dict[str, int]
+    robots: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Step:
+    """One processing of one item: it goes from the state `before` to the state `after`."""
+
+    action: str
+    item: str
+    station: str
+    before: str
+    after: str
+
+
+class UnreachableError(ValueError):
+    """No processing leads an item to the wanted state; the text says why."""
+
+
+def action_id(action: str, item: str) -> str:
+    """The id of an action: `<action>_<item>`, as other people's pipelines call it."""
+    return f"{action}_{item}"
+
+
+def steps_to(item: Item, wanted: str) -> tuple[Step, ...]:
+    """The processing that takes an item to a state, in order; none where it is in it already.
+
+    Raises `UnreachableError`.
+    """
+    steps: list[Step] = []
+    state = wanted
+    while state != item.state:
+        process = _MAKES.get(state)
+        before = None if process is None else _starts_from(process.action, item)
+        if process is None or before is None:
+            raise UnreachableError(_why_not(item, wanted, state, process))
+        steps.append(Step(process.action, item.name, process.station, before, state))
+        state = before
+    return tuple(reversed(steps))
+
+
+def _starts_from(action: str, item: Item) -> str | None:
+    """The state in which a process may start; None where the item does not admit it."""
+    has = item.predicates
+    if action == "grill":
+        if item.grill_requires_marinated:
+            return "marinated"
+        if "iscookable" in has:
+            return "raw"
+        return "marinated" if "iscookableifmarinated" in has else None
+    if action == "fry":
+        if item.fry_requires_cut:
+            return "cut"
+        if "isfryable" in has:
+            return "raw"
+        return "cut" if "isfryableifcut" in has else None
+    if action in ("mash", "toast"):  # The benchmark has no predicates for these.
+        return "boiled" if action == "mash" else "raw"
+    needed, before = {
+        "cut": ("iscuttable", "raw"),
+        "marinate": ("ismarinatable", "cut"),
+        "boil": ("isboilable", "raw"),
+    }[action]
+    return before if needed in has else None
+
+
+def _why_not(item: Item, wanted: str, state: str, process: Process | None) -> str:
+    predicates = ", ".join(sorted(item.predicates)) or "none"
+    if process is None:
+        reason = f"no action makes anything {state!r}"
+    else:
+        reason = f"it cannot be {state}: its predicates are {predicates}"
+    via = "" if state == wanted else f" by way of {state!r}"
+    return (
+        f"item {item.name!r} cannot become {wanted!r}{via} from its state {item.state!r}; {reason}"
+    )

@@ -1,0 +1,52 @@
+"""The ranks of a schedule that gives none: those by which the validator finds it valid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irc.model import Task
+from irc.schedule import Schedule
+from irc.validation.happenings import Edge, given_ranks, tell, timing_edges
+from irc.validation.rank_graph import Budget
+from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
+from irc.validation.subject import resolve
+from irc.validation.verdict import Violations
+
+
+class NoRanksError(ValueError):
+    """No ranks are known under which state and precedences hold."""
+
+
+@dataclass(frozen=True)
+class Ranks:
+    """The rank nodes of each entry's start and end, the rank of each node, and what ties them.
+
+    A fixed duration ties start and end to one node. `edges` are the demands of durations and
+    precedences kept with no time to spare: (a, b, least) wants rank(b) ≥ rank(a) + least.
+    """
+
+    nodes: tuple[tuple[int, int], ...]
+    ranks: tuple[int, ...]
+    edges: tuple[Edge, ...]
+
+
+def ranks_of(task: Task, schedule: Schedule) -> Ranks:
+    """Ranks for all entries: those given, else ones that are found.
+
+    Raises `NoRanksError` where there are none, or where that is too hard to decide.
+    """
+    subject = resolve(task, schedule)
+    story = tell(
+        subject,
+        {o.number for o in subject.occurrences if o.start == o.end and o.rank != o.end_rank},
+    )
+    ranks: list[int] | None
+    if subject.ranked:
+        ranks = given_ranks(subject, story)
+    else:
+        budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(subject.occurrences))
+        violations = Violations(task.time_unit)
+        ranks = find_ranks(subject, story, budget, violations)
+        if ranks is None:
+            raise NoRanksError("; ".join(v.message for v in violations.found) or "no ranks found")
+    return Ranks(tuple(story.nodes), tuple(ranks), tuple(timing_edges(subject, story)))

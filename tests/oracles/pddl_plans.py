@@ -1,0 +1,34 @@
+"""A second opinion on plans: unified-planning's validator on the original domain and problem."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+
+class Judge:
+    """Validates plan texts for one domain and problem."""
+
+    def __init__(self, folder: Path) -> None:
+        from unified_planning.environment import get_environment
+        from unified_planning.io import PDDLReader
+
+        get_environment().credits_stream = None
+        self.reader = PDDLReader()
+        self.problem = self.reader.parse_problem(
+            str(folder / "domain.pddl"), str(folder / "problem.pddl")
+        )
+
+    def accepts(self, plan_text: str) -> bool:
+        """Whether the plan is valid."""
+        from unified_planning.engines import ValidationResultStatus
+        from unified_planning.shortcuts import PlanValidator
+
+        plan = self.reader.parse_plan_string(self.problem, plan_text)
+        with warnings.catch_warnings():
+            # It warns that it may not support a metric or function, neither of which it needs.
+            warnings.simplefilter("ignore", UserWarning)
+            with PlanValidator(name="up_time_triggered_validator") as validator:
+                result: Any = validator.validate(self.problem, plan)
+        return bool(result.status is ValidationResultStatus.VALID)
