@@ -83,7 +83,7 @@ def _schedule(problem: Problem, names: Mapping[str, Any], block: PlanBlock) -> S
             continue
         step, meaning = steps[activity.details.occurrence - 1]
         mode = _mode(unrolled, i, meaning)
-        chosen = _chosen(unrolled, i, mode, meaning.get("uses", {}))
+        chosen = _chosen(unrolled, i, meaning.get("uses", {}))
         decisions.append(Decision(step.start / scale, step.end / scale, chosen, mode=mode))
     if missing:
         raise AnswerError(f"{missing[0]!r} is missing, and {len(missing) - 1} more")
@@ -130,16 +130,14 @@ def _mode(problem: Problem, i: int, meaning: Mapping[str, Any]) -> int | None:
     return modes.index(named)
 
 
-def _chosen(
-    problem: Problem, i: int, mode: int | None, uses: Mapping[str, str]
-) -> tuple[int | None, ...]:
+def _chosen(problem: Problem, i: int, uses: Mapping[str, str]) -> tuple[int | None, ...]:
     """The resources that a plan names; the others are for the re-timing to find."""
     activity = problem.activities[i]
     chosen: list[int | None] = [None] * len(activity.uses)
     for claim in activity.claims:
         named = uses.get(str(claim.use))
-        if named is None and mode is not None:
-            continue  # Not held in this mode, or the mode takes no time.
+        if named is None:
+            continue  # Not held in this mode, or there was enough of it in what was asked.
         taken = [r for r in claim.alternatives if problem.shared[r].id == named]
         if not taken:
             raise AnswerError(f"{activity.id!r} takes something it cannot use")

@@ -102,16 +102,16 @@ def _with_choice(activity: Activity, choice: Choice) -> Activity:
 
 
 def neighbourhoods(known: Known, rng: random.Random) -> Iterator[frozenset[int]]:
-    """Sets of activities to free, without end: all that run in a stretch of time, or any.
+    """Sets of activities to free: all that run in a stretch of time, or any.
 
-    The sets grow from round to round.
+    The sets grow from round to round, until nothing would be left that keeps its order.
     """
     order = sorted(known, key=lambda i: (known[i][0].start, i))
     size = min(len(order), LEAST_FREE)
-    while True:
+    while size < len(order):
         firsts = list(range(0, max(1, len(order) - size + 1), max(1, size // 2)))
         rng.shuffle(firsts)
         for first in firsts:
             yield frozenset(order[first : first + size])
             yield frozenset(rng.sample(order, size))
-        size = min(len(order), size + 2)
+        size += 2

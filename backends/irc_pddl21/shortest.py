@@ -26,6 +26,9 @@ STEP_SECONDS = 0.5
 STEP_SHARE = 0.05
 """For a plan that differs from the best in a few places."""
 
+STEPS_SHARE = 0.8
+"""Of the time left, for all steps together."""
+
 FIRST_SHARE = 0.4
 """Of the time left, for any plan at all."""
 
@@ -108,15 +111,18 @@ class _Search:
     def _steps(self) -> None:
         """Plans near the best that are a tick shorter, from ever larger neighbourhoods."""
         rng = random.Random(self.session.limits.seed)
+        reserve = (1 - STEPS_SHARE) * self.session.left
         while self.best is not None and not self.is_done:
             known = known_from(self.problem, self.best)
-            if not known:
-                return
             for free in neighbourhoods(known, rng):
+                if self.is_done or self.session.left < reserve:
+                    return
                 seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
                 deadline = ticks(self.problem, self.best) - 1
-                if self._ask(near(self.problem, known, free), deadline, seconds) or self.is_done:
+                if self._ask(near(self.problem, known, free), deadline, seconds):
                     break
+            else:
+                return
 
 
 def _shorter(problem: Problem, old: Schedule | None, new: Schedule | None) -> Schedule | None:
