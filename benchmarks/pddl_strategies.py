@@ -1,10 +1,11 @@
 """What each part of the PDDL2.1 strategies pays, on random contended tasks and on given files.
 
-    python benchmarks/pddl_strategies.py [--tasks 200] [--seconds 10] [--engine kairos]
-        [--without bound tighten …] [FILES …]
+    python benchmarks/pddl_strategies.py [--family crowded] [--tasks 200] [--first 0]
+        [--seconds 10] [--engine auto] [--without bound steps …] [FILES …]
 
-Without files the tasks are random ones with 6 to 20 jobs, capacities of 1 and 2, robots and lags.
-`cpsat` (60 s, no other limits) says what the optimum is. Each `--without` leaves a part out.
+Families: `crowded` and `contended` (6 to 20 jobs, robots, lags), `state` (small tasks with state,
+choices, stock, calendars, groups), `rewards` (15 to 40 optional orders), `cellars` (matches).
+`cpsat` says what the optimum is. Each `--without` leaves a part of the strategies out.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from statistics import median
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from irc.backend import EngineFailed, Limits, Program, get_backend
+from irc.backend import EngineFailed, Limits, Program, Refusal, get_backend
 from irc.compiler import finish, solve_task
+from irc.diagnostics import InputError
 from irc.frontends.files import read_task
 from irc.model import Task
 from irc.pipeline import lower_for
@@ -30,14 +32,23 @@ from irc_pddl21.engines import Aries, Kairos, Optic, Portfolio
 from irc_pddl21.session import Tactics
 from irc_pddl21.strategy import solve_with
 from oracles.generators import contended_task
+from oracles.state_generators import crowded_task, match_cellar, reward_task, state_task
 
 PLANNERS = {"kairos": Kairos(), "aries": Aries(), "optic": Optic()}
 
 
-def random_tasks(count: int) -> list[Task]:
-    """Contended tasks of 6 to 20 jobs."""
-    rngs = [random.Random(f"strategy {k}") for k in range(count)]
-    return [contended_task(rng, rng.randint(6, 20)) for rng in rngs]
+def _contended(seed: int) -> Task:
+    rng = random.Random(f"strategy {seed}")
+    return contended_task(rng, rng.randint(6, 20))
+
+
+FAMILIES = {
+    "contended": _contended,
+    "crowded": crowded_task,
+    "state": state_task,
+    "rewards": reward_task,
+    "cellars": match_cellar,
+}
 
 
 def answer(task: Task, engine: str, limits: Limits, tactics: Tactics) -> Schedule:
@@ -61,9 +72,12 @@ def values(schedule: Schedule) -> list[float]:
 def verdict(task: Task, schedule: Schedule | None, best: Schedule) -> str:
     """How an answer compares with the optimum; "WRONG …" is a defect."""
     if schedule is None or not schedule.answered:
-        return "no answer"
+        none = best.status is Status.INFEASIBLE
+        return "no answer (infeasible)" if none else "no answer"
     if not validate(task, schedule).valid:
         return "WRONG: not valid"
+    if best.status is Status.INFEASIBLE:
+        return "WRONG: infeasible"
     if best.status is not Status.OPTIMAL:
         return "valid, optimum unknown"
     proven = schedule.status is Status.OPTIMAL
@@ -86,7 +100,9 @@ def main() -> None:
     parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--tasks", type=int, default=200)
     parser.add_argument("--seconds", type=float, default=10.0)
-    parser.add_argument("--engine", default="kairos")
+    parser.add_argument("--family", choices=FAMILIES, default="crowded")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--engine", default="auto")
     parser.add_argument("--without", nargs="*", default=[])
     parser.add_argument("--show", action="store_true")
     options = parser.parse_args()
@@ -94,15 +110,24 @@ def main() -> None:
     if options.files:
         tasks = [read_task(path).task for path in options.files]
     else:
-        tasks = random_tasks(options.tasks)
+        draw = FAMILIES[options.family]
+        tasks = [draw(seed) for seed in range(options.first, options.first + options.tasks)]
     counts: Counter[str] = Counter()
     gaps: list[float] = []
     seconds: list[float] = []
-    for k, task in enumerate(tasks):
-        best = solve_task(task, "cpsat", limits=Limits(60.0, workers=1)).schedule
+    for k, task in enumerate(tasks, start=options.first):
+        try:
+            best = solve_task(task, "cpsat", limits=Limits(30.0, workers=1)).schedule
+        except InputError:
+            counts["faulty"] += 1
+            continue
         began = time.perf_counter()
         try:
             schedule = answer(task, options.engine, Limits(options.seconds, workers=1), tactics)
+        except (InputError, Refusal) as error:
+            counts["refused"] += 1
+            print(f"{k}: {error}")
+            continue
         except EngineFailed as error:
             print(f"{k}: {error}")
             schedule = None
