@@ -42,6 +42,7 @@ def settle_presence(problem: Problem) -> Problem:
         elif members & never:
             never |= members
     present = {i for i in bound_to_be if problem.activities[i].details.optional}
+    present |= {i for i in problem.wanted if _may_never_happen(problem.activities[i])}
     never -= bound_to_be
     if not (present or never):
         return problem
@@ -94,8 +95,17 @@ def _with_stock(activity: Activity, place: dict[int, int]) -> Activity:
     return replace(activity, details=PLAIN if details == PLAIN else details)
 
 
+def _may_never_happen(activity: Activity) -> bool:
+    """Whether it may happen several times, or not at all."""
+    repeats = activity.details.repeats
+    return repeats is not None and repeats[0] == 0
+
+
 def _mandatory(activity: Activity) -> Activity:
-    details = replace(activity.details, optional=False)
+    repeats = activity.details.repeats
+    if repeats is not None:
+        repeats = max(1, repeats[0]), repeats[1]
+    details = replace(activity.details, optional=False, repeats=repeats)
     return replace(activity, details=PLAIN if details == PLAIN else details)
 
 
