@@ -9,6 +9,7 @@ choice is found first: greedily, with exchanges, judged by bounds and by the lis
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterator
 from dataclasses import replace
 from heapq import heappop, heappush
@@ -18,7 +19,7 @@ from irc.list_schedule import list_schedule, quick_makespan
 from irc.passes import resource_bounds
 from irc.problem import Problem
 from irc.schedule import Schedule
-from irc_pddl21.neighbourhood import Known, near
+from irc_pddl21.neighbourhood import Known, near, neighbourhoods
 from irc_pddl21.selection import Selections, is_refuted
 from irc_pddl21.session import Session, ticks
 from irc_pddl21.shortest import shorten
@@ -31,6 +32,10 @@ PLAN_SHARE = 0.15
 
 GREEDY_SHARE = 0.2
 """Of the time left, for finding a good choice before the first plan is asked for."""
+
+RESTARTS = 200
+LOST = 3
+"""So often at most a choice loses up to so many items, to be filled up in another way."""
 
 TIES_LIMIT = 100
 """So many choices of equal value are compared by makespan; more leave it unproven."""
@@ -65,20 +70,49 @@ class RewardSearch:
             if self._try(chosen):
                 break
             chosen = self._smaller(chosen)
-        missed: int | None = None
         for upper, leaf in self._nodes.falling():
-            self.bound = upper if missed is None else max(upper, missed)
+            self.bound = max([upper, *(self.selections.value(c) for c in self._missed)])
             if self.value is not None and upper <= self.value:
                 self._nodes.put_back(upper, leaf)
                 break
             if self.session.is_over:
                 return
-            if leaf is None or leaf == self.chosen or self._refuted(leaf):
-                continue
-            if leaf in self._missed or not self._try(leaf):
-                missed = max(upper, upper if missed is None else missed)
-        least = self.value if missed is None else missed
-        self.bound = least if self.value is None or least is None else max(least, self.value)
+            if leaf is not None and leaf != self.chosen and not self._refuted(leaf):
+                self._try(leaf)
+        self._settle_missed()
+
+    def _settle_missed(self) -> None:
+        """Everything has been seen, so no choice is worth more than the best one or those missed.
+        The planner is asked for these once more, with all the time there is.
+        """
+        value = self.selections.value
+        for chosen in sorted(self._missed, key=value, reverse=True):
+            if self.session.is_over or (self.value is not None and value(chosen) <= self.value):
+                break
+            if self._refuted(chosen):
+                self._missed.discard(chosen)
+            elif self._try_hard(chosen):
+                break
+        found = self.value
+        better = [value(c) for c in self._missed if found is None or value(c) > found]
+        self.bound = max(better, default=found)
+
+    def _try_hard(self, chosen: Chosen) -> bool:
+        """Looks for a plan among those that differ from the (late) list schedule in places."""
+        problem = self.problem_of(chosen)
+        quick = list_schedule(replace(problem, deadline=None)) if problem.is_plain else None
+        if quick is None:
+            return False
+        known: Known = dict(enumerate(zip(*quick, strict=True)))
+        for free in neighbourhoods(known, random.Random(self.session.limits.seed)):
+            if self.session.is_over:
+                return False
+            asked = near(problem, known, free)
+            plan = self.session.ask(asked, PLAN_SECONDS, enough=problem.bound.value)
+            if plan is not None:
+                self.chosen, self.plan, self.value = chosen, plan, self.selections.value(chosen)
+                return True
+        return False
 
     def ties(self) -> Iterator[Chosen | None]:
         """The other choices that are worth the same; None where time or patience ran out."""
@@ -116,13 +150,35 @@ class RewardSearch:
         return chosen - {max(chosen)} if chosen else None
 
     def _greedy(self) -> Chosen:
-        """A choice to begin with: items by falling value, then exchanges that add value."""
+        """A good choice: items by falling value, then exchanges that add value, again and again
+        from the best with a few items lost (iterated local search; Lourenço, Martin, Stützle,
+        2003).
+        """
         until = self.session.left * (1 - GREEDY_SHARE)
         promising = _Promising(self.selections)
-        chosen: Chosen = frozenset()
-        for k in self._by_value():
-            if self.selections.items[k].value > 0 and promising.is_so(chosen | {k}):
-                chosen |= {k}
+        rng = random.Random(self.session.limits.seed)
+        best = self._climb(frozenset(), list(self.everything), promising, until)
+        value = self.selections.value
+        for _ in range(RESTARTS):
+            if self.session.left <= until or value(best) == self.bound:
+                break
+            lost = rng.sample(sorted(best), min(len(best), rng.randint(1, LOST)))
+            order = sorted(self.everything, key=lambda k: (k in lost, rng.random()))
+            other = self._climb(best - frozenset(lost), order, promising, until)
+            if value(other) >= value(best):
+                best = other
+        return best
+
+    def _climb(
+        self, chosen: Chosen, order: list[int], promising: _Promising, until: float
+    ) -> Chosen:
+        """Adds what it can in this order, then exchanges while that adds value."""
+        for k in order:
+            if k not in chosen and self.selections.items[k].value > 0:
+                if self.session.left <= until:
+                    return chosen
+                if promising.is_so(chosen | {k}):
+                    chosen |= {k}
         improved = True
         while improved and self.session.left > until:
             improved = False

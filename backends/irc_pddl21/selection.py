@@ -120,7 +120,8 @@ class Selections:
         present = {i for k in chosen for i in self.items[k].members}
         absent = {i for k, item in enumerate(self.items) if k not in chosen for i in item.members}
         problem = drop_ample_stock(restrict(self.problem, present, absent))
-        problem = replace(problem, objectives=("makespan",))
+        open_groups = tuple(group for group in problem.groups if not group.required)
+        problem = replace(problem, objectives=("makespan",), groups=open_groups)
         problem = heads_and_tails(drop_uncontended(problem))
         core = mandatory_part(problem)  # Only what must be there takes time for certain.
         return replace(problem, bound=energy_bound(heads_and_tails(core)).bound)
