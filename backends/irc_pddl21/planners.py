@@ -123,7 +123,7 @@ class Kairos(Planner):
             str(job.limits.workers or 1),
             str(job.limits.seed),
             "first" if job.wish.first_plan else "best",
-            job.wish.search or "auto",
+            *([job.wish.search] if job.wish.search else []),
         ]
 
 
