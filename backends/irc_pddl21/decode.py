@@ -2,31 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from irc.compiler import schedule_of
+from irc.passes.unroll import unroll
 from irc.problem import Problem
-from irc.retime import AnswerError, Decision, retime
+from irc.retime import ABSENT, AnswerError, Decision, retime
 from irc.schedule import Schedule
-from irc_pddl21.plan_reader import PlanBlock, PlanLog, read_plans
+from irc_pddl21.plan_reader import PlanBlock, PlanLog, PlanStep, read_plans
+from irc_pddl21.worth import Worth, worth_of
 
 _TOLERANCE = Fraction(3, 2000)
 """Planner time by which printed times may be off: two times rounded to three decimals."""
 
+Accept = Callable[[Schedule], str | None]
+"""Why a schedule cannot be used, or None."""
+
 
 def decode_plans(problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
-    """The shortest schedule among all undamaged plans in the text, each re-timed exactly.
+    """The best schedule among all undamaged plans in the text, each re-timed exactly.
 
     Raises `AnswerError` where there is no plan, or none that the task allows.
     """
     return best_of(problem, names, read_plans(answer))
 
 
-def best_of(problem: Problem, names: Mapping[str, Any], log: PlanLog) -> Schedule:
-    """As `decode_plans`, of a text that has been read."""
-    best: Schedule | None = None
+def best_of(
+    problem: Problem, names: Mapping[str, Any], log: PlanLog, accept: Accept | None = None
+) -> Schedule:
+    """As `decode_plans`, of a text that has been read and schedules that `accept` lets pass."""
+    best: tuple[Worth, Schedule] | None = None
     reasons: list[tuple[str, int]] = []
     for block in log.plans:
         if not block.complete:
@@ -39,10 +46,15 @@ def best_of(problem: Problem, names: Mapping[str, Any], log: PlanLog) -> Schedul
         except AnswerError as error:
             reasons.append((f"the plan of line {block.line}: {error}", error.line or block.line))
             continue
-        if best is None or schedule.makespan <= best.makespan:
-            best = schedule
+        objection = None if accept is None else accept(schedule)
+        if objection is not None:
+            reasons.append((f"the plan of line {block.line}: {objection}", block.line))
+            continue
+        worth = worth_of(problem, schedule)
+        if best is None or worth <= best[0]:
+            best = worth, schedule
     if best is not None:
-        return best
+        return best[1]
     if reasons:
         reason, line = reasons[-1]
         raise AnswerError(f"no plan can be used; {reason}", line)
@@ -51,38 +63,86 @@ def best_of(problem: Problem, names: Mapping[str, Any], log: PlanLog) -> Schedul
     raise AnswerError("there is no plan in the text")
 
 
+class _Step(NamedTuple):
+    """A step of the plan that stands for an occurrence, and what its operator means."""
+
+    step: PlanStep
+    meaning: Mapping[str, Any]
+
+
 def _schedule(problem: Problem, names: Mapping[str, Any], block: PlanBlock) -> Schedule:
     scale = names["planner_units_per_tick"]
+    happened = _occurrences(problem, names, block)
+    depth = max((len(steps) for steps in happened.values()), default=0)
+    unrolled = unroll(problem, depth)
+    decisions: list[Decision] = []
+    missing: list[str] = []
+    for i, activity in enumerate(unrolled.activities):
+        steps = happened.get(activity.id, [])
+        if activity.details.occurrence > len(steps):
+            decisions.append(ABSENT)
+            missing += [] if activity.details.optional else [activity.id]
+            continue
+        step, meaning = steps[activity.details.occurrence - 1]
+        mode = _mode(unrolled, i, meaning)
+        chosen = _chosen(unrolled, i, meaning.get("uses", {}))
+        decisions.append(Decision(step.start / scale, step.end / scale, chosen, mode=mode))
+    if missing:
+        more = f", and so are {len(missing) - 1} more" if len(missing) > 1 else ""
+        raise AnswerError(f"{missing[0]!r} is missing{more}")
+    return schedule_of(unrolled, retime(unrolled, decisions, _TOLERANCE / scale))
+
+
+def _occurrences(
+    problem: Problem, names: Mapping[str, Any], block: PlanBlock
+) -> dict[str, list[_Step]]:
+    """The steps of each action in order of start, without what only the planner needs."""
     known, helpers = names["actions"], names["planner_only"]
-    index = {activity.id: i for i, activity in enumerate(problem.activities)}
-    decisions: dict[int, Decision] = {}
+    most = {a.id: _greatest_number(problem, i) for i, a in enumerate(problem.activities)}
+    happened: dict[str, list[_Step]] = {}
     for step in block.steps:
         if step.name in helpers:
             continue
         meaning = known.get(step.name)
-        if meaning is None or step.args or meaning["action"] not in index:
+        if meaning is None or step.args or meaning["action"] not in most:
             raise AnswerError(
                 f"line {step.line}: the program has no action {step.name!r}", step.line
             )
-        i = index[meaning["action"]]
-        if i in decisions:
-            raise AnswerError(f"line {step.line}: {meaning['action']!r} happens twice", step.line)
-        decisions[i] = Decision(
-            step.start / scale, step.end / scale, _chosen(problem, i, meaning.get("uses", {}))
-        )
-    missing = [a.id for i, a in enumerate(problem.activities) if i not in decisions]
-    if missing:
-        more = f", and so are {len(missing) - 1} more" if len(missing) > 1 else ""
-        raise AnswerError(f"{missing[0]!r} is missing{more}")
-    ordered = [decisions[i] for i in range(len(problem.activities))]
-    return schedule_of(problem, retime(problem, ordered, _TOLERANCE / scale))
+        steps = happened.setdefault(meaning["action"], [])
+        steps.append(_Step(step, meaning))
+        greatest = most[meaning["action"]]
+        if greatest is not None and len(steps) > greatest:
+            times = "twice" if greatest == 1 else f"more than {greatest} times"
+            raise AnswerError(f"line {step.line}: {meaning['action']!r} happens {times}", step.line)
+    for steps in happened.values():
+        steps.sort(key=lambda s: (s.step.start, s.step.end))
+    return happened
+
+
+def _greatest_number(problem: Problem, i: int) -> int | None:
+    repeats = problem.activities[i].details.repeats
+    return 1 if repeats is None else repeats[1]
+
+
+def _mode(problem: Problem, i: int, meaning: Mapping[str, Any]) -> int | None:
+    activity = problem.activities[i]
+    modes = [mode.id for mode in activity.details.modes]
+    named = meaning.get("mode")
+    if not modes and named is None:
+        return None
+    if named not in modes:
+        raise AnswerError(f"{activity.id!r} has no mode {named!r}")
+    return modes.index(named)
 
 
 def _chosen(problem: Problem, i: int, uses: Mapping[str, str]) -> tuple[int | None, ...]:
+    """The resources that a plan names; the others are for the re-timing to find."""
     activity = problem.activities[i]
     chosen: list[int | None] = [None] * len(activity.uses)
     for claim in activity.claims:
         named = uses.get(str(claim.use))
+        if named is None:
+            continue  # Not held in this mode, or there was enough of it in what was asked.
         taken = [r for r in claim.alternatives if problem.shared[r].id == named]
         if not taken:
             raise AnswerError(f"{activity.id!r} takes something it cannot use")

@@ -6,13 +6,32 @@ Sections stand in the order of the BNF (Fox and Long, "PDDL2.1", JAIR 20, 2003, 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
+
+
+class Comparison(NamedTuple):
+    """A condition on a counter: at the start, or at the end, it is `relation` the `amount`."""
+
+    at_end: bool
+    relation: str
+    counter: str
+    amount: int
+
+
+class Change(NamedTuple):
+    """What the start or the end adds to a counter; a negative amount takes."""
+
+    at_end: bool
+    counter: str
+    amount: int
 
 
 @dataclass
 class Operator:
-    """A once-only, parameterless action. `duration` is (min, max) in planner time, None instant.
+    """A parameterless action. `duration` is (min, max) in planner time, None instant.
 
-    Facts are names; `takes` maps a counter to the amount held from start to end.
+    Facts are names; `takes` maps a counter to the amount held from start to end. `needs` and
+    `changes` are what else it asks of counters and does to them.
     """
 
     name: str
@@ -25,6 +44,13 @@ class Operator:
     end_adds: list[str] = field(default_factory=list)
     end_deletes: list[str] = field(default_factory=list)
     takes: dict[str, int] = field(default_factory=dict)
+    needs: list[Comparison] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+
+    @property
+    def asked(self) -> list[str]:
+        """The facts of its conditions."""
+        return [*self.at_start, *self.over_all, *self.at_end]
 
 
 @dataclass
@@ -46,6 +72,20 @@ class Encoding:
     initial: list[str] = field(default_factory=list)
     timed: list[TimedLiteral] = field(default_factory=list)
     goal: list[str] = field(default_factory=list)
+    metric: str = "minimize (total-time)"
+
+    def forget_unasked(self) -> None:
+        """Leaves out the facts that no condition and no goal asks for."""
+        asked = {fact for operator in self.operators for fact in operator.asked}
+        asked.update(self.goal)
+        self.facts = [fact for fact in self.facts if fact in asked]
+        self.initial = [fact for fact in self.initial if fact in asked]
+        self.timed = [literal for literal in self.timed if literal.fact in asked]
+        for o in self.operators:
+            o.start_adds = [fact for fact in o.start_adds if fact in asked]
+            o.end_adds = [fact for fact in o.end_adds if fact in asked]
+            o.start_deletes = [fact for fact in o.start_deletes if fact in asked]
+            o.end_deletes = [fact for fact in o.end_deletes if fact in asked]
 
     @property
     def requirements(self) -> list[str]:
@@ -83,7 +123,7 @@ class Encoding:
         ]
         lines[-1] += ")"
         lines.append("  (:goal (and" + "".join(f"\n    ({fact})" for fact in self.goal) + "))")
-        lines.append("  (:metric minimize (total-time)))")
+        lines.append(f"  (:metric {self.metric}))")
         return "\n".join(lines) + "\n"
 
 
@@ -96,16 +136,27 @@ def _operator(o: Operator) -> str:
 
 
 def _instant(o: Operator) -> str:
-    conditions = "".join(f" ({f})" for f in (*o.at_start, *o.at_end))
+    conditions = [f"({f})" for f in dict.fromkeys((*o.at_start, *o.at_end, *o.over_all))]
+    conditions += [f"({n.relation} ({n.counter}) {n.amount})" for n in o.needs]
     deletes = dict.fromkeys((*o.start_deletes, *o.end_deletes))
     effects = [f"(not ({f}))" for f in deletes]
     effects += [f"({f})" for f in dict.fromkeys((*o.start_adds, *o.end_adds))]
+    effects += [_change(c) for c in o.changes]
     return (
         f"  (:action {o.name}\n"
         f"    :parameters ()\n"
-        f"    :precondition (and{conditions})\n"
+        f"    :precondition (and{''.join(f' {c}' for c in conditions)})\n"
         f"    :effect (and {' '.join(effects)}))"
     )
+
+
+def _change(c: Change) -> str:
+    verb = "decrease" if c.amount < 0 else "increase"
+    return f"({verb} ({c.counter}) {abs(c.amount)})"
+
+
+def _point(at_end: bool) -> str:
+    return "at end" if at_end else "at start"
 
 
 def _durative(o: Operator) -> str:
@@ -118,12 +169,14 @@ def _durative(o: Operator) -> str:
     conditions += [f"(at start (>= ({c}) {n}))" for c, n in o.takes.items()]
     conditions += [f"(over all ({f}))" for f in o.over_all]
     conditions += [f"(at end ({f}))" for f in o.at_end]
+    conditions += [f"({_point(n.at_end)} ({n.relation} ({n.counter}) {n.amount}))" for n in o.needs]
     effects = [f"(at start (not ({f})))" for f in o.start_deletes]
     effects += [f"(at start ({f}))" for f in o.start_adds]
     effects += [f"(at start (decrease ({c}) {n}))" for c, n in o.takes.items()]
     effects += [f"(at end (not ({f})))" for f in o.end_deletes]
     effects += [f"(at end ({f}))" for f in o.end_adds]
     effects += [f"(at end (increase ({c}) {n}))" for c, n in o.takes.items()]
+    effects += [f"({_point(c.at_end)} {_change(c)})" for c in o.changes]
     return (
         f"  (:durative-action {o.name}\n"
         f"    :parameters ()\n"

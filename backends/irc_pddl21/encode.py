@@ -1,4 +1,4 @@
-"""`Problem` → PDDL2.1: once-only parameterless actions, positive conditions only.
+"""`Problem` → PDDL2.1: parameterless actions, positive conditions only.
 
 Every activity has a fact `todo` that its start takes away and a fact `done` that its end gives.
 A precedence is a condition on such facts; a minimum lag is a planner-only *wait* between them; a
@@ -7,6 +7,10 @@ one point and must still run at the other, and it is no longer than the lag. Win
 initial literals. Capacity is one token fact for each unit (measured: numeric counters let a
 planner take and give back at one instant, which validators reject); only where tokens would
 multiply beyond a budget a counter takes their place, and the re-timed plan is validated anyway.
+
+An optional activity is not in the goal. Where others wait for it, or it belongs to a group, a
+planner-only instant *declines* it: it takes all `todo` facts away and gives all `done` facts, so
+that it happens before all of the members start or not at all.
 
 Planners separate dependent happenings by an epsilon, so a chain of k of them ends k epsilons
 late. What bounds time from above therefore gets `slack`, and one tick is `scale` planner units,
@@ -17,75 +21,73 @@ and weights are whole).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import combinations, product
-from math import ceil, comb
-from typing import Any, NamedTuple
+from math import ceil
+from typing import Any
 
 from irc.backend import Refusal
-from irc.network import Network, components, is_acyclic
+from irc.passes.restrict import drop_ample_stock, settle_presence
 from irc.problem import Activity, Problem
-from irc_pddl21.domain import Encoding, Operator, TimedLiteral
+from irc_pddl21.domain import Change, Comparison, Encoding, Operator, TimedLiteral
 from irc_pddl21.names import NameTable
+from irc_pddl21.occurrences import Absence, Occurrences, absences, occurrences_of
+from irc_pddl21.orders import Point, sort_constraints
+from irc_pddl21.state import StateFacts, contradicts_itself
+from irc_pddl21.stock import Stock
+from irc_pddl21.variants import MAX_VARIANTS as MAX_VARIANTS
+from irc_pddl21.variants import Units, Variant, resources_by_counter, span_of, variants_of
 
 DOMAIN_FILE, PROBLEM_FILE = "domain.pddl", "problem.pddl"
 
 EPSILON = Fraction(1, 1000)
 """The separation of dependent happenings in OPTIC and kairos, in planner time."""
 
-MAX_VARIANTS = 256
-"""An activity with more ground variants gets counters in place of tokens, or is refused."""
+ENDLESS = 64
+"""So many occurrences of what may happen without end are reckoned with where epsilons add up.
+(A plan with more of them may miss a limit by an epsilon; what cannot be re-timed is not used.)"""
 
 _GREATEST_SCALE = 10_000
 
 
-Point = int
-"""The start (2i) or the end (2i + 1) of activity i."""
-
-
-class AtLeast(NamedTuple):
-    """`time(to) >= time(frm) + lag`."""
-
-    frm: Point
-    to: Point
-    lag: int
-
-
 @dataclass(frozen=True, slots=True)
-class Variant:
-    """One way to ground an activity: the shared resource of each claim, and the tokens it takes."""
+class Meaning:
+    """What an operator stands for: an action, its mode, the shared resource of each use."""
 
-    resources: tuple[int, ...]
-    tokens: tuple[str, ...]
-    takes: tuple[tuple[str, int], ...]
+    action: str
+    mode: str | None = None
+    uses: tuple[tuple[int, str], ...] = ()
 
-
-_ONLY_ONE = Variant((), (), ())
+    def as_json(self) -> dict[str, Any]:
+        """As it stands in the manifest."""
+        shown: dict[str, Any] = {"action": self.action}
+        if self.mode is not None:
+            shown["mode"] = self.mode
+        if self.uses:
+            shown["uses"] = {str(use): resource for use, resource in self.uses}
+        return shown
 
 
 @dataclass
 class Grounded:
-    """An encoding with the meaning of its names.
-
-    `actions` maps an operator's name to (activity index, shared resource of each claim).
-    """
+    """An encoding with the meaning of its names."""
 
     encoding: Encoding
     scale: int
     slack: int
-    actions: dict[str, tuple[int, tuple[int, ...]]] = field(default_factory=dict)
-    waits: dict[str, str] = field(default_factory=dict)
+    actions: dict[str, Meaning] = field(default_factory=dict)
+    planner_only: dict[str, str] = field(default_factory=dict)
     tokens: dict[str, str] = field(default_factory=dict)
+    state: dict[str, str] = field(default_factory=dict)
 
 
 def encode(problem: Problem, epsilon: Fraction = EPSILON) -> Grounded:
     """The problem as operators and facts, for planners with the given epsilon.
 
-    Raises `Refusal` where an activity has too many ways to be carried out.
+    Raises `Refusal` where an activity has too many ways to be carried out, or none.
     """
-    return _Encoder(problem, epsilon).run()
+    return _Encoder(drop_ample_stock(settle_presence(problem)), epsilon).run()
 
 
 def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
@@ -95,36 +97,46 @@ def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]
         DOMAIN_FILE: grounded.encoding.domain_text(),
         PROBLEM_FILE: grounded.encoding.problem_text(),
     }
-    return files, names_of(problem, grounded)
+    return files, names_of(grounded)
 
 
-def names_of(problem: Problem, grounded: Grounded) -> dict[str, Any]:
+_FACTS = {
+    "todo_*": "the action has not started",
+    "begun_*": "the action has started",
+    "done_*": "the action has ended",
+    "lag_*": "the minimum lag after that point is over",
+    "after_*, during_*": "the envelope of a maximum lag has begun, still runs",
+    "free_*": "this unit of the resource is free",
+    "open_*, released_*": "the time window is not closed yet, has opened",
+}
+_FURTHER_FACTS = {
+    "is_*": "the state variable has the value",
+    "here_*": "this unit of the resource is not away",
+    "idle_*": "no occurrence of the action is running",
+}
+
+
+def names_of(grounded: Grounded) -> dict[str, Any]:
     """What stands in the manifest, and all that decoding needs."""
-    actions: dict[str, dict[str, Any]] = {}
-    for name, (i, resources) in grounded.actions.items():
-        activity = problem.activities[i]
-        actions[name] = {"action": activity.id}
-        if resources:
-            actions[name]["uses"] = {
-                str(claim.use): problem.shared[r].id
-                for claim, r in zip(activity.claims, resources, strict=True)
-            }
-    return {
+    facts = grounded.encoding.facts
+    names: dict[str, Any] = {
         "planner_units_per_tick": grounded.scale,
         "slack": grounded.slack,
-        "actions": actions,
-        "planner_only": grounded.waits,
+        "actions": {name: meaning.as_json() for name, meaning in grounded.actions.items()},
+        "planner_only": grounded.planner_only,
         "tokens": grounded.tokens,
         "facts": {
-            "todo_*": "the action has not started",
-            "begun_*": "the action has started",
-            "done_*": "the action has ended",
-            "lag_*": "the minimum lag after that point is over",
-            "after_*, during_*": "the envelope of a maximum lag has begun, still runs",
-            "free_*": "this unit of the resource is free",
-            "open_*, released_*": "the time window is not closed yet, has opened",
+            **_FACTS,
+            **{
+                pattern: meaning
+                for pattern, meaning in _FURTHER_FACTS.items()
+                if any(fact.startswith(pattern[:-1]) for fact in facts)
+            },
         },
     }
+    if grounded.state:
+        names["state"] = grounded.state
+    return names
 
 
 class _Encoder:
@@ -138,26 +150,35 @@ class _Encoder:
         )
         self.order = order
         self.base = {i: self.names.new(problem.activities[i].id) for i in range(len(order))}
-        facts, waits, envelopes = _sort_constraints(problem)
+        self.occurrences = [occurrences_of(a) for a in problem.activities]
+        facts, waits, envelopes = sort_constraints(problem)
         self.fact_arcs, self.envelopes = facts, envelopes
+        self.absences = absences(problem, [*facts, *waits])
+        self.declined = {i for absence in self.absences for i in absence.members}
         self.waits: dict[tuple[Point, int], list[Point]] = {}
         for arc in waits:
             self.waits.setdefault((arc.frm, arc.lag), []).append(arc.to)
         self.scale, self.slack = self._scale(epsilon)
         self.out = Grounded(self.encoding, self.scale, self.slack)
         self.begun: set[int] = set()
+        self.lag_facts: dict[int, list[str]] = {}
         self.conditions: list[list[str]] = [[] for _ in range(2 * len(order))]
 
     def _scale(self, epsilon: Fraction) -> tuple[int, int]:
         """Planner units per tick, and the slack of each constraint that bounds from above."""
         closings = len(self.envelopes) + sum(
-            self.problem.effective_deadline(i) is not None or a.start is not None
+            self.problem.effective_deadline(i) is not None
+            or a.start is not None
+            or self._has_calendar(a)
             for i, a in enumerate(self.problem.activities)
         )
         if not closings:
             return 1, 0
-        happenings = 2 * (len(self.problem.activities) + len(self.waits) + len(self.envelopes) + 1)
-        slack = ceil(epsilon * happenings)
+        operators = sum(
+            o.written + (ENDLESS if o.again is None else o.again) for o in self.occurrences
+        )
+        operators += len(self.waits) + len(self.envelopes) + len(self.absences)
+        slack = ceil(epsilon * 2 * (operators + 1))
         scale = 10
         while scale <= slack * (closings + 1) and scale < _GREATEST_SCALE:
             scale *= 10
@@ -165,14 +186,29 @@ class _Encoder:
             scale *= 10
         return scale, slack
 
+    def _has_calendar(self, activity: Activity) -> bool:
+        shared = self.problem.shared
+        return any(shared[r].windows for c in activity.claims for r in c.alternatives)
+
     def run(self) -> Grounded:
         self._precedence()
         self._lags()
         self._envelopes()
         self._windows()
-        counters = self._resources()
+        self.units = self._resources()
+        self.state = StateFacts(self.problem, self.names)
+        self.encoding.facts += self.state.facts.values()
+        self.encoding.initial += self.state.initial
+        self.out.state.update(self.state.meanings)
+        self.stock = Stock(self.problem, self.names, self.encoding)
+        self.out.tokens.update(self.stock.meanings)
+        self.worth = self._worth()
         for i in self.order:
-            self._activity(i, counters)
+            self._activity(i)
+        for absence in self.absences:
+            self._decline(absence)
+        self.encoding.goal += [self.state.facts[goal] for goal in self.problem.goals]
+        self.encoding.forget_unasked()
         return self.out
 
     def _fact(self, name: str, *, initially: bool = False) -> str:
@@ -209,6 +245,7 @@ class _Encoder:
             name = self.names.new(f"wait_{lag}_after_{self._label(frm)}")
             todo = self._fact(f"todo_{name}", initially=True)
             over = self._fact(f"lag_{name}")
+            self.lag_facts.setdefault(frm // 2, []).append(over)
             duration = lag * self.scale
             self.encoding.operators.append(
                 Operator(
@@ -219,7 +256,7 @@ class _Encoder:
                     end_adds=[over],
                 )
             )
-            self.out.waits[name] = f"{lag} ticks after {self._describe(frm)}"
+            self.out.planner_only[name] = f"{lag} ticks after {self._describe(frm)}"
             for point in followers:
                 self._require(point, over)
 
@@ -239,7 +276,7 @@ class _Encoder:
                     end_deletes=[running],
                 )
             )
-            self.out.waits[name] = (
+            self.out.planner_only[name] = (
                 f"{self._describe(frm)} is at most {-lag} ticks after {self._describe(to)}"
             )
             self._require(to, begun)
@@ -273,176 +310,212 @@ class _Encoder:
             self.encoding.timed.append(literal)
         return closed[time]
 
-    def _resources(self) -> dict[int, str]:
-        """Token facts for each contended resource; counters (returned) where tokens multiply."""
-        self.tokens: dict[int, list[str]] = {}
-        counters: dict[int, str] = {}
-        for r in self._by_counter():
+    def _resources(self) -> Units:
+        """Token facts for each contended resource; counters where tokens multiply."""
+        units = Units()
+        for r in resources_by_counter(self.problem):
             name = self.names.new(f"left_of_{self.problem.shared[r].id}")
-            counters[r] = name
+            units.counters[r] = name
             self.encoding.counters[name] = self.problem.shared[r].capacity
             self.out.tokens[name] = f"units of {self.problem.shared[r].id!r} left"
         for r in sorted(
             {r for a in self.problem.activities for c in a.claims for r in c.alternatives}
         ):
-            if r in counters:
+            if r in units.counters:
                 continue
             shared = self.problem.shared[r]
-            self.tokens[r] = [
+            units.tokens[r] = [
                 self._fact(self.names.new(f"free_{shared.id}_{k + 1}"), initially=True)
                 for k in range(shared.capacity)
             ]
-            for token in self.tokens[r]:
+            for token in units.tokens[r]:
                 self.out.tokens[token] = f"a unit of {shared.id!r}"
-        return counters
+            self._calendar(r, units)
+        return units
 
-    def _by_counter(self) -> list[int]:
-        """The resources whose tokens would multiply beyond the budget."""
-        by_counter: set[int] = set()
-        for activity in self.problem.activities:
-            while _variant_count(self.problem, activity, by_counter) > MAX_VARIANTS:
-                candidates = {
-                    r
-                    for claim in activity.claims
-                    for r in claim.alternatives
-                    if r not in by_counter and self.problem.shared[r].capacity > 1
-                }
-                if not candidates:
-                    raise Refusal(
-                        f"action {activity.id!r} has more than {MAX_VARIANTS} ways to choose its "
-                        "resources, more than target 'pddl21' writes out",
-                        (*activity.origin, "uses"),
-                        "use fewer alternatives, or target 'cpsat'",
-                    )
-                by_counter.add(max(candidates, key=lambda r: (self.problem.shared[r].capacity, r)))
-        return sorted(by_counter)
+    def _calendar(self, r: int, units: Units) -> None:
+        """The k-th unit is there while the capacity is at least k; units gone together share a
+        fact. What it takes away is a slack late: an action may end when its unit goes.
+        """
+        shared = self.problem.shared[r]
+        base = shared.capacity if shared.base is None else shared.base
+        steps: list[tuple[int, int]] = [(0, base)]
+        for window in shared.windows:
+            if window.start <= steps[-1][0]:
+                steps[-1] = (window.start, window.capacity)
+            else:
+                steps.append((window.start, window.capacity))
+            steps.append((window.end, base))
+        facts: dict[tuple[bool, ...], str] = {}
+        for k, token in enumerate(units.tokens[r], start=1):
+            there = tuple(capacity >= k for _, capacity in steps)
+            if all(there):
+                continue
+            if there not in facts:
+                fact = self._fact(self.names.new(f"here_{token[5:]}"), initially=there[0])
+                facts[there] = fact
+                for n in range(1, len(steps)):
+                    if there[n] != there[n - 1]:
+                        time = steps[n][0] * self.scale + (0 if there[n] else self.slack)
+                        self.encoding.timed.append(TimedLiteral(time, fact, there[n]))
+            units.here[token] = facts[there]
 
-    def _activity(self, i: int, counters: dict[int, str]) -> None:
-        activity, base = self.problem.activities[i], self.base[i]
-        todo = self._fact(f"todo_{base}", initially=True)
-        done = self._fact(f"done_{base}")
-        self.encoding.goal.append(done)
-        begun = [self._fact(f"begun_{base}")] if i in self.begun else []
-        variants = list(self._variants(activity, counters))
+    def _worth(self) -> dict[int, int]:
+        """What each occurrence adds to the counter of the first objective, if that is one.
+
+        A group is worth its reward when its first member is there, for then all are.
+        """
+        first = self.problem.objectives[0] if self.problem.objectives else "makespan"
+        worth: dict[int, int] = {}
+        if first == "reward":
+            worth = {i: a.details.reward for i, a in enumerate(self.problem.activities)}
+            for group in self.problem.groups:
+                worth[group.members[0]] += group.reward
+        elif first == "cost":
+            worth = {i: a.details.cost for i, a in enumerate(self.problem.activities)}
+        if not any(worth.values()):
+            return {}
+        self.worth_counter = self.names.new(f"sum_of_{first}")
+        self.encoding.counters[self.worth_counter] = 0
+        self.out.tokens[self.worth_counter] = f"the {first} so far"
+        direction = "maximize" if first == "reward" else "minimize"
+        self.encoding.metric = f"{direction} ({self.worth_counter})"
+        return worth
+
+    def _decline(self, absence: Absence) -> None:
+        if absence.group is None:
+            told = f"action {self.problem.activities[absence.members[0]].id!r}"
+            text = f"skip_{self.base[absence.members[0]]}"
+        else:
+            group = self.problem.groups[absence.group]
+            told, text = f"group {group.id!r}", f"decline_{group.id}"
+        name = self.names.new(text)
+        todo = [f"todo_{self.base[i]}" for i in absence.members]
+        given: list[str] = []
+        for i in absence.members:
+            given += [f"done_{self.base[i]}", *self.lag_facts.get(i, ())]
+            given += [f"begun_{self.base[i]}"] if i in self.begun else []
+        self.encoding.operators.append(
+            Operator(name, None, at_start=todo, start_deletes=todo, start_adds=given)
+        )
+        self.out.planner_only[name] = f"{told} is absent"
+
+    def _activity(self, i: int) -> None:
+        activity, base, occurrences = self.problem.activities[i], self.base[i], self.occurrences[i]
+        variants = [
+            v
+            for v in variants_of(self.problem, activity, self.units)
+            if not contradicts_itself(activity, instant=not span_of(activity, v.mode)[1])
+        ]
+        if not variants and occurrences.least:
+            raise Refusal(
+                f"action {activity.id!r} must be there, but there is no way to carry it out: it "
+                "asks for more than there is, or one of its happenings gives a variable two values",
+                activity.origin,
+                "every target would find it infeasible",
+            )
+        done = ""
+        for k in range(1, occurrences.written + 1):
+            own = base if k == 1 else self.names.new(f"{base}_{k}")
+            todo = self._fact(f"todo_{own}", initially=True)
+            after = [done] if done else []
+            done = self._fact(f"done_{own}")
+            if k <= occurrences.least or i in self.declined:
+                self.encoding.goal.append(done)
+            begun = [self._fact(f"begun_{own}")] if i in self.begun else []
+            last = k == occurrences.written and occurrences.again != 0
+            idle = [self._fact(f"idle_{base}")] if last else []
+            self._operators(i, own, variants, [todo, *after], [todo], begun, [done, *idle])
+        if occurrences.again != 0:
+            self._again(i, variants, occurrences)
+
+    def _again(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
+        """What can happen again and again: once the occurrence before has ended."""
+        base = self.base[i]
+        idle = f"idle_{base}"
+        if not occurrences.written:
+            self._fact(idle, initially=True)
+        own = self.names.new(f"{base}_again") if occurrences.written else base
+        needs: list[Comparison] = []
+        changes: list[Change] = []
+        if occurrences.again is not None:
+            left = self.names.new(f"left_for_{base}")
+            self.encoding.counters[left] = occurrences.again
+            self.out.tokens[left] = "how often the action may still happen"
+            needs.append(Comparison(False, ">=", left, 1))
+            changes.append(Change(False, left, -1))
+        self._operators(i, own, variants, [idle], [idle], [], [idle], needs, changes)
+
+    def _operators(
+        self,
+        i: int,
+        base: str,
+        variants: list[Variant],
+        at_start: list[str],
+        start_deletes: list[str],
+        start_adds: list[str],
+        end_adds: list[str],
+        needs: list[Comparison] | None = None,
+        changes: list[Change] | None = None,
+    ) -> None:
+        """One operator for each variant of an occurrence, with the activity's own conditions."""
+        activity = self.problem.activities[i]
         for variant in variants:
+            span = span_of(activity, variant.mode)
             name = base
             if len(variants) > 1:
-                name = self.names.new(f"{base}__{'__'.join(t[5:] for t in variant.tokens)}")
+                name = self.names.new(f"{base}__{'__'.join(_parts(activity, variant))}")
+            here = list(
+                dict.fromkeys(self.units.here[t] for t in variant.tokens if t in self.units.here)
+            )
+            stock_needs, stock_changes = self.stock.of(activity, instant=not span[1])
+            start = self.state.effects(activity, at_end=False)
+            end = self.state.effects(activity, at_end=True)
+            worth = self.worth.get(i, 0)
+            counted = [Change(True, self.worth_counter, worth)] if worth else []
             self.encoding.operators.append(
                 Operator(
                     name,
-                    self._duration(activity),
-                    at_start=[todo, *self.conditions[2 * i], *variant.tokens],
-                    over_all=self._holding(i),
-                    at_end=self.conditions[2 * i + 1],
-                    start_deletes=[todo, *variant.tokens],
-                    start_adds=begun,
-                    end_adds=[done, *variant.tokens],
+                    (span[0] * self.scale, span[1] * self.scale) if span[1] else None,
+                    at_start=[
+                        *at_start,
+                        *self.conditions[2 * i],
+                        *self.state.conditions(activity, "start"),
+                        *here,
+                        *variant.tokens,
+                    ],
+                    over_all=[
+                        *self._holding(i),
+                        *self.state.conditions(activity, "all"),
+                        *here,
+                    ],
+                    at_end=[
+                        *self.conditions[2 * i + 1],
+                        *self.state.conditions(activity, "end"),
+                    ],
+                    start_deletes=[*start_deletes, *start[1], *variant.tokens],
+                    start_adds=[*start_adds, *start[0]],
+                    end_deletes=end[1],
+                    end_adds=[*end_adds, *end[0], *variant.tokens],
                     takes=dict(variant.takes),
+                    needs=[*(needs or ()), *stock_needs],
+                    changes=[*(changes or ()), *stock_changes, *counted],
                 )
             )
-            if activity.duration_max == 0 and i in self.over_all:
-                self.encoding.operators[-1].at_end = [
-                    *self.conditions[2 * i + 1],
-                    self.over_all[i],
-                ]
-            self.out.actions[name] = (i, variant.resources)
+            self.out.actions[name] = Meaning(
+                activity.id,
+                None if variant.mode is None else activity.details.modes[variant.mode].id,
+                tuple(
+                    (claim.use, self.problem.shared[r].id)
+                    for claim, r in zip(variant.claims, variant.resources, strict=True)
+                ),
+            )
 
     def _holding(self, i: int) -> list[str]:
         return [self.over_all[i]] if i in self.over_all else []
 
-    def _duration(self, activity: Activity) -> tuple[int, int] | None:
-        if activity.duration_max == 0:
-            return None
-        return activity.duration_min * self.scale, activity.duration_max * self.scale
 
-    def _variants(self, activity: Activity, counters: dict[int, str]) -> Iterator[Variant]:
-        """Every choice of resources, and of each the tokens; claims on one resource add up."""
-        claims = activity.claims
-        if not claims:
-            yield _ONLY_ONE
-            return
-        for resources in product(*(claim.alternatives for claim in claims)):
-            amounts: dict[int, int] = {}
-            for claim, r in zip(claims, resources, strict=True):
-                amounts[r] = amounts.get(r, 0) + claim.amount
-            if any(amount > self.problem.shared[r].capacity for r, amount in amounts.items()):
-                continue
-            takes = tuple((counters[r], n) for r, n in amounts.items() if r in counters)
-            token_sets = (
-                combinations(self.tokens[r], n) for r, n in amounts.items() if r not in counters
-            )
-            for chosen in product(*token_sets):
-                yield Variant(resources, tuple(t for tokens in chosen for t in tokens), takes)
-
-
-def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -> int:
-    """An upper bound on the ground variants of an activity."""
-    count = 1
-    for claim in activity.claims:
-        count *= sum(
-            1 if r in by_counter else _token_sets(problem.shared[r].capacity, claim.amount)
-            for r in claim.alternatives
-        )
-    return count
-
-
-def _token_sets(capacity: int, amount: int) -> int:
-    """How many sets of `amount` tokens there are; just "too many" where that would be huge."""
-    if amount >= capacity:
-        return 1
-    return MAX_VARIANTS + 1 if capacity > MAX_VARIANTS else comb(capacity, amount)
-
-
-def _sort_constraints(
-    problem: Problem,
-) -> tuple[list[AtLeast], list[AtLeast], list[AtLeast]]:
-    """All arcs as facts (lag 0), waits (lag > 0) and envelopes (lag < 0).
-
-    Points that must coincide (a cycle of length 0) cannot wait for each other in PDDL, whose
-    happenings are separated; arcs inside such a cycle become envelopes.
-    """
-    facts, waits, envelopes = [], [], []
-    for arc in problem.arcs:
-        frm, to = 2 * arc.before + arc.from_end, 2 * arc.after + arc.to_end
-        directions = [AtLeast(frm, to, arc.min_lag)]
-        if arc.max_lag is not None:
-            directions.append(AtLeast(to, frm, -arc.max_lag))
-        for constraint in directions:
-            if constraint.lag > 0:
-                waits.append(constraint)
-            elif constraint.lag == 0:
-                facts.append(constraint)
-            else:
-                envelopes.append(constraint)
-    together = _coinciding(problem, facts, waits)
-    if together:
-        envelopes += [c for c in facts if together.get(c.frm) == together.get(c.to) is not None]
-        facts = [c for c in facts if not together.get(c.frm) == together.get(c.to) is not None]
-    return facts, waits, envelopes
-
-
-def _coinciding(problem: Problem, facts: list[AtLeast], waits: list[AtLeast]) -> dict[Point, int]:
-    """Which points lie on a common cycle of constraints that need facts, by component."""
-    count = len(problem.activities)
-    plain = all(a.from_end and not a.to_end and a.max_lag is None for a in problem.arcs)
-    if plain and is_acyclic(count, problem.arcs):
-        return {}
-    network = Network(2 * count)
-    leaving: list[list[int]] = [[] for _ in range(2 * count)]
-
-    def add(frm: Point, to: Point) -> None:
-        leaving[frm].append(network.add(frm, to, 0))
-
-    for i in range(count):
-        add(2 * i, 2 * i + 1)
-    for i, activity in enumerate(problem.activities):
-        if activity.duration_max == 0:
-            add(2 * i + 1, 2 * i)
-    for c in (*facts, *waits):
-        add(c.frm, c.to)
-    found: dict[Point, int] = {}
-    for k, component in enumerate(components(network, leaving, range(2 * count))):
-        if len({p // 2 for p in component}) > 1:
-            found.update(dict.fromkeys(component, k))
-    return found
+def _parts(activity: Activity, variant: Variant) -> list[str]:
+    """What tells a variant apart: its mode and its tokens (without "free_")."""
+    mode = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
+    return mode + [token[5:] for token in variant.tokens]

@@ -1,7 +1,7 @@
 """Runs the kairos planner in a process of its own and prints each better plan as it comes.
 
 Started by file path, so that it loads nothing but kairos:
-kairos_worker.py DOMAIN PROBLEM SECONDS MEMORY_MB TARGET_COST THREADS SEED first|best
+kairos_worker.py DOMAIN PROBLEM SECONDS MEMORY_MB TARGET_COST THREADS SEED first|best [SEARCH]
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import kairos
 
 def main(arguments: list[str]) -> int:
     """Prints plans in IPC form, each followed by an empty line. 0 unless the input is bad."""
-    domain_file, problem_file, seconds, memory, target, threads, seed, wanted = arguments
+    domain_file, problem_file, seconds, memory, target, threads, seed, wanted, *search = arguments
     try:
         domain = kairos.parse_domain(_text(domain_file))
         problem = kairos.parse_problem(_text(problem_file), domain)
@@ -28,6 +28,8 @@ def main(arguments: list[str]) -> int:
         "seed": int(seed),
         "anytime": wanted == "best",
     }
+    if search:
+        options["search"] = search[0]
     if target != "-":
         options["target_cost"] = float(target)
     planner: Any = kairos.Planner

@@ -508,7 +508,7 @@ def test_all_slack_together_stays_below_one_tick(epsilon: Fraction) -> None:
     for task, program in random_programs(60):
         problem = program.problem
         grounded = encode(problem, epsilon)
-        envelopes = sum(name.startswith("keep_") for name in grounded.waits)
+        envelopes = sum(name.startswith("keep_") for name in grounded.planner_only)
         windows = sum(
             problem.effective_deadline(i) is not None or a.start is not None
             for i, a in enumerate(problem.activities)
@@ -516,7 +516,7 @@ def test_all_slack_together_stays_below_one_tick(epsilon: Fraction) -> None:
         if not envelopes and not windows:
             assert (grounded.scale, grounded.slack) == (1, 0)
             continue
-        happenings = 2 * (len(problem.activities) + len(grounded.waits))
+        happenings = 2 * (len(problem.activities) + len(grounded.planner_only))
         assert grounded.slack >= epsilon * happenings
         assert grounded.slack * (envelopes + windows) < grounded.scale, task
         bounded += 1

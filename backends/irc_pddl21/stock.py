@@ -1,0 +1,49 @@
+"""Reservoirs as counters.
+
+Taking asks for enough before it takes, putting asks for room before it puts. So in the order in
+which a planner separates its happenings the level never leaves its limits, and then neither do
+the levels of whole instants, which are sums of such happenings.
+"""
+
+from __future__ import annotations
+
+from irc.problem import Activity, Problem
+from irc_pddl21.domain import Change, Comparison, Encoding
+from irc_pddl21.names import NameTable
+
+
+class Stock:
+    """The counter of each reservoir, by index."""
+
+    def __init__(self, problem: Problem, names: NameTable, encoding: Encoding) -> None:
+        self.problem = problem
+        self.counters: dict[int, str] = {}
+        self.meanings: dict[str, str] = {}
+        touched = {c.reservoir for a in problem.activities for c in a.details.stock}
+        for k in sorted(touched):
+            reservoir = problem.reservoirs[k]
+            name = names.new(f"level_of_{reservoir.id}")
+            self.counters[k] = name
+            self.meanings[name] = f"what is in {reservoir.id!r}"
+            encoding.counters[name] = reservoir.initial
+
+    def of(self, activity: Activity, *, instant: bool) -> tuple[list[Comparison], list[Change]]:
+        """What an activity asks of the levels, and how it changes them.
+
+        Changes of one reservoir at one happening add up (an instant is a single happening).
+        """
+        nets: dict[tuple[bool, int], int] = {}
+        for change in activity.details.stock:
+            key = change.at_end and not instant, change.reservoir
+            nets[key] = nets.get(key, 0) + change.amount
+        needs: list[Comparison] = []
+        changes: list[Change] = []
+        for (at_end, k), net in sorted(nets.items()):
+            reservoir, counter = self.problem.reservoirs[k], self.counters[k]
+            if net < 0:
+                needs.append(Comparison(at_end, ">=", counter, reservoir.least - net))
+            if net > 0 and reservoir.greatest is not None:
+                needs.append(Comparison(at_end, "<=", counter, reservoir.greatest - net))
+            if net:
+                changes.append(Change(at_end, counter, net))
+        return needs, changes
