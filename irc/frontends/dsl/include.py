@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from irc.diagnostics import Code, InputError
 from irc.frontends.dsl.faults import Fault
 from irc.source import Source
+
+Refuse = Callable[[str], Fault]
+"""Makes the fault that is raised, at the place of the include."""
 
 MAX_INCLUDES = 100
 """How many files one task may take in, each time counted."""
@@ -74,10 +78,9 @@ class Library:
         self.known[path] = source
         return Included(source, path)
 
-    def _read(self, path: Path, root: Path, name: str, refuse: object) -> Source:
+    def _read(self, path: Path, root: Path, name: str, refuse: Refuse) -> Source:
         from irc.frontends.json_document import decode_bytes
 
-        assert callable(refuse)
         with open(path, "rb") as file:
             data = file.read(MAX_INCLUDED_BYTES - self.bytes + 1)
         self.bytes += len(data)
