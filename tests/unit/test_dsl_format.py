@@ -106,6 +106,18 @@ def test_neighbouring_actions_stand_in_columns() -> None:
     )
 
 
+def test_changes_of_an_event_are_not_set_in_columns() -> None:
+    text = (
+        "event at 5:\n"
+        "    cancel group order 1\n"
+        "    add group g 2 = a\n"
+        "    add:\n"
+        "        a    3\n"
+        "        bcd  4\n"
+    )
+    assert formatted(text) == text
+
+
 def test_times_and_texts_stay_as_they_were_written() -> None:
     text = 'a "1 h,  30 min"  label "x\\u00e9  # \\n"\nb 1  h  30   min\n'
     assert '"1 h,  30 min"' in formatted(text)

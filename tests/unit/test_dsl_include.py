@@ -72,11 +72,14 @@ def test_json_output_names_the_included_file(tmp_path: Path) -> None:
 
 
 def test_places_are_those_of_the_texts_that_were_read(tmp_path: Path) -> None:
-    """A file that is changed meanwhile does not move a place."""
+    """A file that is changed or gone meanwhile does not move a place."""
     path = files(tmp_path, task=TASK, kitchen=KITCHEN + "prep 3 on bord\n")
     task = irc.load(path)
     (tmp_path / "kitchen.irc").write_text("\n\n\n")
     assert told(irc.check(task)) == [("IRC201", "kitchen.irc", 3, 11)]
+    task = irc.load(files(tmp_path, task=TASK + "y 1 on z\n", kitchen=KITCHEN))
+    (tmp_path / "kitchen.irc").unlink()
+    assert told(irc.check(task)) == [("IRC201", "", 5, 8)]
 
 
 def test_a_file_that_includes_itself_is_told(tmp_path: Path) -> None:

@@ -317,6 +317,8 @@ class Builder:
             if signed is not None:
                 nodes.alike(low, signed)
             found = nodes.time(low, negative=kind(sign) == "MINUS")
+            if kind(sign) == "MINUS":
+                found = Placed(found.value, sign.start_pos, found.end)
             self.put_field(arc, "min_lag", found, at, sign)
         if signed is not None:
             self.put_field(arc, "max_lag", nodes.time(signed), at, part(lag, "DOTS"))

@@ -68,6 +68,8 @@ class _Place:
     statement: Statement
     depth: int
     goes_on: bool
+    change: bool
+    """Whether the statement is a change of an event."""
 
 
 class _Layout:
@@ -76,15 +78,16 @@ class _Layout:
     def __init__(self, text: str, found: Outline) -> None:
         self.text = text
         self.places: dict[int, _Place] = {}
-        self._note(found.statements, 0)
+        self._note(found.statements, 0, change=False)
         self.levels = [""]
         self.opened = False
 
-    def _note(self, statements: Sequence[Statement], depth: int) -> None:
+    def _note(self, statements: Sequence[Statement], depth: int, *, change: bool) -> None:
         for statement in statements:
             for i, (begin, _) in enumerate(statement.spans):
-                self.places[begin] = _Place(statement, depth, i > 0)
-            self._note(statement.body or (), depth + 1)
+                self.places[begin] = _Place(statement, depth, i > 0, change)
+            inner = statement.first == "event" or (change and statement.first == "for")
+            self._note(statement.body or (), depth + 1, change=inner)
 
     def lines(self) -> list[_Line]:
         """Every line of the text, set."""
@@ -127,7 +130,8 @@ class _Layout:
             indent += 0 if closes else INDENT
         else:
             self._enter(raw, place)
-        cells = self._cells(tokens) if not place.goes_on and len(statement.spans) == 1 else None
+        alone = not (place.goes_on or place.change) and len(statement.spans) == 1
+        cells = self._cells(tokens) if alone else None
         return _Line(indent, self._set(tokens), comment, cells)
 
     def _enter(self, raw: str, place: _Place) -> None:

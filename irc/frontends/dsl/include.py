@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from irc.diagnostics import Code, InputError
 from irc.frontends.dsl.faults import Fault
 from irc.source import Source
+
+Refuse = Callable[[str], Fault]
+"""Makes the fault that is raised, at the place of the include."""
 
 MAX_INCLUDES = 100
 """How many files one task may take in, each time counted."""
@@ -30,9 +34,10 @@ class Library:
 
     folder: Path | None
     """The folder that includes must stay in; None where the text has none."""
-    known: dict[Path, Source] = field(default_factory=dict)
+    known: dict[tuple[Path | None, str], Included] = field(default_factory=dict)
+    """What was found for a name, beside which folder."""
     kept: bool = False
-    """Whether only what is already known may be read: places are those of the text read before."""
+    """Whether only what is already known is given: places are those of the text read before."""
     count: int = 0
     bytes: int = 0
 
@@ -53,6 +58,11 @@ class Library:
         self.count += 1
         if self.count > MAX_INCLUDES:
             raise refuse(f"more than {MAX_INCLUDES} includes")
+        known = self.known.get((beside, name))
+        if known is not None:
+            return known
+        if self.kept:
+            raise refuse(f"{name!r} was not there when the task was read")
         try:
             root = self.folder.resolve(strict=True)
             path = ((beside or root).joinpath(*PurePosixPath(name).parts)).resolve(strict=True)
@@ -63,21 +73,16 @@ class Library:
                 )
             if not path.is_file():
                 raise refuse(f"{name!r} is not a file")
-            source = self.known.get(path)
-            if source is None:
-                if self.kept:
-                    raise refuse(f"{name!r} was not there when the task was read")
-                source = self._read(path, root, name, refuse)
+            found = Included(self._read(path, root, name, refuse), path)
         except (OSError, RuntimeError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             raise refuse(f"cannot read {name!r}: {reason}", self._near(name)) from None
-        self.known[path] = source
-        return Included(source, path)
+        self.known[beside, name] = found
+        return found
 
-    def _read(self, path: Path, root: Path, name: str, refuse: object) -> Source:
+    def _read(self, path: Path, root: Path, name: str, refuse: Refuse) -> Source:
         from irc.frontends.json_document import decode_bytes
 
-        assert callable(refuse)
         with open(path, "rb") as file:
             data = file.read(MAX_INCLUDED_BYTES - self.bytes + 1)
         self.bytes += len(data)

@@ -332,8 +332,3 @@ def quoted(text: str) -> str:
     if plain.isprintable():
         return plain
     return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in plain)
-
-
-def written_name(name: str) -> str:
-    """A name as the DSL writes it: in quotes exactly where it needs them."""
-    return quoted(name) if needs_quotes(name) else name

@@ -12,13 +12,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from irc.diagnostics import Code, Diagnostic, Report, did_you_mean
+from irc.diagnostics import Code, Diagnostic, Report
 from irc.frontends.dsl import changes, nodes
 from irc.frontends.dsl.build import Builder, said_twice
 from irc.frontends.dsl.draft import Budget, Places, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.grammar import StatementParser, parse_statement
 from irc.frontends.dsl.include import Library
+from irc.frontends.dsl.lex_words import unlexed
 from irc.frontends.dsl.lexer import (
     CLAUSE_WORDS,
     PHRASE_STARTS,
@@ -32,6 +33,7 @@ from irc.frontends.dsl.lines import MAX_NESTING, Statement, outline
 from irc.frontends.dsl.metadata import metadata
 from irc.frontends.dsl.nodes import kind, part, span
 from irc.frontends.dsl.plain import plain_statement
+from irc.frontends.dsl.pool_uses import resolved_pools
 from irc.frontends.dsl.templates import Value, filled
 from irc.source import Pointer, Range, Source
 
@@ -159,7 +161,10 @@ class _Reader:
                     "expected a task such as `boil eggs 4 min`",
                 )
             )
-        self._resolve_pools()
+        for fault, within in resolved_pools(self.builder, self.sink, faulty=bool(self.broken)):
+            self.builder.source = within
+            self._tell(fault)
+        self.builder.source = None
 
     def _text(self) -> None:
         try:
@@ -212,59 +217,6 @@ class _Reader:
         filled_arrays = {part: arrays[part] for part in ARRAYS if arrays[part] or part == "actions"}
         return {**self.fields, **filled_arrays}
 
-    def _resolve_pools(self) -> None:
-        builder = self.builder
-        if not builder.pools:
-            return
-        declared = {r["id"] for r in self.sink.arrays["resources"]}
-        for pool_name, pool in builder.pools.items():
-            if pool_name in declared:
-                builder.source = pool.source
-                self._tell(
-                    Fault(
-                        Code.DSL_POOL,
-                        f"{pool_name!r} is the name of a pool and of a resource",
-                        pool.start,
-                        pool.end,
-                        "rename one of the two",
-                    )
-                )
-        used = {use.use.get("resource") for use in builder.uses}
-        known = declared | {
-            resource["id"]
-            for event in self.sink.arrays["events"]
-            for change in event.get("changes", ())
-            for resource in change.get("resources", ())
-        }
-        for pool_name, pool in builder.pools.items():
-            # In a pool that is used, the checks find unknown members; a faulty statement may have
-            # declared them.
-            for member in () if pool_name in used or self.broken else pool.places:
-                if member.value not in known:
-                    builder.source = pool.source
-                    self._tell(_unknown_member(member, known))
-        builder.source = None
-        for use in builder.uses:
-            found = builder.pools.get(use.use.get("resource", ""))
-            if found is None or use.use["resource"] in declared:
-                continue
-            try:
-                builder.budget.take(len(found.members), "this pool", found.start, found.end)
-            except Fault as fault:
-                self._tell(fault)
-                return
-            amount = use.use.pop("amount", None)
-            del use.use["resource"]
-            use.use["one_of"] = found.members
-            if amount is not None:
-                use.use["amount"] = amount
-            if builder.places is not None:
-                places = builder.places.found
-                named = places.get((*use.pointer, "resource"))
-                if named is not None:
-                    for i in range(len(found.members)):
-                        places.setdefault((*use.pointer, "one_of", i), named)
-
     # --- statements ---
 
     def _statement(self, statement: Statement, values: Values) -> None:
@@ -309,7 +261,7 @@ class _Reader:
             first = len(found)
             for token in lexemes(self.text, begin, end):
                 if isinstance(token, LexFault):
-                    raise _unlexed(token, self.text)
+                    raise unlexed(token, self.text)
                 if token.type != "COMMENT":
                     found.append(token)
             if 0 < first < len(found) and _of_name(found, first - 1) and _of_name(found, first):
@@ -536,16 +488,6 @@ class _Reader:
         read(self.parser.parse(classified(filled(raw, values)), "statement"))
 
 
-def _unknown_member(member: nodes.Placed, known: set[str]) -> Fault:
-    return Fault(
-        Code.UNKNOWN_NAME,
-        f"there is no resource {member.value!r}",
-        member.start,
-        member.end,
-        did_you_mean(member.value, sorted(known)) or "declare it",
-    )
-
-
 def _of_name(tokens: list[Lexeme], i: int) -> bool:
     """Whether a raw token may be a part of a name, or a duration."""
     token = tokens[i]
@@ -596,53 +538,6 @@ def _no_body(statement: Statement, raw: list[Lexeme]) -> None:
             raw[-1].end_pos,
             "take the `:` away",
         )
-
-
-_LEX_FAULTS: dict[str, tuple[Code, str, str | None]] = {
-    "unclosed": (
-        Code.DSL_TEXT,
-        "the text in quotes that begins here is not closed",
-        'close it with " on the same line; a line break in it is written \\n',
-    ),
-    "escape": (
-        Code.DSL_TEXT,
-        "this escape does not exist",
-        'a backslash itself is written \\\\, a quote \\"',
-    ),
-    "control": (
-        Code.DSL_TEXT,
-        "a control character in quotes",
-        "write it as an escape such as \\t",
-    ),
-    "surrogate": (Code.DSL_TEXT, "this text holds half a character (a lone surrogate)", None),
-    "brace": (
-        Code.DSL_TEMPLATE,
-        "this brace has no partner on its line",
-        'put the name in "quotes" if the brace belongs to it',
-    ),
-}
-
-
-_CHARACTER_HINTS = {
-    **dict.fromkeys("'“”‘’`", 'use "double quotes"'),
-    ";": "write each statement on a line of its own",
-}
-
-
-def _unlexed(fault: LexFault, text: str) -> Fault:
-    known = _LEX_FAULTS.get(fault.kind)
-    if known is not None:
-        code, message, hint = known
-        return Fault(code, message, fault.start, fault.end, hint)
-    shown = text[fault.start : fault.end]
-    printed = f"`{shown}`" if shown.isprintable() else f"the character U+{ord(shown):04X}"
-    return Fault(
-        Code.DSL_SYNTAX,
-        f"{printed} has no meaning here",
-        fault.start,
-        fault.end,
-        _CHARACTER_HINTS.get(shown, 'if it belongs to a name, put the name in "quotes"'),
-    )
 
 
 _TASK_FIELDS = {

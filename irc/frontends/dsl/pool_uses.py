@@ -1,0 +1,85 @@
+"""Uses of pools → choices of their members, once the whole text is read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from irc.diagnostics import Code, did_you_mean
+from irc.frontends.dsl.build import Builder, Pool, PoolUse
+from irc.frontends.dsl.draft import Sink
+from irc.frontends.dsl.faults import Fault
+from irc.frontends.dsl.nodes import Placed
+from irc.source import Source
+
+Told = tuple[Fault, Source | None]
+"""A fault, and the included file it stands in."""
+
+
+def resolved_pools(builder: Builder, sink: Sink, *, faulty: bool) -> Iterator[Told]:
+    """Puts the members of pools in their places; what is wrong with pools comes out.
+
+    With `faulty` a statement that could not be read may have declared anything.
+    """
+    if not builder.pools:
+        return
+    declared = {resource["id"] for resource in sink.arrays["resources"]}
+    yield from _clashes(builder, declared)
+    if not faulty:
+        yield from _unknown_members(builder, sink, declared)
+    for use in builder.uses:
+        pool = builder.pools.get(use.use.get("resource", ""))
+        if pool is None or use.use["resource"] in declared:
+            continue
+        try:
+            builder.budget.take(len(pool.members), "this pool", pool.start, pool.end)
+        except Fault as fault:
+            yield fault, pool.source
+            return
+        _choose(builder, use, pool)
+
+
+def _clashes(builder: Builder, declared: set[str]) -> Iterator[Told]:
+    for name, pool in builder.pools.items():
+        if name in declared:
+            message = f"{name!r} is the name of a pool and of a resource"
+            hint = "rename one of the two"
+            yield Fault(Code.DSL_POOL, message, pool.start, pool.end, hint), pool.source
+
+
+def _unknown_members(builder: Builder, sink: Sink, declared: set[str]) -> Iterator[Told]:
+    """Members of unused pools that nothing declares; in used ones, the checks find them."""
+    used = {use.use.get("resource") for use in builder.uses}
+    known = declared | {
+        resource["id"]
+        for event in sink.arrays["events"]
+        for change in event.get("changes", ())
+        for resource in change.get("resources", ())
+    }
+    for name, pool in builder.pools.items():
+        for member in () if name in used else pool.places:
+            if member.value not in known:
+                yield _unknown(member, known), pool.source
+
+
+def _unknown(member: Placed, known: set[str]) -> Fault:
+    return Fault(
+        Code.UNKNOWN_NAME,
+        f"there is no resource {member.value!r}",
+        member.start,
+        member.end,
+        did_you_mean(member.value, sorted(known)) or "declare it",
+    )
+
+
+def _choose(builder: Builder, use: PoolUse, pool: Pool) -> None:
+    amount = use.use.pop("amount", None)
+    del use.use["resource"]
+    use.use["one_of"] = pool.members
+    if amount is not None:
+        use.use["amount"] = amount
+    if builder.places is not None:
+        places = builder.places.found
+        named = places.get((*use.pointer, "resource"))
+        if named is not None:
+            for i in range(len(pool.members)):
+                places.setdefault((*use.pointer, "one_of", i), named)

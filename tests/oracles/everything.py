@@ -1,0 +1,119 @@
+"""A task that uses every field of the IR, each with another value than its default."""
+
+from __future__ import annotations
+
+from typing import Any
+
+EVERYTHING: dict[str, Any] = {
+    "irc": "1",
+    "name": "everything",
+    "description": 'each field, with a "value" of its own',
+    "time_unit": "min",
+    "days_per_month": 28,
+    "deadline": "2026-03-02T14:00:00",
+    "origin": "2026-03-02T06:00:00",
+    "metadata": {"ticket": 4711, "nested": [{"a": None, "b": [True, "x # y"]}], "": {}},
+    "resources": [
+        {
+            "id": "oven",
+            "kind": "renewable",
+            "label": "the oven",
+            "description": "hot",
+            "capacity": 2,
+            "availability": [{"from": 10, "to": "1 h", "capacity": 0}],
+        },
+        {"id": "flour", "kind": "reservoir", "initial": 3, "min": -1, "max": 9},
+        {"id": "r1"},
+        {"id": "r2"},
+    ],
+    "state": [
+        {"id": "lit", "initial": True},
+        {"id": "dough", "values": ["raw", "true", True], "initial": "raw"},
+    ],
+    "actions": [
+        {
+            "id": "bake",
+            "label": "bake it",
+            "description": "until brown",
+            "duration": {"min": 10, "max": "1 h 30 min"},
+            "occurs": {"min": 1, "max": 3},
+            "uses": [{"resource": "oven", "amount": 2}, {"one_of": ["r1", "r2"]}],
+            "consumes": [{"resource": "flour", "amount": 2, "at": "end"}],
+            "produces": [{"resource": "flour"}],
+            "release": 5,
+            "deadline": "2026-03-02T12:30:00",
+            "due": 50,
+            "weight": 3,
+            "start": "1/3",
+            "conditions": [{"at": "all", "var": "lit", "value": False}],
+            "effects": [{"at": "start", "var": "dough", "value": "true"}],
+            "reward": 7,
+            "cost": -2,
+        },
+        {
+            "id": "cool",
+            "modes": [
+                {"id": "fast", "label": "outside", "duration": 3, "uses": [{"one_of": ["r1"]}]},
+                {"id": "slow", "duration": 30},
+            ],
+            "occurs": "optional",
+        },
+    ],
+    "precedence": [
+        {"before": "bake", "after": "cool", "type": "start-finish", "min_lag": -5, "max_lag": 9}
+    ],
+    "groups": [
+        {
+            "id": "order 1",
+            "label": "the first",
+            "actions": ["cool"],
+            "required": False,
+            "reward": 4,
+            "deadline": 100,
+            "due": 90,
+            "weight": 2,
+        }
+    ],
+    "goals": ["cool", {"var": "dough", "value": True}, {"var": "dough", "value": "true"}],
+    "objective": ["maximize_reward", "minimize_cost"],
+    "events": [
+        {
+            "id": "noon",
+            "at": "2026-03-02T12:00:00",
+            "changes": [
+                {"op": "add_actions", "actions": [{"id": "serve", "duration": 2}]},
+                {"op": "add_actions", "actions": []},
+                {"op": "cancel_actions", "actions": ["bake"]},
+                {"op": "set_duration", "action": "cool", "duration": {"min": 1, "max": 2}},
+                {"op": "add_precedence", "precedence": [["cool", "serve"], ["serve", "bake"]]},
+                {
+                    "op": "add_precedence",
+                    "precedence": [["cool", "serve"], {"before": "a", "after": "b", "lag": 3}],
+                },
+                {
+                    "op": "remove_precedence",
+                    "precedence": [{"before": "bake", "after": "cool"}],
+                },
+                {"op": "add_resources", "resources": [{"id": "r3"}, {"id": "r4", "capacity": 2}]},
+                {"op": "set_capacity", "resource": "oven", "capacity": 1, "from": 3, "to": 9},
+                {"op": "set_capacity", "resource": "oven", "capacity": 1, "to": 9},
+                {"op": "set_deadline", "deadline": None},
+                {"op": "set_deadline", "deadline": 5, "action": "cool", "group": "order 1"},
+                {"op": "set_release", "action": "cool", "release": 5},
+                {"op": "add_groups", "groups": [{"id": "order 2", "actions": ["serve"]}]},
+                {"op": "cancel_groups", "groups": ["order 1"]},
+                {"op": "set_goals", "goals": ["cool", {"var": "lit"}]},
+                {"op": "set_state", "var": "lit", "value": False},
+                {"op": "add_state", "state": [{"id": "wet"}]},
+                {"op": "set_objective", "objective": ["minimize_tardiness", "minimize_changes"]},
+                {
+                    "op": "observe",
+                    "action": "cool",
+                    "occurrence": 2,
+                    "started": 3,
+                    "finished": 12,
+                },
+            ],
+        }
+    ],
+}
