@@ -18,26 +18,22 @@ def language_of(text: str, name: str) -> Language:
 
     1. The suffix of its name: `.irc` or `.json`.
     2. It begins like a JSON document, or has one inside, chatter around it or not: JSON.
-    3. The suffix of a text file (`.txt`, `.md`): English.
-    4. Most of its first statements can be read as ones of the DSL: DSL.
-    5. It lists steps: English.
-    6. One of its first statements can be read as one of the DSL: DSL.
-    7. Else JSON, whose reader says what it expected.
+    3. Most of its first statements can be read as ones of the DSL: DSL.
+    4. It is a text file (`.txt`, `.md`), or it lists steps: English.
+    5. One of its first statements can be read as one of the DSL: DSL.
+    6. Else JSON, whose reader says what it expected.
     """
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
     if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or _KEY.search(text):
         return "json"
-    from irc.frontends.english.detect import SUFFIXES, is_english
-
-    english = is_english(text, name)
-    if english and suffix in SUFFIXES:
-        return "english"
     readable, lines = _like_dsl(text[:_SNIFFED])
     if readable and 2 * readable >= lines:
         return "dsl"
-    if english:
+    from irc.frontends.english.detect import is_english
+
+    if is_english(text, name):
         return "english"
     return "dsl" if readable else "json"
 
