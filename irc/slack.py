@@ -32,9 +32,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     if not schedule.entries:
         return {}
     if not problem.is_plain or any(r.windows for r in problem.resources):
-        raise AnswerError(
-            "it is worked out only where there is no state, stock, calendar or choice"
-        )
+        raise AnswerError("it is worked out only without state, stock, calendars and choices")
     entries = _entries(problem, schedule)
     decisions = [
         Decision(to_ticks(problem, entry.start), to_ticks(problem, entry.end)) for entry in entries

@@ -18,7 +18,7 @@ def language_of(text: str, name: str) -> Language:
 
     1. The suffix of its name: `.irc` or `.json`.
     2. It begins like a JSON document, or has one inside, chatter around it or not: JSON.
-    3. Most of its first statements can be read as ones of the DSL: DSL.
+    3. All of its first statements can be read as ones of the DSL: DSL.
     4. It is a text file (`.txt`, `.md`), or it lists steps: English.
     5. One of its first statements can be read as one of the DSL: DSL.
     6. Else JSON, whose reader says what it expected.
@@ -29,7 +29,7 @@ def language_of(text: str, name: str) -> Language:
     if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or _KEY.search(text):
         return "json"
     readable, lines = _like_dsl(text[:_SNIFFED])
-    if readable and 2 * readable >= lines:
+    if readable and readable >= lines:
         return "dsl"
     from irc.frontends.english.detect import is_english
 
