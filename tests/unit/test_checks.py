@@ -495,7 +495,7 @@ STRUCTURE = [
         hint="a renewable resource is named in 'uses'",
     ),
     case(
-        actions(occurs='‸{"min": 0}', reward="5"),
+        actions(', "objective": "maximize_reward"', occurs='‸{"min": 0}', reward="5"),
         "IRC208 /actions/0/occurs",
         says="the reward of action 'a' could be collected without end",
         hint='give "occurs" a "max"',
