@@ -55,12 +55,14 @@ class Library:
             raise refuse(f"more than {MAX_INCLUDES} includes")
         try:
             root = self.folder.resolve(strict=True)
-            path = ((beside or root).joinpath(*PurePosixPath(name).parts)).resolve(strict=True)
+            # Before anything is looked for, so that nobody learns what there is outside.
+            path = ((beside or root).joinpath(*PurePosixPath(name).parts)).resolve()
             if not path.is_relative_to(root):
                 raise refuse(
                     f"{name!r} leads out of the task's folder",
                     "an included file must be in the folder of the task, or below it",
                 )
+            path = path.resolve(strict=True)
             if not path.is_file():
                 raise refuse(f"{name!r} is not a file")
             source = self.known.get(path)
