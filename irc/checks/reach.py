@@ -248,7 +248,9 @@ def _would_make(name: str, givers: int, *, first: bool) -> str:
     if first and givers == 1:
         return f"only {name!r} makes it so"
     others = "" if givers == 1 else f" (and {_other_actions(givers - 1)}, no more possible)"
-    return f"{'' if first else 'which '}{name!r} would make it so{others}"
+    return (
+        f"{name!r} would make it so{others}" if first else f"which {name!r} would make it{others}"
+    )
 
 
 def _other_actions(count: int) -> str:

@@ -114,12 +114,14 @@ def _tell_lack(
     needs: int,
     findings: Findings,
 ) -> None:
-    left = f", of which {reservoir.least} must stay" if reservoir.least else ""
-    source = "at first" if highest == reservoir.initial else "with all that others could produce"
+    there = (
+        f"there are only {reservoir.initial} and nothing else produces any"
+        if highest == reservoir.initial
+        else f"there can never be more than {highest}, with all that could be produced"
+    )
     findings.add(
         Code.STOCK,
-        f"action {activity.id!r} takes {needs} of {reservoir.id!r}, "
-        f"but there are never more than {highest} {source}{left}",
+        f"action {activity.id!r} takes {needs} of {reservoir.id!r}, but {there}{_floor(reservoir)}",
         _place(task, activity, "consumes", reservoir.id),
         hint='raise "initial", let an action produce more, or let this one consume less',
     )
@@ -133,11 +135,15 @@ def _tell_excess(
     puts: int,
     findings: Findings,
 ) -> None:
-    source = "at first" if lowest == reservoir.initial else "with all that others could take"
+    there = (
+        f"already has {reservoir.initial}, of which nothing else takes any"
+        if lowest == reservoir.initial
+        else f"can never have less than {lowest}, with all that could be consumed"
+    )
     findings.add(
         Code.STOCK,
         f"action {activity.id!r} puts {puts} into {reservoir.id!r}, which holds at most "
-        f"{reservoir.greatest} and has never less than {lowest} {source}",
+        f"{reservoir.greatest} and {there}",
         _place(task, activity, "produces", reservoir.id),
         hint='raise "max", lower "initial", or let this action produce less',
     )
@@ -156,11 +162,10 @@ def _check_sum(
         takers, sum_taken = _parties(problem, k, required, -1)
         made = sum_taken + total.highest - reservoir.initial
         produced = f" and {made} can be produced" if made else ""
-        left = f", of which {reservoir.least} must stay" if reservoir.least else ""
         findings.add(
             Code.STOCK,
             f"{takers} take {sum_taken} of {reservoir.id!r} in all, "
-            f"but it starts with {reservoir.initial}{produced}{left}",
+            f"but it starts with {reservoir.initial}{produced}{_floor(reservoir)}",
             (*reservoir.origin, "initial"),
             hint=f'"initial" must be at least '
             f"{reservoir.initial + reservoir.least - total.highest}, "
@@ -169,14 +174,18 @@ def _check_sum(
     elif reservoir.greatest is not None and total.lowest > reservoir.greatest:
         makers, sum_made = _parties(problem, k, required, 1)
         taken = sum_made + reservoir.initial - total.lowest
-        consumed = f" and {taken} can be consumed" if taken else ""
+        consumed = f"; {taken} can be consumed" if taken else ""
         findings.add(
             Code.STOCK,
             f"{makers} put {sum_made} into {reservoir.id!r} in all, which starts with "
-            f"{reservoir.initial}, holds at most {reservoir.greatest}{consumed}",
+            f"{reservoir.initial} and holds at most {reservoir.greatest}{consumed}",
             (*reservoir.origin, "max"),
             hint=f'"max" must be at least {total.lowest}, or more must be consumed',
         )
+
+
+def _floor(reservoir: Reservoir) -> str:
+    return f", and it must not fall below {reservoir.least}" if reservoir.least else ""
 
 
 _MOST_NAMED = 4
