@@ -88,6 +88,10 @@ class Code(Enum):
     TOO_LATE = ("IRC303", Severity.ERROR, "a deadline that no schedule can meet")
     DEMAND = ("IRC304", Severity.ERROR, "a demand above the capacity")
     LAGS = ("IRC305", Severity.ERROR, "lags that contradict each other")
+    UNREACHABLE = ("IRC306", Severity.ERROR, "a value that a state variable can never have")
+    STOCK = ("IRC307", Severity.ERROR, "a stock that cannot last, or overflows, in any order")
+    AT_ODDS = ("IRC308", Severity.ERROR, "conditions, effects or goals that contradict each other")
+    NEVER = ("IRC309", Severity.ERROR, "an action that is required and may never occur")
 
     UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
     REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from irc.checks.structure import check_structure
 from irc.checks.temporal import check_temporal
-from irc.diagnostics import Diagnostic, Findings, Report
+from irc.diagnostics import Code, Diagnostic, Findings, Report
 from irc.lower import lower
 from irc.model import Task
 from irc.passes.mandatory import mandatory_part
@@ -23,19 +23,69 @@ class Checked:
     report: Report
 
 
-def run_checks(task: Task, earlier: Iterable[Diagnostic] = (), *, lint: bool = True) -> Checked:
-    """Checks a task: structure, time, and (with `lint`) what is probably not meant.
+def run_checks(
+    task: Task,
+    earlier: Iterable[Diagnostic] = (),
+    *,
+    lint: bool = True,
+    complete: bool = True,
+) -> Checked:
+    """Checks a task: structure, time, state, stock, and (with `lint`) what is probably not meant.
 
-    `earlier` are findings from reading the text; they stand first in the report.
+    `earlier` are findings from reading the text; they stand first in the report. `complete` is
+    false where faulty parts of the text are missing from the task: what nothing seems to give may
+    then only not have been read.
     """
     findings = Findings(list(earlier))
+    before = len(findings.items)
     check_structure(task, findings)
+    complete = complete and not any(d.code in _DROPS for d in findings.items[before:])
     problem = lower(task)
     # What cannot hold of the part that every schedule contains cannot hold at all.
     core = mandatory_part(problem)
     check_temporal(core, findings)
+    if complete and core is not problem:
+        _check_choices(task, problem, findings)
     if lint:
         from irc.checks.lint import check_lint
 
         check_lint(task, core, findings)
     return Checked(task, problem, Report(tuple(findings.items), task.source))
+
+
+_DROPS = frozenset(
+    (
+        Code.MISSING_FIELD,
+        Code.BAD_TIME,
+        Code.NEGATIVE_TIME,
+        Code.EMPTY_RANGE,
+        Code.UNKNOWN_NAME,
+        Code.DUPLICATE_ID,
+        Code.WRONG_KIND,
+        Code.GROUPING,
+        Code.UNKNOWN_VALUE,
+        Code.EMPTY_CHOICE,
+        Code.INCOMPLETE,
+    )
+)
+"""Faults for which lowering leaves something out, so that something else may seem to be missing."""
+
+
+def _check_choices(task: Task, problem: Problem, findings: Findings) -> None:
+    """What state, stock and occurrences rule out; loaded for tasks that have them."""
+    from irc.checks.endless import check_endless
+    from irc.checks.required import check_required, required_activities
+
+    check_endless(problem, findings)
+    required = required_activities(problem)
+    check_required(problem, required, findings)
+    if problem.variables:
+        from irc.checks.contradictions import check_contradictions
+        from irc.checks.reach import check_reach
+
+        check_contradictions(task, problem, required, findings)
+        check_reach(task, problem, required, findings)
+    if problem.reservoirs:
+        from irc.checks.stock import check_stock
+
+        check_stock(task, problem, required, findings)

@@ -466,13 +466,6 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
             (*at, "occurs"),
             hint=_SWAP,
         )
-    if greatest is None and (action.reward or 0) > 0:
-        findings.add(
-            Code.OCCURRENCE,
-            f"the reward of action {action.id!r} could be collected without end",
-            (*at, "occurs"),
-            hint='give "occurs" a "max"',
-        )
     if action.start is not None and (greatest is None or greatest > 1):
         findings.add(
             Code.OCCURRENCE,

@@ -49,6 +49,8 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
     deadline = activity.deadline
     if deadline is None:
         return False
+    if deadline < 0:
+        return True  # It may occur at most 0 times, which other checks tell.
     start = activity.start if activity.start is not None else activity.release
     if start + activity.duration_min <= deadline:
         return False

@@ -108,7 +108,9 @@ _BINARY = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"PK\x03\x04", b"%PDF", b"\x1f\
 
 def _encoding_hint(data: bytes) -> str:
     if data.startswith(_BINARY) or b"\x00" in data[:1000]:
-        return "this does not look like a text file; give a task as JSON text"
+        return (
+            "this does not look like a text file; a task is text: JSON, an .irc file or sentences"
+        )
     return "save the file as UTF-8"
 
 

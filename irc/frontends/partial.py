@@ -44,7 +44,7 @@ def further_findings(raw: Mapping[str, Any], found: Findings) -> list[Diagnostic
         again = Findings()
         task = to_task(patched, again)
         if task is not None:
-            report = run_checks(task, lint=False).report
+            report = run_checks(task, lint=False, complete=False).report
             nameless = {field for field in _NAMED if _has_stand_in(patched.get(field))}
             return [d for d in report if not _follows(d, faulty, nameless)]
         faults = again.items

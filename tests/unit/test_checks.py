@@ -495,7 +495,7 @@ STRUCTURE = [
         hint="a renewable resource is named in 'uses'",
     ),
     case(
-        actions(occurs='‸{"min": 0}', reward="5"),
+        actions(', "objective": "maximize_reward"', occurs='‸{"min": 0}', reward="5"),
         "IRC208 /actions/0/occurs",
         says="the reward of action 'a' could be collected without end",
         hint='give "occurs" a "max"',
@@ -722,7 +722,48 @@ TEMPORAL = [
     ),
 ]
 
-CASES = [*SHAPE, *TIMES, *NAMES, *STRUCTURE, *TEMPORAL]
+WORLD = [
+    case(
+        actions(FACT + ',\n "goals": [‸{"var": "v", "value": "done"}]'),
+        "IRC306 /goals/0",
+        says="the goal that 'v' be 'done' cannot be reached: it is 'raw' at first and no effect "
+        "makes it so",
+        hint="let an action's effect make it 'done'; so far it can be 'raw'",
+    ),
+    case(
+        actions(FACT, conditions='[‸{"at": "all", "var": "f"}]'),
+        "IRC306 /actions/0/conditions/0",
+        says="action 'a' needs 'f' to be true throughout, but it is false at first",
+    ),
+    case(
+        actions(
+            FACT + ',\n "goals": [‸{"var": "f", "value": false}]',
+            effects='[{"at": "end", "var": "f"}]',
+        ),
+        "IRC306 /goals/0",
+        says="the goal that 'f' be false cannot hold at the end: action 'a' changes it",
+    ),
+    case(
+        actions(STOCK, consumes='[‸{"resource": "s"}]'),
+        "IRC307 /actions/0/consumes/0",
+        says="action 'a' takes 1 of 's', but there are only 0 and nothing else produces any",
+    ),
+    case(
+        actions(
+            FACT,
+            effects='[{"at": "end", "var": "f"},\n ‸{"at": "end", "var": "f", "value": false}]',
+        ),
+        "IRC308 /actions/0/effects/1",
+        says="action 'a' gives 'f' two values at its end: true and false",
+    ),
+    case(
+        actions(',\n "goals": ["a"]', occurs='‸{"max": 0}'),
+        "IRC309 /actions/0/occurs",
+        says="action 'a' may occur at most 0 times, but a goal requires it",
+    ),
+]
+
+CASES = [*SHAPE, *TIMES, *NAMES, *STRUCTURE, *TEMPORAL, *WORLD]
 
 
 def marked_places(text: str) -> list[tuple[int, int]]:

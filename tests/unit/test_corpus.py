@@ -118,7 +118,7 @@ def test_every_file_of_the_corpus_has_a_row_and_every_row_a_file() -> None:
         if path.is_file() and path != TABLE and path.parent.name != SUPPORT
     }
     assert {row.file for row in ROWS} == files
-    assert len(files) >= 60
+    assert len(files) >= 140
 
 
 @pytest.mark.parametrize(
@@ -127,6 +127,8 @@ def test_every_file_of_the_corpus_has_a_row_and_every_row_a_file() -> None:
         ("several/five_mistakes.json", 5),
         ("several/five_names.json", 5),
         ("several/twelve_mistakes.json", 12),
+        ("dsl/five_mistakes.irc", 5),
+        ("english/six_mistakes.md", 6),
     ],
 )
 def test_as_many_mistakes_are_told_as_were_made(file: str, mistakes: int) -> None:

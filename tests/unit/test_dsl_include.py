@@ -112,6 +112,18 @@ def test_an_include_that_leaves_the_folder_is_refused(tmp_path: Path, name: str)
     assert "secret" not in report.render().replace("on secret", "")
 
 
+def test_whether_there_is_a_file_outside_the_folder_is_not_told(tmp_path: Path) -> None:
+    (tmp_path / "inside").mkdir()
+    (tmp_path / "there.irc").write_text("resource secret\n")
+    messages = {
+        irc.check(files(tmp_path / "inside", task=f'include "../{name}.irc"\nx 1'))
+        .errors[0]
+        .message.replace(name, "")
+        for name in ("there", "nowhere")
+    }
+    assert messages == {"'../.irc' leads out of the task's folder"}
+
+
 @pytest.mark.parametrize("name", ["/etc/passwd", "C:\\\\temp\\\\x.irc", "\\\\\\\\host\\\\x"])
 def test_an_absolute_path_is_refused(tmp_path: Path, name: str) -> None:
     report = irc.check(files(tmp_path, task=f'include "{name}"\nx 1'))

@@ -65,12 +65,14 @@ class Library:
             raise refuse(f"{name!r} was not there when the task was read")
         try:
             root = self.folder.resolve(strict=True)
-            path = ((beside or root).joinpath(*PurePosixPath(name).parts)).resolve(strict=True)
+            # Before anything is looked for, so that nobody learns what there is outside.
+            path = ((beside or root).joinpath(*PurePosixPath(name).parts)).resolve()
             if not path.is_relative_to(root):
                 raise refuse(
                     f"{name!r} leads out of the task's folder",
                     "an included file must be in the folder of the task, or below it",
                 )
+            path = path.resolve(strict=True)
             if not path.is_file():
                 raise refuse(f"{name!r} is not a file")
             found = Included(self._read(path, root, name, refuse), path)

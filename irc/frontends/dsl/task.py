@@ -39,7 +39,7 @@ def dsl_task(text: str, name: str = "<text>", path: Path | None = None) -> DslTa
     elif reading.faults:
         from irc.checks import run_checks
 
-        more = list(run_checks(task, lint=False).report)
+        more = list(run_checks(task, lint=False, complete=False).report)
     else:
         more = []
     findings.items += [d for d in more if not _follows(d, reading)]

@@ -1,0 +1,50 @@
+"""Facts about state variables where they are written, for checks to show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from irc.model import Task
+from irc.problem import Activity
+from irc.source import Pointer
+
+
+@dataclass(frozen=True, slots=True)
+class ShownFact:
+    """`var` is, becomes or shall be `value`; `at` is empty for a goal."""
+
+    at: str
+    var: str
+    value: bool | str
+    pointer: Pointer
+
+    @property
+    def key(self) -> tuple[type, bool | str]:
+        """The value, with true and "true" told apart."""
+        return type(self.value), self.value
+
+
+def fact_places(
+    task: Task, activity: Activity, field: Literal["conditions", "effects"]
+) -> list[ShownFact]:
+    """The conditions or effects of an action as they were written, in their order."""
+    facts = getattr(task.actions[int(activity.origin[1])], field)
+    return [
+        ShownFact(fact.at, fact.var, fact.value, (*activity.origin, field, k))
+        for k, fact in enumerate(facts)
+    ]
+
+
+def goal_places(task: Task) -> list[ShownFact]:
+    """The goals that are about state variables."""
+    return [
+        ShownFact("", goal.var, goal.value, ("goals", k))
+        for k, goal in enumerate(task.goals)
+        if not isinstance(goal, str)
+    ]
+
+
+def shown_value(value: bool | str) -> str:
+    """A value in a message: true and false as JSON writes them, text in quotes."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)

@@ -1,0 +1,217 @@
+"""Reservoirs that cannot hold what must be taken from them or put into them, in any order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irc.checks.required import greatest_occurrences, least_occurrences
+from irc.diagnostics import Code, Findings
+from irc.model import Task
+from irc.problem import Activity, Problem, Reservoir, StockChange
+from irc.source import Pointer
+
+_UNLIMITED = float("inf")
+
+
+@dataclass
+class _Totals:
+    """Of one reservoir, over the whole schedule.
+
+    `highest` and `lowest`: the level at the end at best and at worst for what may and must occur.
+    `made` and `taken`: all that could ever be put in, and taken out.
+    """
+
+    highest: float
+    lowest: float
+    made: float = 0
+    taken: float = 0
+
+
+def check_stock(task: Task, problem: Problem, required: frozenset[int], findings: Findings) -> None:
+    """Adds reservoirs, and required actions, for which no order of events keeps the level right."""
+    totals = [_Totals(r.initial, r.initial) for r in problem.reservoirs]
+    for i, activity in enumerate(problem.activities):
+        _count(activity, i in required, totals)
+    told: set[int] = set()
+    for i in sorted(required):
+        _check_single(task, problem, i, totals, told, findings)
+    for k, reservoir in enumerate(problem.reservoirs):
+        if k not in told:
+            _check_sum(problem, k, reservoir, totals[k], required, findings)
+
+
+def _count(activity: Activity, is_required: bool, totals: list[_Totals]) -> None:
+    if not activity.details.stock:
+        return
+    greatest = greatest_occurrences(activity)
+    most = _UNLIMITED if greatest is None else greatest
+    least = min(max(least_occurrences(activity), int(is_required)), most)
+    net: dict[int, int] = {}
+    for change in activity.details.stock:
+        total = totals[change.reservoir]
+        net[change.reservoir] = net.get(change.reservoir, 0) + change.amount
+        if change.amount > 0:
+            total.made += _times(most, change.amount)
+        else:
+            total.taken += _times(most, -change.amount)
+    for k, amount in net.items():
+        ends = (_times(least, amount), _times(most, amount))
+        totals[k].highest += max(ends)
+        totals[k].lowest += min(ends)
+
+
+def _times(count: float, amount: int) -> float:
+    """(As often as one likes nothing is still nothing.)"""
+    return count * amount if count and amount else 0
+
+
+def _check_single(
+    task: Task,
+    problem: Problem,
+    i: int,
+    totals: list[_Totals],
+    told: set[int],
+    findings: Findings,
+) -> None:
+    """One action, given all that any other could bring about before it."""
+    activity = problem.activities[i]
+    most = greatest_occurrences(activity)
+    if not activity.details.stock or most is None or most == 0:
+        return
+    for k in sorted({change.reservoir for change in activity.details.stock}):
+        own = [c for c in activity.details.stock if c.reservoir == k]
+        made = sum(c.amount for c in own if c.amount > 0)
+        taken = -sum(c.amount for c in own if c.amount < 0)
+        reservoir = problem.reservoirs[k]
+        # What it makes or takes itself counts for its other occurrences only.
+        highest = reservoir.initial + totals[k].made - made
+        lowest = reservoir.initial - totals[k].taken + taken
+        for change in _levels(activity, own):
+            if highest + change < reservoir.least:
+                told.add(k)
+                _tell_lack(task, activity, reservoir, highest, -change, findings)
+                break
+            if reservoir.greatest is not None and lowest + change > reservoir.greatest:
+                told.add(k)
+                _tell_excess(task, activity, reservoir, lowest, change, findings)
+                break
+
+
+def _levels(activity: Activity, own: list[StockChange]) -> list[int]:
+    """By how much it has changed the level after its start, and after its end."""
+    whole = sum(c.amount for c in own)
+    if activity.duration_min == 0:
+        # Its two ends may be one instant, of which only the sum counts.
+        return [whole]
+    return [sum(c.amount for c in own if not c.at_end), whole]
+
+
+def _tell_lack(
+    task: Task,
+    activity: Activity,
+    reservoir: Reservoir,
+    highest: float,
+    needs: int,
+    findings: Findings,
+) -> None:
+    there = (
+        f"there are only {reservoir.initial} and nothing else produces any"
+        if highest == reservoir.initial
+        else f"there can never be more than {highest}, with all that could be produced"
+    )
+    findings.add(
+        Code.STOCK,
+        f"action {activity.id!r} takes {needs} of {reservoir.id!r}, but {there}{_floor(reservoir)}",
+        _place(task, activity, "consumes", reservoir.id),
+        hint='raise "initial", let an action produce more, or let this one consume less',
+    )
+
+
+def _tell_excess(
+    task: Task,
+    activity: Activity,
+    reservoir: Reservoir,
+    lowest: float,
+    puts: int,
+    findings: Findings,
+) -> None:
+    there = (
+        f"already has {reservoir.initial}, of which nothing else takes any"
+        if lowest == reservoir.initial
+        else f"can never have less than {lowest}, with all that could be consumed"
+    )
+    findings.add(
+        Code.STOCK,
+        f"action {activity.id!r} puts {puts} into {reservoir.id!r}, which holds at most "
+        f"{reservoir.greatest} and {there}",
+        _place(task, activity, "produces", reservoir.id),
+        hint='raise "max", lower "initial", or let this action produce less',
+    )
+
+
+def _check_sum(
+    problem: Problem,
+    k: int,
+    reservoir: Reservoir,
+    total: _Totals,
+    required: frozenset[int],
+    findings: Findings,
+) -> None:
+    """All that must occur, with the best of what may."""
+    if total.highest < reservoir.least:
+        takers, sum_taken = _parties(problem, k, required, -1)
+        made = sum_taken + total.highest - reservoir.initial
+        produced = f" and {made} can be produced" if made else ""
+        findings.add(
+            Code.STOCK,
+            f"{takers} take {sum_taken} of {reservoir.id!r} in all, "
+            f"but it starts with {reservoir.initial}{produced}{_floor(reservoir)}",
+            (*reservoir.origin, "initial"),
+            hint=f'"initial" must be at least '
+            f"{reservoir.initial + reservoir.least - total.highest}, "
+            "or more must be produced",
+        )
+    elif reservoir.greatest is not None and total.lowest > reservoir.greatest:
+        makers, sum_made = _parties(problem, k, required, 1)
+        taken = sum_made + reservoir.initial - total.lowest
+        consumed = f"; {taken} can be consumed" if taken else ""
+        findings.add(
+            Code.STOCK,
+            f"{makers} put {sum_made} into {reservoir.id!r} in all, which starts with "
+            f"{reservoir.initial} and holds at most {reservoir.greatest}{consumed}",
+            (*reservoir.origin, "max"),
+            hint=f'"max" must be at least {total.lowest}, or more must be consumed',
+        )
+
+
+def _floor(reservoir: Reservoir) -> str:
+    return f", and it must not fall below {reservoir.least}" if reservoir.least else ""
+
+
+_MOST_NAMED = 4
+
+
+def _parties(problem: Problem, k: int, required: frozenset[int], sign: int) -> tuple[str, int]:
+    """The required activities that take from (-1) or put into (1) a reservoir, and how much."""
+    names: list[str] = []
+    amount = 0
+    for i in sorted(required):
+        activity = problem.activities[i]
+        net = sum(c.amount for c in activity.details.stock if c.reservoir == k)
+        if net * sign > 0:
+            names.append(repr(activity.id))
+            amount += net * sign * max(1, least_occurrences(activity))
+    if len(names) == 1:
+        return f"the occurrences of action {names[0]}", amount
+    if len(names) > _MOST_NAMED:
+        return f"{len(names)} actions ({', '.join(names[:_MOST_NAMED])}, …)", amount
+    return f"the actions {', '.join(names[:-1])} and {names[-1]}", amount
+
+
+def _place(task: Task, activity: Activity, field: str, reservoir: str) -> Pointer:
+    """Where an action names a reservoir in what it consumes or produces."""
+    action = task.actions[int(activity.origin[1])]
+    for j, change in enumerate(getattr(action, field)):
+        if change.resource == reservoir:
+            return (*activity.origin, field, j)
+    return activity.origin
