@@ -1,4 +1,4 @@
-"""A tiny client of the Language Server Protocol, for tests and measurements: it starts `irc lsp`."""
+"""A tiny client of the Language Server Protocol that starts `irc lsp`: to test and to measure."""
 
 from __future__ import annotations
 
@@ -66,9 +66,7 @@ class Client:
 
     def notify(self, method: str, params: Any) -> None:
         """A message that has no answer."""
-        self.send_raw(
-            json.dumps({"jsonrpc": "2.0", "method": method, "params": params}).encode()
-        )
+        self.send_raw(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}).encode())
 
     def post(self, method: str, params: Any) -> int:
         """A request; its answer is not waited for."""
@@ -141,9 +139,11 @@ class Client:
         """What is published about the newest version of a text."""
         version = self._versions[uri]
         found = self.wait(
-            lambda m: m.get("method") == "textDocument/publishDiagnostics"
-            and m["params"]["uri"] == uri
-            and m["params"].get("version") == version
+            lambda m: (
+                m.get("method") == "textDocument/publishDiagnostics"
+                and m["params"]["uri"] == uri
+                and m["params"].get("version") == version
+            )
         )
         return list(found["params"]["diagnostics"])
 

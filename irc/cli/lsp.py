@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from importlib.util import find_spec
@@ -18,6 +19,8 @@ def run_server() -> None:
             "the language server needs the extra `lsp`: pip install 'irc-compiler[lsp]'",
             Format.text,
         )
+    # Other commands end before rubbish matters; this one stays.
+    gc.set_threshold(20_000, 10, 10)
     # Nothing is to be put in order, and a thread that waits for input cannot be woken.
     signal.signal(signal.SIGTERM, lambda number, _frame: os._exit(128 + number))
     from irc.lsp.server import serve_standard_streams

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from lsprotocol import types
@@ -119,8 +118,3 @@ def symbol(entry: Entry, lines: Lines, lead: int) -> types.DocumentSymbol:
 def hover(paragraphs: list[str], place: types.Range, kind: types.MarkupKind) -> types.Hover:
     """What is shown over a place."""
     return types.Hover(types.MarkupContent(kind, "\n\n".join(paragraphs)), place)
-
-
-def said(error: Exception) -> str:
-    """An error of ours on one line, for the editor's log."""
-    return json.dumps(f"{type(error).__name__}: {error}", ensure_ascii=False)

@@ -216,9 +216,12 @@ def about_pool(name: str, members: list[str], mark: Mark) -> list[str]:
 
 def about_code(code: Code) -> list[str]:
     """What `irc explain-code` says of a diagnostic, without its examples."""
-    entry = load_catalogue()[code.id]
+    entry = load_catalogue().get(code.id)
+    head = f"{code.id}: {code.summary}"
+    if entry is None:
+        return [head]
     return [
-        f"{code.id}: {code.summary}",
+        head,
         entry.explanation,
         f"What to do: {entry.remedy}.",
         f"`irc explain-code {code.id}` shows examples.",

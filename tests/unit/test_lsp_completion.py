@@ -183,9 +183,7 @@ def test_values_of_json_are_those_that_can_stand_there(here: str, expected: set[
          {"finish-start", "start-start", "finish-finish", "start-finish"}),
     ],
 )  # fmt: skip
-def test_references_of_json_are_completed(
-    found: str, replaced: str, expected: set[str]
-) -> None:
+def test_references_of_json_are_completed(found: str, replaced: str, expected: set[str]) -> None:
     assert json_labels("", SOUP.replace(found, replaced)) == expected
 
 

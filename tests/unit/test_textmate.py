@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from dsl_kitchen import KITCHEN
 from irc.frontends.dsl.lexer import (
     CHANGE_PHRASES,
     CLAUSE_WORDS,
@@ -27,32 +28,6 @@ from irc_grammars import read_grammar
 ROOT = Path(__file__).resolve().parents[2]
 GRAMMAR = json.loads((ROOT / "grammars/textmate/irc.tmLanguage.json").read_text("utf-8"))
 REPOSITORY = GRAMMAR["repository"]
-
-KITCHEN = """\
-# a kitchen
-task "rested combo"
-unit min
-days per month 30
-resource grill, board capacity 2 label "the board"
-stock flour initial 3 within 0 .. 10
-pool robots = r1, r2
-state chicken = raw, grilled initial raw
-include "more.irc"
-for item in lettuce, cucumber:
-    cut {item} 3s on board by robots
-grill chicken 1 h 30 min .. 2h  on grill * 1 needs chicken = raw at start sets chicken = grilled
-rest 0.5h occurs 0 .. 2 after grill chicken + 3 .. 20, end of cut lettuce starts at 2026-01-01T08:00
-grill chicken -> start of rest
-goal chicken = grilled
-deadline 40
-minimize makespan, cost
-event late at PT5M:
-    add wash 3 min
-    add: resource r3
-    set capacity of grill = 0 during 1 .. 2
-    set deadline of action rest = none
-    observe rest started 5
-"""
 
 
 def regexes(node: Any) -> Iterator[str]:
