@@ -364,6 +364,13 @@ def schema() -> None:
     put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})
 
 
+def lsp() -> None:
+    """Serve an editor: the language server, over standard input and output."""
+    from irc.cli.lsp import run_server
+
+    run_server()
+
+
 _COMMANDS = (
     check,
     compile_,
@@ -376,4 +383,5 @@ _COMMANDS = (
     explain_code,
     targets,
     schema,
+    lsp,
 )

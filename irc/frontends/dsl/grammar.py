@@ -105,3 +105,16 @@ def parse_statement(tokens: Sequence[Lexeme], start: Start = "statement") -> Tre
         return _parser().parse(tokens, start=start)
     except UnexpectedToken as error:
         raise unexpected(error, tokens) from None
+
+
+def accepted(tokens: Sequence[Lexeme], start: Start = "statement") -> frozenset[str]:
+    """The kinds of tokens that can follow these; none where no statement begins with them."""
+    from lark.exceptions import UnexpectedToken
+
+    parser = _parser().parse_interactive(start=start)
+    try:
+        for token in tokens:
+            parser.feed_token(token)  # type: ignore[arg-type]
+    except UnexpectedToken:
+        return frozenset()
+    return frozenset(parser.accepts())  # type: ignore[no-untyped-call]

@@ -1,0 +1,110 @@
+"""What irc makes of one state of a text: the findings of `irc check`, and all that was read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from irc.checks import run_checks
+from irc.diagnostics import Findings, InputError, Report
+from irc.frontends.language import Language, language_of
+from irc.frontends.shape import to_task
+from irc.model import Task
+from irc.problem import Problem
+from irc.source import Source
+
+MOST_CHARACTERS = 8_000_000
+"""A longer text is not checked while it is typed."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """The findings about a text, located, and what of it could be read.
+
+    `content` is the document as the IR's JSON has it, whatever language it was written in; it may
+    have faults of shape. `task` and `problem` are there if it has none. Offsets of `source` are
+    those of the text without its byte-order mark, which is `lead` characters long.
+    """
+
+    language: Language
+    report: Report
+    content: Mapping[str, Any] | None = None
+    source: Source | None = None
+    task: Task | None = None
+    problem: Problem | None = None
+    lead: int = 0
+    too_long: bool = False
+
+    @cached_property
+    def sound(self) -> Problem | None:
+        """The lowered task, if no error was found in it."""
+        return self.problem if self.report.ok else None
+
+
+def analyse(text: str, name: str, path: Path | None) -> Analysis:
+    """Reads and checks a text as `irc check` does. Never raises for what stands in it."""
+    if len(text) > MOST_CHARACTERS:
+        return Analysis("json", Report(), too_long=True)
+    language = language_of(text, name)
+    read = {"dsl": _dsl, "english": _english, "json": _json}[language]
+    found = read(text, name, path)
+    lead = len(text) - len(found.source.text) if found.source is not None else 0
+    return Analysis(
+        language,
+        found.report.located(),
+        found.content,
+        found.source,
+        found.task,
+        found.problem,
+        lead,
+    )
+
+
+def _dsl(text: str, name: str, path: Path | None) -> Analysis:
+    from irc.frontends.dsl.task import dsl_task
+
+    found = dsl_task(text, name, path)
+    reading = found.reading
+    if found.task is None or not found.report.ok:
+        return Analysis("dsl", found.report, reading.document, reading.source, found.task)
+    return _checked("dsl", found.task, found.report, reading.document, reading.source)
+
+
+def _english(text: str, name: str, _path: Path | None) -> Analysis:
+    from irc.frontends.english.reader import read_english
+
+    return _raw("english", read_english, text, name)
+
+
+def _json(text: str, name: str, _path: Path | None) -> Analysis:
+    from irc.frontends.json_document import read_document
+
+    return _raw("json", read_document, text, name)
+
+
+def _raw(language: Language, read: Any, text: str, name: str) -> Analysis:
+    try:
+        document = read(text, name)
+    except InputError as error:
+        return Analysis(language, error.report, source=error.report.source)
+    findings = Findings(list(document.notes.items))
+    task = to_task(document.content, findings)
+    if task is None:
+        from irc.frontends.partial import further_findings
+
+        findings.items += further_findings(document.content, findings)
+        report = Report(tuple(findings.items), document.source)
+        return Analysis(language, report, document.content, document.source)
+    task.with_source(document.source)
+    report = Report(tuple(findings.items), document.source)
+    return _checked(language, task, report, document.content, document.source)
+
+
+def _checked(
+    language: Language, task: Task, earlier: Report, content: Mapping[str, Any], source: Source
+) -> Analysis:
+    checked = run_checks(task, earlier.diagnostics)
+    return Analysis(language, checked.report, content, source, task, checked.problem)

@@ -1,0 +1,158 @@
+"""Every place of a document where something is declared or referred to, by pointer.
+
+Works on the plain document of any language, whatever shape it is in: what is not of the IR's shape
+is passed over, for the checks tell of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from irc.source import Pointer
+
+
+class Kind(StrEnum):
+    """What a name names."""
+
+    ACTION = "action"
+    RESOURCE = "resource"
+    VARIABLE = "state variable"
+    VALUE = "value"
+    GROUP = "group"
+
+
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """A name in a document. Of a value, `owner` is its state variable."""
+
+    kind: Kind
+    name: str
+    pointer: Pointer
+    declares: bool = False
+    owner: str | None = None
+
+
+def mentions(document: Mapping[str, Any]) -> Iterator[Mention]:
+    """All mentions of a document."""
+    yield from _parts(document, ())
+    for at, event in _objects(document, "events", ()):
+        for pointer, change in _objects(event, "changes", at):
+            yield from _parts(change, pointer)
+            yield from _change(change, pointer)
+
+
+def _parts(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    """The arrays that a task and the changes of an event both may hold."""
+    for pointer, resource in _objects(holder, "resources", at):
+        yield from _name(resource, "id", pointer, Kind.RESOURCE, declares=True)
+    for pointer, variable in _objects(holder, "state", at):
+        yield from _variable(variable, pointer)
+    for pointer, action in _objects(holder, "actions", at):
+        yield from _action(action, pointer)
+    for key in ("precedence", "dependencies"):
+        for pointer, arc in _items(holder, key, at):
+            yield from _arc(arc, pointer)
+    for pointer, group in _objects(holder, "groups", at):
+        yield from _name(group, "id", pointer, Kind.GROUP, declares=True)
+        yield from _names(group, "actions", pointer, Kind.ACTION)
+    for pointer, goal in _items(holder, "goals", at):
+        if isinstance(goal, str):
+            yield Mention(Kind.ACTION, goal, pointer)
+        elif isinstance(goal, Mapping):
+            yield from _fact(goal, pointer)
+
+
+def _action(action: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    yield from _name(action, "id", at, Kind.ACTION, declares=True)
+    yield from _uses(action, at)
+    for pointer, mode in _objects(action, "modes", at):
+        yield from _uses(mode, pointer)
+    for key in ("consumes", "produces"):
+        for pointer, stock in _objects(action, key, at):
+            yield from _name(stock, "resource", pointer, Kind.RESOURCE)
+    for key in ("conditions", "effects"):
+        for pointer, fact in _objects(action, key, at):
+            yield from _fact(fact, pointer)
+
+
+def _uses(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    for pointer, use in _objects(holder, "uses", at):
+        yield from _name(use, "resource", pointer, Kind.RESOURCE)
+        yield from _names(use, "one_of", pointer, Kind.RESOURCE)
+
+
+def _variable(variable: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    yield from _name(variable, "id", at, Kind.VARIABLE, declares=True)
+    owner = variable.get("id")
+    if not isinstance(owner, str):
+        return
+    for pointer, value in _items(variable, "values", at):
+        if isinstance(value, str):
+            yield Mention(Kind.VALUE, value, pointer, True, owner)
+    initial = variable.get("initial")
+    if isinstance(initial, str):
+        yield Mention(Kind.VALUE, initial, (*at, "initial"), owner=owner)
+
+
+def _fact(fact: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    yield from _name(fact, "var", at, Kind.VARIABLE)
+    owner, value = fact.get("var"), fact.get("value")
+    if isinstance(owner, str) and isinstance(value, str):
+        yield Mention(Kind.VALUE, value, (*at, "value"), owner=owner)
+
+
+_ENDS = ("before", "after", "predecessor", "successor")
+
+
+def _arc(arc: Any, at: Pointer) -> Iterator[Mention]:
+    if isinstance(arc, Mapping):
+        for key in _ENDS:
+            yield from _name(arc, key, at, Kind.ACTION)
+    elif isinstance(arc, (list, tuple)):
+        for i, end in enumerate(arc[:2]):
+            if isinstance(end, str):
+                yield Mention(Kind.ACTION, end, (*at, i))
+
+
+def _change(change: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    """What the typed operations of events refer to beside the parts they add."""
+    if change.get("op") == "cancel_actions":
+        yield from _names(change, "actions", at, Kind.ACTION)
+    if change.get("op") == "cancel_groups":
+        yield from _names(change, "groups", at, Kind.GROUP)
+    yield from _name(change, "action", at, Kind.ACTION)
+    yield from _name(change, "group", at, Kind.GROUP)
+    yield from _name(change, "resource", at, Kind.RESOURCE)
+    yield from _fact(change, at)
+
+
+def _items(holder: Mapping[str, Any], key: str, at: Pointer) -> Iterator[tuple[Pointer, Any]]:
+    listed = holder.get(key)
+    if isinstance(listed, (list, tuple)):
+        for i, item in enumerate(listed):
+            yield (*at, key, i), item
+
+
+def _objects(
+    holder: Mapping[str, Any], key: str, at: Pointer
+) -> Iterator[tuple[Pointer, Mapping[str, Any]]]:
+    for pointer, item in _items(holder, key, at):
+        if isinstance(item, Mapping):
+            yield pointer, item
+
+
+def _name(
+    holder: Mapping[str, Any], key: str, at: Pointer, kind: Kind, *, declares: bool = False
+) -> Iterator[Mention]:
+    said = holder.get(key)
+    if isinstance(said, str):
+        yield Mention(kind, said, (*at, key), declares)
+
+
+def _names(holder: Mapping[str, Any], key: str, at: Pointer, kind: Kind) -> Iterator[Mention]:
+    for pointer, item in _items(holder, key, at):
+        if isinstance(item, str):
+            yield Mention(kind, item, pointer)

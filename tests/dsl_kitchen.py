@@ -1,0 +1,27 @@
+"""A text of the DSL that says a little of everything, for tests of editor support."""
+
+KITCHEN = """\
+# a kitchen
+task "rested combo"
+unit min
+days per month 30
+resource grill, board capacity 2 label "the board"
+stock flour initial 3 within 0 .. 10
+pool robots = r1, r2
+state chicken = raw, grilled initial raw
+include "more.irc"
+for item in lettuce, cucumber:
+    cut {item} 3s on board by robots
+grill chicken 1 h 30 min .. 2h  on grill * 1 needs chicken = raw at start sets chicken = grilled
+rest 0.5h occurs 0 .. 2 after grill chicken + 3 .. 20, end of cut lettuce starts at 2026-01-01T08:00
+grill chicken -> start of rest
+goal chicken = grilled
+deadline 40
+minimize makespan, cost
+event late at PT5M:
+    add wash 3 min
+    add: resource r3
+    set capacity of grill = 0 during 1 .. 2
+    set deadline of action rest = none
+    observe rest started 5
+"""
