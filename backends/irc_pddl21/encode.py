@@ -80,6 +80,8 @@ class Grounded:
     planner_only: dict[str, str] = field(default_factory=dict)
     tokens: dict[str, str] = field(default_factory=dict)
     state: dict[str, str] = field(default_factory=dict)
+    beyond: tuple[str, ...] = ()
+    """Objectives that the metric of the text does not speak of."""
 
 
 def encode(problem: Problem, epsilon: Fraction = EPSILON) -> Grounded:
@@ -136,6 +138,8 @@ def names_of(grounded: Grounded) -> dict[str, Any]:
     }
     if grounded.state:
         names["state"] = grounded.state
+    if grounded.beyond:
+        names["objectives_beyond_the_metric"] = list(grounded.beyond)
     return names
 
 
@@ -365,7 +369,8 @@ class _Encoder:
 
         A group is worth its reward when its first member is there, for then all are.
         """
-        first = self.problem.objectives[0] if self.problem.objectives else "makespan"
+        first = self.problem.objectives[0]
+        self.out.beyond = self.problem.objectives[1:]
         worth: dict[int, int] = {}
         if first == "reward":
             worth = {i: a.details.reward for i, a in enumerate(self.problem.activities)}
