@@ -22,7 +22,6 @@ and weights are whole).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil
 from typing import Any
@@ -31,13 +30,15 @@ from irc.backend import Refusal
 from irc.passes.restrict import drop_ample_stock, settle_presence
 from irc.problem import Activity, Problem
 from irc_pddl21.domain import Change, Comparison, Encoding, Operator, TimedLiteral
+from irc_pddl21.grounded import Grounded, Meaning, names_of
 from irc_pddl21.names import NameTable
 from irc_pddl21.occurrences import Absence, Occurrences, absences, occurrences_of
 from irc_pddl21.orders import Point, sort_constraints
 from irc_pddl21.state import StateFacts, contradicts_itself
 from irc_pddl21.stock import Stock
-from irc_pddl21.variants import MAX_VARIANTS as MAX_VARIANTS
-from irc_pddl21.variants import Units, Variant, resources_by_counter, span_of, variants_of
+from irc_pddl21.units import MAX_VARIANTS as MAX_VARIANTS
+from irc_pddl21.units import span_of, units_of
+from irc_pddl21.variants import Variant, variants_of
 
 DOMAIN_FILE, PROBLEM_FILE = "domain.pddl", "problem.pddl"
 
@@ -49,39 +50,6 @@ ENDLESS = 64
 (A plan with more of them may miss a limit by an epsilon; what cannot be re-timed is not used.)"""
 
 _GREATEST_SCALE = 10_000
-
-
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What an operator stands for: an action, its mode, the shared resource of each use."""
-
-    action: str
-    mode: str | None = None
-    uses: tuple[tuple[int, str], ...] = ()
-
-    def as_json(self) -> dict[str, Any]:
-        """As it stands in the manifest."""
-        shown: dict[str, Any] = {"action": self.action}
-        if self.mode is not None:
-            shown["mode"] = self.mode
-        if self.uses:
-            shown["uses"] = {str(use): resource for use, resource in self.uses}
-        return shown
-
-
-@dataclass
-class Grounded:
-    """An encoding with the meaning of its names."""
-
-    encoding: Encoding
-    scale: int
-    slack: int
-    actions: dict[str, Meaning] = field(default_factory=dict)
-    planner_only: dict[str, str] = field(default_factory=dict)
-    tokens: dict[str, str] = field(default_factory=dict)
-    state: dict[str, str] = field(default_factory=dict)
-    beyond: tuple[str, ...] = ()
-    """Objectives that the metric of the text does not speak of."""
 
 
 def encode(problem: Problem, epsilon: Fraction = EPSILON) -> Grounded:
@@ -100,47 +68,6 @@ def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]
         PROBLEM_FILE: grounded.encoding.problem_text(),
     }
     return files, names_of(grounded)
-
-
-_FACTS = {
-    "todo_*": "the action has not started",
-    "begun_*": "the action has started",
-    "done_*": "the action has ended",
-    "lag_*": "the minimum lag after that point is over",
-    "after_*, during_*": "the envelope of a maximum lag has begun, still runs",
-    "free_*": "this unit of the resource is free",
-    "open_*, released_*": "the time window is not closed yet, has opened",
-}
-_FURTHER_FACTS = {
-    "is_*": "the state variable has the value",
-    "here_*": "this unit of the resource is not away",
-    "idle_*": "no occurrence of the action is running",
-}
-
-
-def names_of(grounded: Grounded) -> dict[str, Any]:
-    """What stands in the manifest, and all that decoding needs."""
-    facts = grounded.encoding.facts
-    names: dict[str, Any] = {
-        "planner_units_per_tick": grounded.scale,
-        "slack": grounded.slack,
-        "actions": {name: meaning.as_json() for name, meaning in grounded.actions.items()},
-        "planner_only": grounded.planner_only,
-        "tokens": grounded.tokens,
-        "facts": {
-            **_FACTS,
-            **{
-                pattern: meaning
-                for pattern, meaning in _FURTHER_FACTS.items()
-                if any(fact.startswith(pattern[:-1]) for fact in facts)
-            },
-        },
-    }
-    if grounded.state:
-        names["state"] = grounded.state
-    if grounded.beyond:
-        names["objectives_beyond_the_metric"] = list(grounded.beyond)
-    return names
 
 
 class _Encoder:
@@ -199,7 +126,7 @@ class _Encoder:
         self._lags()
         self._envelopes()
         self._windows()
-        self.units = self._resources()
+        self.units = units_of(self.problem, self.names, self.out)
         self.state = StateFacts(self.problem, self.names)
         self.encoding.facts += self.state.facts.values()
         self.encoding.initial += self.state.initial
@@ -313,56 +240,6 @@ class _Encoder:
             literal = TimedLiteral(time * self.scale + self.slack, closed[time], False)
             self.encoding.timed.append(literal)
         return closed[time]
-
-    def _resources(self) -> Units:
-        """Token facts for each contended resource; counters where tokens multiply."""
-        units = Units()
-        for r in resources_by_counter(self.problem):
-            name = self.names.new(f"left_of_{self.problem.shared[r].id}")
-            units.counters[r] = name
-            self.encoding.counters[name] = self.problem.shared[r].capacity
-            self.out.tokens[name] = f"units of {self.problem.shared[r].id!r} left"
-        for r in sorted(
-            {r for a in self.problem.activities for c in a.claims for r in c.alternatives}
-        ):
-            if r in units.counters:
-                continue
-            shared = self.problem.shared[r]
-            units.tokens[r] = [
-                self._fact(self.names.new(f"free_{shared.id}_{k + 1}"), initially=True)
-                for k in range(shared.capacity)
-            ]
-            for token in units.tokens[r]:
-                self.out.tokens[token] = f"a unit of {shared.id!r}"
-            self._calendar(r, units)
-        return units
-
-    def _calendar(self, r: int, units: Units) -> None:
-        """The k-th unit is there while the capacity is at least k; units gone together share a
-        fact. What it takes away is a slack late: an action may end when its unit goes.
-        """
-        shared = self.problem.shared[r]
-        base = shared.capacity if shared.base is None else shared.base
-        steps: list[tuple[int, int]] = [(0, base)]
-        for window in shared.windows:
-            if window.start <= steps[-1][0]:
-                steps[-1] = (window.start, window.capacity)
-            else:
-                steps.append((window.start, window.capacity))
-            steps.append((window.end, base))
-        facts: dict[tuple[bool, ...], str] = {}
-        for k, token in enumerate(units.tokens[r], start=1):
-            there = tuple(capacity >= k for _, capacity in steps)
-            if all(there):
-                continue
-            if there not in facts:
-                fact = self._fact(self.names.new(f"here_{token[5:]}"), initially=there[0])
-                facts[there] = fact
-                for n in range(1, len(steps)):
-                    if there[n] != there[n - 1]:
-                        time = steps[n][0] * self.scale + (0 if there[n] else self.slack)
-                        self.encoding.timed.append(TimedLiteral(time, fact, there[n]))
-            units.here[token] = facts[there]
 
     def _worth(self) -> dict[int, int]:
         """What each occurrence adds to the counter of the first objective, if that is one.

@@ -33,7 +33,8 @@ from irc.process import CommandNotFound, Ended, ProcessLimits, ProcessResult, ru
 from irc.retime import AnswerError
 from irc.schedule import Schedule, Status
 from irc_pddl21.decode import Accept, best_of
-from irc_pddl21.encode import DOMAIN_FILE, EPSILON, PROBLEM_FILE, encode, names_of
+from irc_pddl21.encode import DOMAIN_FILE, EPSILON, PROBLEM_FILE, encode
+from irc_pddl21.grounded import names_of
 from irc_pddl21.plan_reader import read_plans
 from irc_pddl21.worth import worth_of
 
@@ -119,7 +120,8 @@ class _Watcher:
 
 def accepted_by(program: Program) -> Accept | None:
     """The validator's word on a schedule; None where re-timing already leaves nothing to judge."""
-    if program.problem.is_plain:
+    problem = program.problem
+    if problem.is_plain and not any(resource.windows for resource in problem.resources):
         return None
     from irc.validation import validate
 

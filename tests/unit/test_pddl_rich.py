@@ -13,7 +13,8 @@ from irc.pipeline import compile_task
 from irc.retime import AnswerError
 from irc.validation import validate
 from irc_pddl21.domain import Comparison, Operator
-from irc_pddl21.encode import Grounded, encode
+from irc_pddl21.encode import encode
+from irc_pddl21.grounded import Grounded
 
 Document = dict[str, Any]
 
