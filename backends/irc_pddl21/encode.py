@@ -52,12 +52,14 @@ ENDLESS = 64
 _GREATEST_SCALE = 10_000
 
 
-def encode(problem: Problem, epsilon: Fraction = EPSILON) -> Grounded:
+def encode(problem: Problem, epsilon: Fraction = EPSILON, *, loose: bool = False) -> Grounded:
     """The problem as operators and facts, for planners with the given epsilon.
+
+    `loose`: with actions that are shorter by the slack; see `irc_pddl21.loose`.
 
     Raises `Refusal` where an activity has too many ways to be carried out, or none.
     """
-    return _Encoder(drop_ample_stock(settle_presence(problem)), epsilon).run()
+    return _Encoder(drop_ample_stock(settle_presence(problem)), epsilon, loose=loose).run()
 
 
 def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
@@ -71,8 +73,9 @@ def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]
 
 
 class _Encoder:
-    def __init__(self, problem: Problem, epsilon: Fraction) -> None:
+    def __init__(self, problem: Problem, epsilon: Fraction, *, loose: bool) -> None:
         self.problem = problem
+        self.loose = loose
         self.names = NameTable()
         self.encoding = Encoding()
         order = sorted(
@@ -90,7 +93,7 @@ class _Encoder:
         for arc in waits:
             self.waits.setdefault((arc.frm, arc.lag), []).append(arc.to)
         self.scale, self.slack = self._scale(epsilon)
-        self.out = Grounded(self.encoding, self.scale, self.slack)
+        self.out = Grounded(self.encoding, self.scale, self.slack, loose=loose)
         self.begun: set[int] = set()
         self.lag_facts: dict[int, list[str]] = {}
         self.conditions: list[list[str]] = [[] for _ in range(2 * len(order))]
@@ -103,6 +106,9 @@ class _Encoder:
             or self._has_calendar(a)
             for i, a in enumerate(self.problem.activities)
         )
+        if self.loose:
+            # Every action is one, and times are rounded to the nearest tick.
+            closings = 2 * (closings + len(self.problem.activities))
         if not closings:
             return 1, 0
         operators = sum(
@@ -358,7 +364,7 @@ class _Encoder:
             self.encoding.operators.append(
                 Operator(
                     name,
-                    (span[0] * self.scale, span[1] * self.scale) if span[1] else None,
+                    self._lasting(span) if span[1] else None,
                     at_start=[
                         *at_start,
                         *self.conditions[2 * i],
@@ -392,6 +398,14 @@ class _Encoder:
                     for claim, r in zip(variant.claims, variant.resources, strict=True)
                 ),
             )
+
+    def _lasting(self, span: tuple[int, int]) -> tuple[int, int]:
+        """Planner time from start to end: least and greatest."""
+        least, greatest = span
+        shorter = self.slack if self.loose else 0
+        return max(0, least * self.scale - shorter), greatest * self.scale - (
+            shorter if least == greatest else 0
+        )
 
     def _holding(self, i: int) -> list[str]:
         return [self.over_all[i]] if i in self.over_all else []

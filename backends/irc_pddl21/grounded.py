@@ -39,6 +39,7 @@ class Grounded:
     state: dict[str, str] = field(default_factory=dict)
     beyond: tuple[str, ...] = ()
     """Objectives that the metric of the text does not speak of."""
+    loose: bool = False
 
 
 _FACTS = {
@@ -77,6 +78,8 @@ def names_of(grounded: Grounded) -> dict[str, Any]:
     }
     if grounded.state:
         names["state"] = grounded.state
+    if grounded.loose:
+        names["loose"] = True
     if grounded.beyond:
         names["objectives_beyond_the_metric"] = list(grounded.beyond)
     return names

@@ -53,13 +53,15 @@ class Wish(NamedTuple):
 
     `problem` is what it reads: the program's own, or one with less choice or an earlier deadline.
     `first_plan`: any plan of it will do. A plan whose makespan is `enough` (ticks) ends the run.
-    `search` is one of the planner's kinds of search, "" its usual one.
+    `search` is one of the planner's kinds of search, "" its usual one. `loose`: see
+    `irc_pddl21.loose`.
     """
 
     problem: Problem
     first_plan: bool
     enough: int
     search: str = ""
+    loose: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +174,7 @@ class Planner(Engine):
     ) -> Outcome:
         """One run. Raises `EngineFailed` where it breaks down without any plan."""
         began = time.perf_counter()
-        domain, problem_text, names = self._texts(program, wish.problem)
+        domain, problem_text, names = self._texts(program, wish)
         self.refuse(program.problem, names["planner_units_per_tick"])
         with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
             files = Path(folder, DOMAIN_FILE), Path(folder, PROBLEM_FILE)
@@ -184,10 +186,10 @@ class Planner(Engine):
             result = self._run(job, watcher, Path(folder))
         return self._outcome(job, watcher, result, time.perf_counter() - began)
 
-    def _texts(self, program: Program, problem: Problem) -> tuple[str, str, Mapping[str, Any]]:
-        if self.epsilon == EPSILON and problem is program.problem:
+    def _texts(self, program: Program, wish: Wish) -> tuple[str, str, Mapping[str, Any]]:
+        if self.epsilon == EPSILON and wish.problem is program.problem and not wish.loose:
             return program.files[DOMAIN_FILE], program.files[PROBLEM_FILE], program.names
-        grounded = encode(problem, self.epsilon)
+        grounded = encode(wish.problem, self.epsilon, loose=wish.loose)
         text = grounded.encoding
         return text.domain_text(), text.problem_text(), names_of(grounded)
 

@@ -56,6 +56,7 @@ class _Search:
     def __init__(self, session: Session, problem: Problem, best: Schedule | None) -> None:
         self.session, self.problem, self.best = session, problem, best
         self.tactics = session.tactics
+        self.loosely = session.tactics.loose and _state_meets_resources(problem)
 
     @property
     def is_done(self) -> bool:
@@ -75,6 +76,8 @@ class _Search:
             self._follow_the_list()
         if self.best is None and not self.is_done:
             self._ask(self.problem, None, FIRST_SHARE * self.session.left)
+        if self.best is None and self.loosely and not self.is_done:
+            self._ask(self.problem, None, FIRST_SHARE * self.session.left, loose=True)
         if self.tactics.tighten:
             self._tighten()
         if self.tactics.steps and self.best is not None:
@@ -82,12 +85,18 @@ class _Search:
         return self.best
 
     def _ask(
-        self, problem: Problem, deadline: int | None, seconds: float, search: str = ""
+        self,
+        problem: Problem,
+        deadline: int | None,
+        seconds: float,
+        search: str = "",
+        *,
+        loose: bool = False,
     ) -> bool:
         """One run; whether it gave something better."""
         asked = problem if deadline is None else with_deadline(problem, deadline)
         enough = self.problem.bound.value
-        plan = self.session.ask(asked, seconds, enough=enough, search=search)
+        plan = self.session.ask(asked, seconds, enough=enough, search=search, loose=loose)
         before, self.best = self.best, _shorter(self.problem, self.best, plan)
         return self.best is not before
 
@@ -105,7 +114,10 @@ class _Search:
         """Plans of the whole problem that are a tick shorter, as long as they come quickly."""
         while self.best is not None and not self.is_done:
             seconds = max(STEP_SECONDS, 2 * STEP_SHARE * self.session.left)
-            if not self._ask(self.problem, ticks(self.problem, self.best) - 1, seconds):
+            sooner = ticks(self.problem, self.best) - 1
+            if self._ask(self.problem, sooner, seconds):
+                continue
+            if not self.loosely or not self._ask(self.problem, sooner, seconds, loose=True):
                 return
 
     def _steps(self) -> None:
@@ -129,6 +141,11 @@ def _shorter(problem: Problem, old: Schedule | None, new: Schedule | None) -> Sc
     if old is None or new is None:
         return old or new
     return new if ticks(problem, new) < ticks(problem, old) else old
+
+
+def _state_meets_resources(problem: Problem) -> bool:
+    """Whether ranks may want another order than tokens do; see `irc_pddl21.loose`."""
+    return bool(problem.variables) and any(activity.claims for activity in problem.activities)
 
 
 def _may_bind(problem: Problem) -> bool:

@@ -25,7 +25,7 @@ from irc_pddl21.neighbourhood import near, neighbourhoods
 from irc_pddl21.reachable import is_out_of_reach
 from irc_pddl21.selection import Selections, is_refuted, optional_items
 from oracles.generators import contended_task
-from oracles.state_generators import reward_task
+from oracles.state_generators import match_cellar, reward_task
 
 Document = dict[str, Any]
 
@@ -331,3 +331,17 @@ def test_a_planner_gets_one_time_limit_over_all_of_its_runs() -> None:
     outcome = backend.engines()["kairos"].solve(program, Limits(seconds=2.0))
     assert outcome.seconds < 3.5
     assert outcome.status is Status.FEASIBLE
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4, 6])
+def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
+    """Some want a mend to end before its match and to follow another mend at once."""
+    needs_kairos()
+    task = match_cellar(seed)
+    best = solve_task(task, "cpsat", limits=Limits(20.0)).schedule
+    mine = solve_task(task, "pddl21", "kairos", Limits(6.0)).schedule
+    if best.status is Status.INFEASIBLE:
+        assert mine.status is Status.UNKNOWN
+        return
+    assert validate(task, mine).valid
+    assert mine.makespan == best.makespan
