@@ -11,16 +11,20 @@ from __future__ import annotations
 
 import random
 
-from irc.list_schedule import list_schedule
 from irc.problem import Problem
 from irc.schedule import Schedule
-from irc_pddl21.neighbourhood import Known, known_from, near, neighbourhoods
+from irc_pddl21.hints import hint, hinted_makespan
+from irc_pddl21.neighbourhood import known_from, near, neighbourhoods
 from irc_pddl21.session import Session, ticks, with_deadline
 
-BOUND_SECONDS = 1.0
-BOUND_SHARE = 0.15
+BOUND_SECONDS = 0.6
+BOUND_SHARE = 0.1
 """For a first plan under the deadline "makespan = bound", in each kind of search; seconds, and of
 the time left."""
+
+HINT_SECONDS = 2.0
+HINT_SHARE = 0.1
+"""For the search for a list schedule to follow."""
 
 STEP_SECONDS = 0.5
 STEP_SHARE = 0.05
@@ -68,12 +72,12 @@ class _Search:
     def run(self) -> Schedule | None:
         """The shortest plan it comes to."""
         if self.tactics.bound and _may_bind(self.problem):
-            for search in self.session.planner.searches:
-                if not self.is_done:
-                    seconds = max(BOUND_SECONDS, BOUND_SHARE * self.session.left)
-                    self._ask(self.problem, self.problem.bound.value, seconds, search)
+            self._leap(self.session.planner.searches[0], BOUND_SECONDS)
         if self.best is None and self.tactics.hint and not self.is_done:
-            self._follow_the_list()
+            self._follow_a_hint()
+        if self.tactics.bound and _may_bind(self.problem):
+            for search in self.session.planner.searches[1:]:
+                self._leap(search, BOUND_SHARE * self.session.left)
         if self.best is None and not self.is_done:
             self._ask(self.problem, None, FIRST_SHARE * self.session.left)
         if self.best is None and self.loosely and not self.is_done:
@@ -83,6 +87,11 @@ class _Search:
         if self.tactics.steps and self.best is not None:
             self._steps()
         return self.best
+
+    def _leap(self, search: str, seconds: float) -> None:
+        """A plan as short as the bound, in one kind of search."""
+        if not self.is_done:
+            self._ask(self.problem, self.problem.bound.value, max(seconds, BOUND_SECONDS), search)
 
     def _ask(
         self,
@@ -100,15 +109,14 @@ class _Search:
         before, self.best = self.best, _shorter(self.problem, self.best, plan)
         return self.best is not before
 
-    def _follow_the_list(self) -> None:
-        """The list schedule, as a plan of the planner's own."""
-        quick = list_schedule(self.problem) if self.problem.is_plain else None
-        if quick is None:
-            return
-        known: Known = dict(enumerate(zip(*quick, strict=True)))
-        deadline = max((int(d.end) for d in quick[0]), default=0)
-        seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
-        self._ask(near(self.problem, known, frozenset()), deadline, seconds)
+    def _follow_a_hint(self) -> None:
+        """A list schedule, as a plan of the planner's own."""
+        seconds = min(HINT_SECONDS, HINT_SHARE * self.session.left)
+        rng = random.Random(self.session.limits.seed)
+        known = hint(self.problem, self.problem.bound.value, seconds, rng)
+        if known is not None:
+            seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
+            self._ask(near(self.problem, known, frozenset()), hinted_makespan(known), seconds)
 
     def _tighten(self) -> None:
         """Plans of the whole problem that are a tick shorter, as long as they come quickly."""
