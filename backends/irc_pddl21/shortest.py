@@ -73,8 +73,8 @@ class _Search:
         """The shortest plan it comes to."""
         if self.tactics.bound and _may_bind(self.problem):
             self._leap(self.session.planner.searches[0], BOUND_SECONDS)
-        if self.best is None and self.tactics.hint and not self.is_done:
-            self._follow_a_hint()
+        if self.tactics.hint and not self.is_done:
+            self._follow_a_hint(0)
         if self.tactics.bound and _may_bind(self.problem):
             for search in self.session.planner.searches[1:]:
                 self._leap(search, BOUND_SHARE * self.session.left)
@@ -84,6 +84,8 @@ class _Search:
             self._ask(self.problem, None, FIRST_SHARE * self.session.left, loose=True)
         if self.tactics.tighten:
             self._tighten()
+        if self.tactics.hint and not self.is_done:
+            self._follow_a_hint(1)
         if self.tactics.steps and self.best is not None:
             self._steps()
         return self.best
@@ -109,12 +111,14 @@ class _Search:
         before, self.best = self.best, _shorter(self.problem, self.best, plan)
         return self.best is not before
 
-    def _follow_a_hint(self) -> None:
-        """A list schedule, as a plan of the planner's own."""
+    def _follow_a_hint(self, attempt: int) -> None:
+        """A list schedule, as a plan of the planner's own, if it is shorter than the best."""
         seconds = min(HINT_SECONDS, HINT_SHARE * self.session.left)
-        rng = random.Random(self.session.limits.seed)
+        rng = random.Random(self.session.limits.seed + attempt)
         known = hint(self.problem, self.problem.bound.value, seconds, rng)
-        if known is not None:
+        if known is None:
+            return
+        if self.best is None or hinted_makespan(known) < ticks(self.problem, self.best):
             seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
             self._ask(near(self.problem, known, frozenset()), hinted_makespan(known), seconds)
 
