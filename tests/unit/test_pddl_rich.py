@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from irc.backend import Program
 from irc.diagnostics import InputError
+from irc.frontends.files import read_task
 from irc.model import Task
 from irc.pipeline import compile_task
 from irc.retime import AnswerError
@@ -15,6 +17,7 @@ from irc.validation import validate
 from irc_pddl21.domain import Comparison, Operator
 from irc_pddl21.encode import encode
 from irc_pddl21.grounded import Grounded
+from irc_pddl21.plan_reader import read_plans
 
 Document = dict[str, Any]
 
@@ -321,3 +324,37 @@ def test_tardiness_is_refused_and_a_due_date_without_it_is_not() -> None:
     with pytest.raises(InputError, match="minimize_tardiness"):
         program_of({"due": 3}, objective=["minimize_tardiness"])
     assert operator_names(program_of({"due": 3}, {})) == {"a", "b"}
+
+
+# --- a second opinion ----------------------------------------------------------------------------
+
+TASKS = Path(__file__).resolve().parents[1] / "golden" / "tasks"
+
+
+@pytest.mark.parametrize("name", ["state", "modes", "optional_actions", "calendars"])
+def test_unified_planning_accepts_the_raw_plan_on_the_emitted_text(
+    name: str, tmp_path: Path
+) -> None:
+    kairos = pytest.importorskip("kairos")
+    pytest.importorskip("unified_planning")
+    from unified_planning.engines.plan_validator import TimeTriggeredPlanValidator
+    from unified_planning.environment import get_environment
+    from unified_planning.io import PDDLReader
+    from unified_planning.plans import ActionInstance, TimeTriggeredPlan
+
+    get_environment().credits_stream = None
+    program = compile_task(read_task(TASKS / f"{name}.json").task, "pddl21")
+    for file, text in program.files.items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    domain = kairos.parse_domain(program.files["domain.pddl"])
+    parsed = kairos.parse_problem(program.files["problem.pddl"], domain)
+    raw = str(next(iter(kairos.Planner().plans(parsed, timeout=5.0, threads=1))))
+    problem = PDDLReader().parse_problem(*(str(tmp_path / file) for file in program.files))
+    steps = [
+        (step.start, ActionInstance(problem.action(step.name)), step.duration)
+        for step in read_plans(raw).plans[0].steps
+    ]
+    with TimeTriggeredPlanValidator() as validator:
+        verdict = validator.validate(problem, TimeTriggeredPlan(steps, problem.environment))
+    assert verdict, (verdict.reason, verdict.log_messages)
+    assert validate(program.task, program.decode(raw)).valid

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
@@ -12,20 +13,23 @@ import pytest
 import irc
 from irc.backend import Limits, get_backend
 from irc.compiler import solve_task
+from irc.list_schedule import quick_makespan
 from irc.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.restrict import drop_ample_stock, restrict, settle_presence
 from irc.pipeline import lower_for
 from irc.problem import Problem
-from irc.retime import Decision
+from irc.retime import AnswerError, Decision, retime
 from irc.schedule import Status
 from irc.validation import validate
+from irc_pddl21.hints import hint, hinted_makespan
+from irc_pddl21.loose import rounded
 from irc_pddl21.neighbourhood import near, neighbourhoods
 from irc_pddl21.reachable import is_out_of_reach
 from irc_pddl21.selection import Selections, is_refuted, optional_items
 from oracles.generators import contended_task
-from oracles.state_generators import match_cellar, reward_task
+from oracles.state_generators import match_cellar, reward_task, state_task
 
 Document = dict[str, Any]
 
@@ -345,3 +349,69 @@ def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
         return
     assert validate(task, mine).valid
     assert mine.makespan == best.makespan
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int) -> None:
+    needs_kairos()
+    task = state_task(seed)
+    try:
+        mine = solve_task(task, "pddl21", "kairos", Limits(1.5)).schedule
+    except irc.InputError:
+        return  # Refused with a reason; that CP-SAT takes it is tested elsewhere.
+    best = solve_task(task, "cpsat", limits=Limits(20.0)).schedule
+    if not mine.answered:
+        assert mine.status in (Status.UNKNOWN, Status.INFEASIBLE)
+        assert mine.status is Status.UNKNOWN or best.status is Status.INFEASIBLE
+        return
+    assert validate(task, mine).valid
+    mine_values, best_values = ([o.value for o in s.objective] for s in (mine, best))
+    assert (mine_values == best_values) or mine.status is Status.FEASIBLE
+
+
+# --- hints and loose plans -----------------------------------------------------------------------
+
+
+def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity() -> None:
+    task = contended_task(random.Random("strategy 7"), 18)
+    problem = lower_for(task, get_backend("pddl21"))
+    known = hint(problem, problem.bound.value, 1.0, random.Random(0))
+    quick = quick_makespan(problem)
+    assert known is not None
+    assert quick is not None
+    assert problem.bound.value <= hinted_makespan(known) <= quick
+    followed = near(problem, known, frozenset())
+    assert retime(problem, [known[i][0] for i in range(len(problem.activities))])
+    assert len(followed.arcs) > len(problem.arcs)
+
+
+def test_there_is_no_hint_where_a_list_schedule_would_overlook_something() -> None:
+    optional = problem_of({"occurs": "optional"}, {})
+    assert hint(optional, 0, 1.0, random.Random(0)) is None
+
+
+LAMP = {"state": [{"id": "lit"}]}
+LIGHT = {
+    "effects": [
+        {"at": "start", "var": "lit", "value": True},
+        {"at": "end", "var": "lit", "value": False},
+    ]
+}
+
+
+def test_a_loose_plan_is_read_as_ticks_and_ranks() -> None:
+    read_by_it = {"conditions": [{"at": at, "var": "lit"} for at in ("start", "all")]}
+    problem = problem_of({**LIGHT, "duration": 3}, {**read_by_it, "duration": 2}, **LAMP)
+    times = [Decision(0, Fraction(299, 100)), Decision(Fraction(99, 100), Fraction(298, 100))]
+    light, mend = rounded(problem, times)
+    assert [(d.start, d.end) for d in (light, mend)] == [(0, 3), (1, 3)]
+    assert mend.rank < light.rank  # Its end comes before the light goes out.
+
+
+def test_an_order_that_no_ranks_keep_is_not_used() -> None:
+    """One action cannot begin after another and end before it at the same two instants."""
+    both = {"conditions": [{"at": "start", "var": "lit"}, {"at": "all", "var": "lit"}]}
+    problem = problem_of({**LIGHT, "duration": 3}, {**both, "duration": 3}, **LAMP)
+    times = [Decision(0, Fraction(299, 100)), Decision(Fraction(1, 1000), Fraction(298, 100))]
+    with pytest.raises(AnswerError, match="no ranks"):
+        rounded(problem, times)
