@@ -122,14 +122,17 @@ class RewardSearch:
 
     def ties(self) -> Iterator[Chosen | None]:
         """The other choices that are worth the same; None where time or patience ran out."""
-        found = 0
+        # Those that the planner missed were seen before: they may be shorter all the same.
+        missed = [c for c in self._missed if self.selections.value(c) == self.value]
+        yield from sorted(missed, key=sorted)
+        found = len(missed)
         for upper, leaf in self._nodes.falling():
             if self.value is None or upper < self.value:
                 return
             if self.session.is_over or found > TIES_LIMIT:
                 yield None
                 return
-            if leaf is not None and leaf != self.chosen:
+            if leaf is not None and leaf != self.chosen and leaf not in self._missed:
                 found += 1
                 yield leaf
 

@@ -415,3 +415,40 @@ def test_an_order_that_no_ranks_keep_is_not_used() -> None:
     times = [Decision(0, Fraction(299, 100)), Decision(Fraction(1, 1000), Fraction(298, 100))]
     with pytest.raises(AnswerError, match="no ranks"):
         rounded(problem, times)
+
+
+def test_a_missed_choice_of_equal_value_leaves_the_makespan_unproven(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It might have been shorter than the one that was found."""
+    needs_kairos()
+    from irc_pddl21.session import Session
+
+    task = Task.model_validate(
+        {
+            "resources": [{"id": "bun", "kind": "reservoir", "initial": 1}],
+            "actions": [
+                {"id": name, "duration": lasts, "consumes": [{"resource": "bun", "amount": 1}]}
+                for name, lasts in (("a", 2), ("b", 5))
+            ],
+            "groups": [
+                {"id": f"g{name}", "actions": [name], "required": False, "reward": 5}
+                for name in "ab"
+            ],
+            "deadline": 6,
+            "objective": ["maximize_reward", "minimize_makespan"],
+        }
+    )
+    ask = Session.ask
+
+    def hides_a(self: Session, problem: Problem, *args: Any, **more: Any) -> Any:
+        present = [a.id for a in problem.activities]
+        return None if present == ["a"] else ask(self, problem, *args, **more)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Session, "ask", hides_a)
+        longer = solved(task, seconds=3.0)
+    assert [o.value for o in longer.objective] == [5, 5]
+    assert longer.status is Status.FEASIBLE
+    shorter = solved(task)
+    assert ([o.value for o in shorter.objective], shorter.status) == ([5, 2], Status.OPTIMAL)
