@@ -157,7 +157,9 @@ def _shorter(problem: Problem, old: Schedule | None, new: Schedule | None) -> Sc
 
 def _state_meets_resources(problem: Problem) -> bool:
     """Whether ranks may want another order than tokens do; see `irc_pddl21.loose`."""
-    return bool(problem.variables) and any(activity.claims for activity in problem.activities)
+    return bool(problem.variables) and any(
+        activity.claims or activity.details.stock for activity in problem.activities
+    )
 
 
 def _may_bind(problem: Problem) -> bool:

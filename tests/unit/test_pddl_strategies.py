@@ -452,3 +452,17 @@ def test_a_missed_choice_of_equal_value_leaves_the_makespan_unproven(
     assert longer.status is Status.FEASIBLE
     shorter = solved(task)
     assert ([o.value for o in shorter.objective], shorter.status) == ([5, 2], Status.OPTIMAL)
+
+
+def test_a_plan_of_instants_alone_is_read() -> None:
+    task = Task.model_validate(
+        {
+            "state": [{"id": "lit"}],
+            "actions": [
+                {"id": "look", "duration": 0, "conditions": [{"at": "start", "var": "lit"}]},
+                {"id": "light", "duration": 0, "effects": [{"at": "end", "var": "lit"}]},
+            ],
+            "goals": [{"var": "lit"}],
+        }
+    )
+    assert solved(task).makespan == 0
