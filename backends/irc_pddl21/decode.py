@@ -11,6 +11,7 @@ from irc.passes.unroll import unroll
 from irc.problem import Problem
 from irc.retime import ABSENT, AnswerError, Decision, retime
 from irc.schedule import Schedule
+from irc_pddl21.loose import rounded
 from irc_pddl21.plan_reader import PlanBlock, PlanLog, PlanStep, read_plans
 from irc_pddl21.worth import Worth, worth_of
 
@@ -90,6 +91,8 @@ def _schedule(problem: Problem, names: Mapping[str, Any], block: PlanBlock) -> S
     if missing:
         more = f", and so are {len(missing) - 1} more" if len(missing) > 1 else ""
         raise AnswerError(f"{missing[0]!r} is missing{more}")
+    if names.get("loose"):
+        return schedule_of(unrolled, retime(unrolled, rounded(unrolled, decisions)))
     return schedule_of(unrolled, retime(unrolled, decisions, _TOLERANCE / scale))
 
 

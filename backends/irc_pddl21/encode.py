@@ -22,7 +22,6 @@ and weights are whole).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil
 from typing import Any
@@ -31,13 +30,15 @@ from irc.backend import Refusal
 from irc.passes.restrict import drop_ample_stock, settle_presence
 from irc.problem import Activity, Problem
 from irc_pddl21.domain import Change, Comparison, Encoding, Operator, TimedLiteral
+from irc_pddl21.grounded import Grounded, Meaning, names_of
 from irc_pddl21.names import NameTable
 from irc_pddl21.occurrences import Absence, Occurrences, absences, occurrences_of
 from irc_pddl21.orders import Point, sort_constraints
 from irc_pddl21.state import StateFacts, contradicts_itself
 from irc_pddl21.stock import Stock
-from irc_pddl21.variants import MAX_VARIANTS as MAX_VARIANTS
-from irc_pddl21.variants import Units, Variant, resources_by_counter, span_of, variants_of
+from irc_pddl21.units import MAX_VARIANTS as MAX_VARIANTS
+from irc_pddl21.units import span_of, units_of
+from irc_pddl21.variants import Variant, variants_of
 
 DOMAIN_FILE, PROBLEM_FILE = "domain.pddl", "problem.pddl"
 
@@ -51,43 +52,14 @@ ENDLESS = 64
 _GREATEST_SCALE = 10_000
 
 
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What an operator stands for: an action, its mode, the shared resource of each use."""
-
-    action: str
-    mode: str | None = None
-    uses: tuple[tuple[int, str], ...] = ()
-
-    def as_json(self) -> dict[str, Any]:
-        """As it stands in the manifest."""
-        shown: dict[str, Any] = {"action": self.action}
-        if self.mode is not None:
-            shown["mode"] = self.mode
-        if self.uses:
-            shown["uses"] = {str(use): resource for use, resource in self.uses}
-        return shown
-
-
-@dataclass
-class Grounded:
-    """An encoding with the meaning of its names."""
-
-    encoding: Encoding
-    scale: int
-    slack: int
-    actions: dict[str, Meaning] = field(default_factory=dict)
-    planner_only: dict[str, str] = field(default_factory=dict)
-    tokens: dict[str, str] = field(default_factory=dict)
-    state: dict[str, str] = field(default_factory=dict)
-
-
-def encode(problem: Problem, epsilon: Fraction = EPSILON) -> Grounded:
+def encode(problem: Problem, epsilon: Fraction = EPSILON, *, loose: bool = False) -> Grounded:
     """The problem as operators and facts, for planners with the given epsilon.
+
+    `loose`: with actions that are shorter by the slack; see `irc_pddl21.loose`.
 
     Raises `Refusal` where an activity has too many ways to be carried out, or none.
     """
-    return _Encoder(drop_ample_stock(settle_presence(problem)), epsilon).run()
+    return _Encoder(drop_ample_stock(settle_presence(problem)), epsilon, loose=loose).run()
 
 
 def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
@@ -100,48 +72,10 @@ def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]
     return files, names_of(grounded)
 
 
-_FACTS = {
-    "todo_*": "the action has not started",
-    "begun_*": "the action has started",
-    "done_*": "the action has ended",
-    "lag_*": "the minimum lag after that point is over",
-    "after_*, during_*": "the envelope of a maximum lag has begun, still runs",
-    "free_*": "this unit of the resource is free",
-    "open_*, released_*": "the time window is not closed yet, has opened",
-}
-_FURTHER_FACTS = {
-    "is_*": "the state variable has the value",
-    "here_*": "this unit of the resource is not away",
-    "idle_*": "no occurrence of the action is running",
-}
-
-
-def names_of(grounded: Grounded) -> dict[str, Any]:
-    """What stands in the manifest, and all that decoding needs."""
-    facts = grounded.encoding.facts
-    names: dict[str, Any] = {
-        "planner_units_per_tick": grounded.scale,
-        "slack": grounded.slack,
-        "actions": {name: meaning.as_json() for name, meaning in grounded.actions.items()},
-        "planner_only": grounded.planner_only,
-        "tokens": grounded.tokens,
-        "facts": {
-            **_FACTS,
-            **{
-                pattern: meaning
-                for pattern, meaning in _FURTHER_FACTS.items()
-                if any(fact.startswith(pattern[:-1]) for fact in facts)
-            },
-        },
-    }
-    if grounded.state:
-        names["state"] = grounded.state
-    return names
-
-
 class _Encoder:
-    def __init__(self, problem: Problem, epsilon: Fraction) -> None:
+    def __init__(self, problem: Problem, epsilon: Fraction, *, loose: bool) -> None:
         self.problem = problem
+        self.loose = loose
         self.names = NameTable()
         self.encoding = Encoding()
         order = sorted(
@@ -159,7 +93,7 @@ class _Encoder:
         for arc in waits:
             self.waits.setdefault((arc.frm, arc.lag), []).append(arc.to)
         self.scale, self.slack = self._scale(epsilon)
-        self.out = Grounded(self.encoding, self.scale, self.slack)
+        self.out = Grounded(self.encoding, self.scale, self.slack, loose=loose)
         self.begun: set[int] = set()
         self.lag_facts: dict[int, list[str]] = {}
         self.conditions: list[list[str]] = [[] for _ in range(2 * len(order))]
@@ -172,6 +106,9 @@ class _Encoder:
             or self._has_calendar(a)
             for i, a in enumerate(self.problem.activities)
         )
+        if self.loose:
+            # Every action is one, and times are rounded to the nearest tick.
+            closings = 2 * (closings + len(self.problem.activities))
         if not closings:
             return 1, 0
         operators = sum(
@@ -195,7 +132,7 @@ class _Encoder:
         self._lags()
         self._envelopes()
         self._windows()
-        self.units = self._resources()
+        self.units = units_of(self.problem, self.names, self.out)
         self.state = StateFacts(self.problem, self.names)
         self.encoding.facts += self.state.facts.values()
         self.encoding.initial += self.state.initial
@@ -310,62 +247,13 @@ class _Encoder:
             self.encoding.timed.append(literal)
         return closed[time]
 
-    def _resources(self) -> Units:
-        """Token facts for each contended resource; counters where tokens multiply."""
-        units = Units()
-        for r in resources_by_counter(self.problem):
-            name = self.names.new(f"left_of_{self.problem.shared[r].id}")
-            units.counters[r] = name
-            self.encoding.counters[name] = self.problem.shared[r].capacity
-            self.out.tokens[name] = f"units of {self.problem.shared[r].id!r} left"
-        for r in sorted(
-            {r for a in self.problem.activities for c in a.claims for r in c.alternatives}
-        ):
-            if r in units.counters:
-                continue
-            shared = self.problem.shared[r]
-            units.tokens[r] = [
-                self._fact(self.names.new(f"free_{shared.id}_{k + 1}"), initially=True)
-                for k in range(shared.capacity)
-            ]
-            for token in units.tokens[r]:
-                self.out.tokens[token] = f"a unit of {shared.id!r}"
-            self._calendar(r, units)
-        return units
-
-    def _calendar(self, r: int, units: Units) -> None:
-        """The k-th unit is there while the capacity is at least k; units gone together share a
-        fact. What it takes away is a slack late: an action may end when its unit goes.
-        """
-        shared = self.problem.shared[r]
-        base = shared.capacity if shared.base is None else shared.base
-        steps: list[tuple[int, int]] = [(0, base)]
-        for window in shared.windows:
-            if window.start <= steps[-1][0]:
-                steps[-1] = (window.start, window.capacity)
-            else:
-                steps.append((window.start, window.capacity))
-            steps.append((window.end, base))
-        facts: dict[tuple[bool, ...], str] = {}
-        for k, token in enumerate(units.tokens[r], start=1):
-            there = tuple(capacity >= k for _, capacity in steps)
-            if all(there):
-                continue
-            if there not in facts:
-                fact = self._fact(self.names.new(f"here_{token[5:]}"), initially=there[0])
-                facts[there] = fact
-                for n in range(1, len(steps)):
-                    if there[n] != there[n - 1]:
-                        time = steps[n][0] * self.scale + (0 if there[n] else self.slack)
-                        self.encoding.timed.append(TimedLiteral(time, fact, there[n]))
-            units.here[token] = facts[there]
-
     def _worth(self) -> dict[int, int]:
         """What each occurrence adds to the counter of the first objective, if that is one.
 
         A group is worth its reward when its first member is there, for then all are.
         """
-        first = self.problem.objectives[0] if self.problem.objectives else "makespan"
+        first = self.problem.objectives[0]
+        self.out.beyond = self.problem.objectives[1:]
         worth: dict[int, int] = {}
         if first == "reward":
             worth = {i: a.details.reward for i, a in enumerate(self.problem.activities)}
@@ -476,7 +364,7 @@ class _Encoder:
             self.encoding.operators.append(
                 Operator(
                     name,
-                    (span[0] * self.scale, span[1] * self.scale) if span[1] else None,
+                    self._lasting(span) if span[1] else None,
                     at_start=[
                         *at_start,
                         *self.conditions[2 * i],
@@ -510,6 +398,14 @@ class _Encoder:
                     for claim, r in zip(variant.claims, variant.resources, strict=True)
                 ),
             )
+
+    def _lasting(self, span: tuple[int, int]) -> tuple[int, int]:
+        """Planner time from start to end: least and greatest."""
+        least, greatest = span
+        shorter = self.slack if self.loose else 0
+        return max(0, least * self.scale - shorter), greatest * self.scale - (
+            shorter if least == greatest else 0
+        )
 
     def _holding(self, i: int) -> list[str]:
         return [self.over_all[i]] if i in self.over_all else []

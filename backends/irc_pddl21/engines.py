@@ -34,7 +34,7 @@ class Portfolio(Engine):
 
     name: ClassVar[str] = "auto"
 
-    first_share = 0.6
+    first_share = 0.85
     """Of the time limit, for the first planner while another is waiting."""
 
     def __init__(self, planners: tuple[Planner, ...]) -> None:

@@ -34,8 +34,17 @@ def main(arguments: list[str]) -> int:
         options["target_cost"] = float(target)
     planner: Any = kairos.Planner
     for plan in planner().plans(problem, **options):
-        print(f"{plan}\n", flush=True)
+        print(f"{_timed(str(plan))}\n", flush=True)
     return 0
+
+
+def _timed(plan: str) -> str:
+    """A plan of instants alone comes without times; they follow each other an epsilon apart."""
+    lines = plan.splitlines()
+    for k, line in enumerate(lines):
+        if line.startswith("("):
+            lines[k] = f"{k / 1000:.3f}: {line}"
+    return "\n".join(lines)
 
 
 def _text(path: str) -> str:

@@ -15,10 +15,11 @@ from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import count
 
-from irc.list_schedule import list_schedule, quick_makespan
+from irc.list_schedule import quick_makespan
 from irc.passes import resource_bounds
 from irc.problem import Problem
 from irc.schedule import Schedule
+from irc_pddl21.hints import hint, hinted_makespan
 from irc_pddl21.neighbourhood import Known, near, neighbourhoods
 from irc_pddl21.selection import Selections, is_refuted
 from irc_pddl21.session import Session, ticks
@@ -29,6 +30,10 @@ Chosen = frozenset[int]
 PLAN_SECONDS = 1.0
 PLAN_SHARE = 0.15
 """For one plan of one choice: seconds, and of the time left."""
+
+HINT_SECONDS = 0.3
+HINT_SHARE = 0.1
+"""For the search for a list schedule of one choice."""
 
 GREEDY_SHARE = 0.2
 """Of the time left, for finding a good choice before the first plan is asked for."""
@@ -100,11 +105,12 @@ class RewardSearch:
     def _try_hard(self, chosen: Chosen) -> bool:
         """Looks for a plan among those that differ from the (late) list schedule in places."""
         problem = self.problem_of(chosen)
-        quick = list_schedule(replace(problem, deadline=None)) if problem.is_plain else None
-        if quick is None:
+        rng = random.Random(self.session.limits.seed)
+        latest = problem.deadline or 0
+        known = hint(problem, latest, HINT_SHARE * self.session.left, rng)
+        if known is None:
             return False
-        known: Known = dict(enumerate(zip(*quick, strict=True)))
-        for free in neighbourhoods(known, random.Random(self.session.limits.seed)):
+        for free in neighbourhoods(known, rng):
             if self.session.is_over:
                 return False
             asked = near(problem, known, free)
@@ -116,14 +122,17 @@ class RewardSearch:
 
     def ties(self) -> Iterator[Chosen | None]:
         """The other choices that are worth the same; None where time or patience ran out."""
-        found = 0
+        # Those that the planner missed were seen before: they may be shorter all the same.
+        missed = [c for c in self._missed if self.selections.value(c) == self.value]
+        yield from sorted(missed, key=sorted)
+        found = len(missed)
         for upper, leaf in self._nodes.falling():
             if self.value is None or upper < self.value:
                 return
             if self.session.is_over or found > TIES_LIMIT:
                 yield None
                 return
-            if leaf is not None and leaf != self.chosen:
+            if leaf is not None and leaf != self.chosen and leaf not in self._missed:
                 found += 1
                 yield leaf
 
@@ -277,17 +286,22 @@ def plan_of(session: Session, problem: Problem) -> Schedule | None:
         nothing = Schedule((), task=problem.name)
         session.keep(nothing)
         return nothing
+    latest = problem.deadline
+    known: Known | None = None
+    if session.tactics.hint and latest is not None:
+        rng = random.Random(session.limits.seed)
+        known = hint(problem, latest, min(HINT_SECONDS, HINT_SHARE * session.left), rng)
+    if known is not None and latest is not None and hinted_makespan(known) <= latest:
+        followed = near(problem, known, frozenset())
+        plan = session.ask(followed, PLAN_SECONDS, enough=problem.bound.value)
+        if plan is not None:
+            return plan
     for search in session.planner.searches:
         seconds = max(PLAN_SECONDS, PLAN_SHARE * session.left) / len(session.planner.searches)
         plan = session.ask(problem, seconds, enough=problem.bound.value, search=search)
         if plan is not None:
             return plan
-    quick = list_schedule(problem) if problem.is_plain and session.tactics.hint else None
-    if quick is None:
-        return None
-    known: Known = dict(enumerate(zip(*quick, strict=True)))
-    followed = near(problem, known, frozenset())
-    return session.ask(followed, PLAN_SECONDS, enough=problem.bound.value)
+    return None
 
 
 def shortest_of_best(session: Session, search: RewardSearch) -> tuple[Schedule, int | None]:

@@ -33,7 +33,8 @@ from irc.process import CommandNotFound, Ended, ProcessLimits, ProcessResult, ru
 from irc.retime import AnswerError
 from irc.schedule import Schedule, Status
 from irc_pddl21.decode import Accept, best_of
-from irc_pddl21.encode import DOMAIN_FILE, EPSILON, PROBLEM_FILE, encode, names_of
+from irc_pddl21.encode import DOMAIN_FILE, EPSILON, PROBLEM_FILE, encode
+from irc_pddl21.grounded import names_of
 from irc_pddl21.plan_reader import read_plans
 from irc_pddl21.worth import worth_of
 
@@ -52,13 +53,15 @@ class Wish(NamedTuple):
 
     `problem` is what it reads: the program's own, or one with less choice or an earlier deadline.
     `first_plan`: any plan of it will do. A plan whose makespan is `enough` (ticks) ends the run.
-    `search` is one of the planner's kinds of search, "" its usual one.
+    `search` is one of the planner's kinds of search, "" its usual one. `loose`: see
+    `irc_pddl21.loose`.
     """
 
     problem: Problem
     first_plan: bool
     enough: int
     search: str = ""
+    loose: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +122,8 @@ class _Watcher:
 
 def accepted_by(program: Program) -> Accept | None:
     """The validator's word on a schedule; None where re-timing already leaves nothing to judge."""
-    if program.problem.is_plain:
+    problem = program.problem
+    if problem.is_plain and not any(resource.windows for resource in problem.resources):
         return None
     from irc.validation import validate
 
@@ -170,7 +174,7 @@ class Planner(Engine):
     ) -> Outcome:
         """One run. Raises `EngineFailed` where it breaks down without any plan."""
         began = time.perf_counter()
-        domain, problem_text, names = self._texts(program, wish.problem)
+        domain, problem_text, names = self._texts(program, wish)
         self.refuse(program.problem, names["planner_units_per_tick"])
         with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
             files = Path(folder, DOMAIN_FILE), Path(folder, PROBLEM_FILE)
@@ -182,10 +186,10 @@ class Planner(Engine):
             result = self._run(job, watcher, Path(folder))
         return self._outcome(job, watcher, result, time.perf_counter() - began)
 
-    def _texts(self, program: Program, problem: Problem) -> tuple[str, str, Mapping[str, Any]]:
-        if self.epsilon == EPSILON and problem is program.problem:
+    def _texts(self, program: Program, wish: Wish) -> tuple[str, str, Mapping[str, Any]]:
+        if self.epsilon == EPSILON and wish.problem is program.problem and not wish.loose:
             return program.files[DOMAIN_FILE], program.files[PROBLEM_FILE], program.names
-        grounded = encode(problem, self.epsilon)
+        grounded = encode(wish.problem, self.epsilon, loose=wish.loose)
         text = grounded.encoding
         return text.domain_text(), text.problem_text(), names_of(grounded)
 

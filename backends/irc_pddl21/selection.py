@@ -19,6 +19,7 @@ from irc.passes.energy import energy_bound, loads
 from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import drop_ample_stock, restrict
 from irc.problem import Problem
+from irc_pddl21.reachable import is_out_of_reach
 
 THRESHOLDS = 4
 """So many heads and tails of a resource's users begin and end the stretches looked at."""
@@ -254,7 +255,7 @@ def _density(value: int, weight: int) -> float:
 
 
 def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
-    """Whether bounds show that a problem has no schedule within its deadlines."""
+    """Whether bounds, or what state can become, show that a problem has no schedule."""
     for i, activity in enumerate(problem.activities):
         deadline = problem.effective_deadline(i)
         if (
@@ -264,6 +265,8 @@ def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
             and problem.heads[i] + activity.duration_min > deadline
         ):
             return True
+    if is_out_of_reach(problem):
+        return True
     latest = problem.deadline
     if latest is None:
         return False

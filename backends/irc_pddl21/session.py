@@ -23,7 +23,7 @@ class Tactics:
     `bound`: ask for a plan under the deadline "makespan = lower bound". `hint`: show the planner
     the order of the list schedule. `tighten`: ask for a plan that is a tick shorter than the best.
     `steps`: ask for one that also differs from it in a few places only. `anytime`: let the planner
-    minimise by itself.
+    minimise by itself. `loose`: where state and resources meet, ask with loose text as well.
     """
 
     bound: bool = True
@@ -31,6 +31,7 @@ class Tactics:
     tighten: bool = True
     steps: bool = True
     anytime: bool = True
+    loose: bool = True
 
 
 ALL_TACTICS = Tactics()
@@ -80,12 +81,13 @@ class Session:
         enough: int,
         first_plan: bool = True,
         search: str = "",
+        loose: bool = False,
     ) -> Schedule | None:
         """One run of the planner on `problem`, and what it found; the best of all is kept."""
         if self.is_over:
             return None
         self.runs += 1
-        wish = Wish(problem, first_plan, enough, search)
+        wish = Wish(problem, first_plan, enough, search, loose)
         given = max(LEAST_SECONDS, min(seconds, self.left))
         try:
             outcome = self.planner.attempt(self.program, wish, self.limits, given, self.on_progress)

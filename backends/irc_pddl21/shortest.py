@@ -11,16 +11,20 @@ from __future__ import annotations
 
 import random
 
-from irc.list_schedule import list_schedule
 from irc.problem import Problem
 from irc.schedule import Schedule
-from irc_pddl21.neighbourhood import Known, known_from, near, neighbourhoods
+from irc_pddl21.hints import hint, hinted_makespan
+from irc_pddl21.neighbourhood import known_from, near, neighbourhoods
 from irc_pddl21.session import Session, ticks, with_deadline
 
-BOUND_SECONDS = 1.0
-BOUND_SHARE = 0.15
+BOUND_SECONDS = 0.6
+BOUND_SHARE = 0.1
 """For a first plan under the deadline "makespan = bound", in each kind of search; seconds, and of
 the time left."""
+
+HINT_SECONDS = 2.0
+HINT_SHARE = 0.1
+"""For the search for a list schedule to follow."""
 
 STEP_SECONDS = 0.5
 STEP_SHARE = 0.05
@@ -56,6 +60,7 @@ class _Search:
     def __init__(self, session: Session, problem: Problem, best: Schedule | None) -> None:
         self.session, self.problem, self.best = session, problem, best
         self.tactics = session.tactics
+        self.loosely = session.tactics.loose and _state_meets_resources(problem)
 
     @property
     def is_done(self) -> bool:
@@ -67,45 +72,64 @@ class _Search:
     def run(self) -> Schedule | None:
         """The shortest plan it comes to."""
         if self.tactics.bound and _may_bind(self.problem):
-            for search in self.session.planner.searches:
-                if not self.is_done:
-                    seconds = max(BOUND_SECONDS, BOUND_SHARE * self.session.left)
-                    self._ask(self.problem, self.problem.bound.value, seconds, search)
-        if self.best is None and self.tactics.hint and not self.is_done:
-            self._follow_the_list()
+            self._leap(self.session.planner.searches[0], BOUND_SECONDS)
+        if self.tactics.hint and not self.is_done:
+            self._follow_a_hint(0)
+        if self.tactics.bound and _may_bind(self.problem):
+            for search in self.session.planner.searches[1:]:
+                self._leap(search, BOUND_SHARE * self.session.left)
         if self.best is None and not self.is_done:
             self._ask(self.problem, None, FIRST_SHARE * self.session.left)
+        if self.best is None and self.loosely and not self.is_done:
+            self._ask(self.problem, None, FIRST_SHARE * self.session.left, loose=True)
         if self.tactics.tighten:
             self._tighten()
+        if self.tactics.hint and not self.is_done:
+            self._follow_a_hint(1)
         if self.tactics.steps and self.best is not None:
             self._steps()
         return self.best
 
+    def _leap(self, search: str, seconds: float) -> None:
+        """A plan as short as the bound, in one kind of search."""
+        if not self.is_done:
+            self._ask(self.problem, self.problem.bound.value, max(seconds, BOUND_SECONDS), search)
+
     def _ask(
-        self, problem: Problem, deadline: int | None, seconds: float, search: str = ""
+        self,
+        problem: Problem,
+        deadline: int | None,
+        seconds: float,
+        search: str = "",
+        *,
+        loose: bool = False,
     ) -> bool:
         """One run; whether it gave something better."""
         asked = problem if deadline is None else with_deadline(problem, deadline)
         enough = self.problem.bound.value
-        plan = self.session.ask(asked, seconds, enough=enough, search=search)
+        plan = self.session.ask(asked, seconds, enough=enough, search=search, loose=loose)
         before, self.best = self.best, _shorter(self.problem, self.best, plan)
         return self.best is not before
 
-    def _follow_the_list(self) -> None:
-        """The list schedule, as a plan of the planner's own."""
-        quick = list_schedule(self.problem) if self.problem.is_plain else None
-        if quick is None:
+    def _follow_a_hint(self, attempt: int) -> None:
+        """A list schedule, as a plan of the planner's own, if it is shorter than the best."""
+        seconds = min(HINT_SECONDS, HINT_SHARE * self.session.left)
+        rng = random.Random(self.session.limits.seed + attempt)
+        known = hint(self.problem, self.problem.bound.value, seconds, rng)
+        if known is None:
             return
-        known: Known = dict(enumerate(zip(*quick, strict=True)))
-        deadline = max((int(d.end) for d in quick[0]), default=0)
-        seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
-        self._ask(near(self.problem, known, frozenset()), deadline, seconds)
+        if self.best is None or hinted_makespan(known) < ticks(self.problem, self.best):
+            seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
+            self._ask(near(self.problem, known, frozenset()), hinted_makespan(known), seconds)
 
     def _tighten(self) -> None:
         """Plans of the whole problem that are a tick shorter, as long as they come quickly."""
         while self.best is not None and not self.is_done:
             seconds = max(STEP_SECONDS, 2 * STEP_SHARE * self.session.left)
-            if not self._ask(self.problem, ticks(self.problem, self.best) - 1, seconds):
+            sooner = ticks(self.problem, self.best) - 1
+            if self._ask(self.problem, sooner, seconds):
+                continue
+            if not self.loosely or not self._ask(self.problem, sooner, seconds, loose=True):
                 return
 
     def _steps(self) -> None:
@@ -129,6 +153,13 @@ def _shorter(problem: Problem, old: Schedule | None, new: Schedule | None) -> Sc
     if old is None or new is None:
         return old or new
     return new if ticks(problem, new) < ticks(problem, old) else old
+
+
+def _state_meets_resources(problem: Problem) -> bool:
+    """Whether ranks may want another order than tokens do; see `irc_pddl21.loose`."""
+    return bool(problem.variables) and any(
+        activity.claims or activity.details.stock for activity in problem.activities
+    )
 
 
 def _may_bind(problem: Problem) -> bool:

@@ -1,0 +1,35 @@
+(define (domain irc_task)
+  (:requirements :durative-actions)
+  (:predicates
+    (free_hand_1)
+    (free_press_1)
+    (todo_squash)
+    (done_squash)
+    (todo_peel)
+    (done_peel)
+    (todo_juice)
+    (done_juice))
+  (:durative-action squash
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_squash)) (at start (free_press_1)))
+    :effect (and (at start (not (todo_squash))) (at start (not (free_press_1))) (at end (done_squash)) (at end (free_press_1))))
+  (:durative-action peel
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_peel)) (at start (free_hand_1)))
+    :effect (and (at start (not (todo_peel))) (at start (not (free_hand_1))) (at end (done_peel)) (at end (free_hand_1))))
+  (:action juice__bottled
+    :parameters ()
+    :precondition (and (todo_juice))
+    :effect (and (not (todo_juice)) (done_juice)))
+  (:durative-action juice__by_hand__hand_1
+    :parameters ()
+    :duration (= ?duration 5)
+    :condition (and (at start (todo_juice)) (at start (free_hand_1)))
+    :effect (and (at start (not (todo_juice))) (at start (not (free_hand_1))) (at end (done_juice)) (at end (free_hand_1))))
+  (:durative-action juice__by_machine__press_1
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_juice)) (at start (free_press_1)))
+    :effect (and (at start (not (todo_juice))) (at start (not (free_press_1))) (at end (done_juice)) (at end (free_press_1)))))

@@ -1,0 +1,46 @@
+(define (domain irc_task)
+  (:requirements :durative-actions)
+  (:predicates
+    (todo_wait_2_after_dry)
+    (lag_wait_2_after_dry)
+    (todo_dry)
+    (done_dry)
+    (todo_wash)
+    (done_wash)
+    (todo_label)
+    (done_label)
+    (todo_pack)
+    (done_pack))
+  (:durative-action wait_2_after_dry
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_wait_2_after_dry)) (at start (done_dry)))
+    :effect (and (at start (not (todo_wait_2_after_dry))) (at end (lag_wait_2_after_dry))))
+  (:durative-action dry
+    :parameters ()
+    :duration (= ?duration 3)
+    :condition (and (at start (todo_dry)))
+    :effect (and (at start (not (todo_dry))) (at end (done_dry))))
+  (:durative-action wash
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_wash)))
+    :effect (and (at start (not (todo_wash))) (at end (done_wash))))
+  (:durative-action label
+    :parameters ()
+    :duration (= ?duration 1)
+    :condition (and (at start (todo_label)))
+    :effect (and (at start (not (todo_label))) (at end (done_label))))
+  (:durative-action pack
+    :parameters ()
+    :duration (= ?duration 1)
+    :condition (and (at start (todo_pack)) (at start (done_wash)) (at start (lag_wait_2_after_dry)))
+    :effect (and (at start (not (todo_pack))) (at end (done_pack))))
+  (:action skip_dry
+    :parameters ()
+    :precondition (and (todo_dry))
+    :effect (and (not (todo_dry)) (done_dry) (lag_wait_2_after_dry)))
+  (:action skip_wash
+    :parameters ()
+    :precondition (and (todo_wash))
+    :effect (and (not (todo_wash)) (done_wash))))

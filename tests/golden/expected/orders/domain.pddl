@@ -1,0 +1,40 @@
+(define (domain irc_task)
+  (:requirements :durative-actions :fluents :timed-initial-literals)
+  (:predicates
+    (open_9)
+    (open_8)
+    (free_grill_1)
+    (todo_fry)
+    (done_fry)
+    (todo_toast)
+    (todo_clean)
+    (done_clean)
+    (todo_serve)
+    (done_serve))
+  (:functions
+    (level_of_bun)
+    (sum_of_reward))
+  (:durative-action fry
+    :parameters ()
+    :duration (= ?duration 30)
+    :condition (and (at start (todo_fry)) (at start (free_grill_1)) (over all (open_8)) (at start (>= (level_of_bun) 1)))
+    :effect (and (at start (not (todo_fry))) (at start (not (free_grill_1))) (at end (done_fry)) (at end (free_grill_1)) (at start (decrease (level_of_bun) 1)) (at end (increase (sum_of_reward) 5))))
+  (:durative-action toast
+    :parameters ()
+    :duration (= ?duration 20)
+    :condition (and (at start (todo_toast)) (at start (free_grill_1)) (over all (open_9)) (at start (>= (level_of_bun) 1)))
+    :effect (and (at start (not (todo_toast))) (at start (not (free_grill_1))) (at end (free_grill_1)) (at start (decrease (level_of_bun) 1)) (at end (increase (sum_of_reward) 3))))
+  (:durative-action clean
+    :parameters ()
+    :duration (= ?duration 10)
+    :condition (and (at start (todo_clean)) (over all (open_9)))
+    :effect (and (at start (not (todo_clean))) (at end (done_clean))))
+  (:durative-action serve
+    :parameters ()
+    :duration (= ?duration 10)
+    :condition (and (at start (todo_serve)) (at start (done_fry)) (over all (open_8)))
+    :effect (and (at start (not (todo_serve))) (at end (done_serve))))
+  (:action decline_burger
+    :parameters ()
+    :precondition (and (todo_fry) (todo_serve))
+    :effect (and (not (todo_fry)) (not (todo_serve)) (done_fry) (done_serve))))

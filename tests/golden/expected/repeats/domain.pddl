@@ -1,0 +1,46 @@
+(define (domain irc_task)
+  (:requirements :durative-actions :fluents)
+  (:predicates
+    (is_where_left)
+    (is_where_right)
+    (todo_cut)
+    (done_cut)
+    (todo_cut_2)
+    (done_cut_2)
+    (todo_cut_3)
+    (idle_go)
+    (todo_stir)
+    (done_stir)
+    (idle_stir))
+  (:functions
+    (left_for_stir))
+  (:durative-action cut
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_cut)))
+    :effect (and (at start (not (todo_cut))) (at end (done_cut))))
+  (:durative-action cut_2
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_cut_2)) (at start (done_cut)))
+    :effect (and (at start (not (todo_cut_2))) (at end (done_cut_2))))
+  (:durative-action cut_3
+    :parameters ()
+    :duration (= ?duration 2)
+    :condition (and (at start (todo_cut_3)) (at start (done_cut_2)))
+    :effect (and (at start (not (todo_cut_3)))))
+  (:durative-action go
+    :parameters ()
+    :duration (= ?duration 1)
+    :condition (and (at start (idle_go)) (at start (is_where_left)))
+    :effect (and (at start (not (idle_go))) (at end (not (is_where_left))) (at end (idle_go)) (at end (is_where_right))))
+  (:durative-action stir
+    :parameters ()
+    :duration (= ?duration 1)
+    :condition (and (at start (todo_stir)))
+    :effect (and (at start (not (todo_stir))) (at end (done_stir)) (at end (idle_stir))))
+  (:durative-action stir_again
+    :parameters ()
+    :duration (= ?duration 1)
+    :condition (and (at start (idle_stir)) (at start (>= (left_for_stir) 1)))
+    :effect (and (at start (not (idle_stir))) (at end (idle_stir)) (at start (decrease (left_for_stir) 1)))))

@@ -1,0 +1,16 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (is_where_left)
+    (todo_cut)
+    (todo_cut_2)
+    (todo_cut_3)
+    (idle_go)
+    (todo_stir)
+    (= (left_for_stir) 19))
+  (:goal (and
+    (done_cut)
+    (done_cut_2)
+    (done_stir)
+    (is_where_right)))
+  (:metric minimize (total-time)))
