@@ -296,8 +296,8 @@ class Builder:
     def _arc(self, k: int) -> None:
         arc = self.problem.arcs[k]
         i, j, factor = arc.before, arc.after, self.rank_count
-        # Lags beyond the horizon never bind, and may be beyond 64 bits.
-        if arc.min_lag > -self.horizon:
+        # Lags beyond the horizon never bind; one that reaches just as far may, in ranks.
+        if arc.min_lag >= -self.horizon:
             apart = self.moment(j, at_end=arc.to_end) - self.moment(i, at_end=arc.from_end)
             sequel = self.ranked and (i, j) in self.sequel
             least = factor * arc.min_lag + (1 if sequel and arc.min_lag == 0 else 0)
