@@ -13,14 +13,11 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.backend import Refusal
-from irc.horizon import safe_horizon
+from irc.horizon import safe_horizon, within
 from irc.list_schedule import list_schedule
 from irc.problem import PLAIN, Activity, Claim, Problem, Shared
 from irc.retime import Decision
-
-_MAX_SUM = 2**62
-"""CP-SAT computes sums in 64-bit integers; a model that comes near is refused."""
+from irc_cpsat.sums import refuse_overflow
 
 Hint = tuple[list[Decision], list[tuple[int, ...]]]
 """A list schedule: a decision for each activity, and the shared resource of each claim."""
@@ -84,6 +81,8 @@ class Builder:
         self.rank_count = self._rank_count()
         by_makespan = bounds and problem.objectives[:1] == ("makespan",)
         self.horizon = self._horizon(horizon, found[0] if by_makespan and found else None)
+        self.problem = within(problem, self.horizon)
+        self.sequel = frozenset(problem.sequel)
         self.sizes: dict[int, cp_model.IntVar] = {}
         self.positive: dict[int, Literal] = {}
         self.pairs: dict[tuple[int, int], Literal] = {}
@@ -104,19 +103,7 @@ class Builder:
     def _horizon(self, given: int | None, known: Sequence[Any] | None) -> int:
         problem = self.problem
         horizon = safe_horizon(problem) if given is None else given
-        widest = max((s.capacity for s in problem.shared), default=1)
-        worth = sum(abs(a.details.reward) + abs(a.details.cost) for a in problem.activities)
-        worth += sum(abs(g.reward) for g in problem.groups)
-        weights = sum(a.details.weight for a in problem.activities if a.details.due is not None)
-        weights += sum(g.weight for g in problem.groups if g.due is not None)
-        times = (horizon + 1) * self.rank_count
-        factor = max(1, widest, weights) * max(1, len(problem.activities))
-        if times * factor >= _MAX_SUM or worth >= _MAX_SUM:
-            raise Refusal(
-                f"the times of this task reach {horizon} ticks, "
-                "beyond what CP-SAT's 64-bit sums can hold",
-                hint="use a coarser common unit for its times",
-            )
+        refuse_overflow(problem, horizon, self.rank_count)
         if known is not None:
             horizon = min(horizon, max((int(d.end) for d in known), default=0))
         return max(horizon, problem.bound.value)
@@ -309,20 +296,16 @@ class Builder:
     def _arc(self, k: int) -> None:
         arc = self.problem.arcs[k]
         i, j, factor = arc.before, arc.after, self.rank_count
-        # Lags beyond the horizon never bind, and may be beyond 64 bits.
-        if arc.min_lag > -self.horizon:
+        # Lags beyond the horizon never bind; one that reaches just as far may, in ranks.
+        if arc.min_lag >= -self.horizon:
             apart = self.moment(j, at_end=arc.to_end) - self.moment(i, at_end=arc.from_end)
-            sequel = self.ranked and (i, j) in self._sequel
+            sequel = self.ranked and (i, j) in self.sequel
             least = factor * arc.min_lag + (1 if sequel and arc.min_lag == 0 else 0)
             self.enforced(self.model.add(apart >= least), i, j)
         if arc.max_lag is not None and arc.max_lag < self.horizon:
             before = self._end(i) if arc.from_end else self.starts[i]
             after = self._end(j) if arc.to_end else self.starts[j]
             self.enforced(self.model.add(after - before <= arc.max_lag), i, j)
-
-    @property
-    def _sequel(self) -> frozenset[tuple[int, int]]:
-        return frozenset(self.problem.sequel)
 
     def _occurrences(self) -> None:
         """Occurrences of one action come one after the other, without gaps in their numbers."""
@@ -416,7 +399,7 @@ class Builder:
     def _resource(self, shared: Shared, users: Users) -> None:
         if not users.intervals:
             return
-        if shared.windows:
+        if shared.base is not None:
             users = self._with_windows(shared, users)
         capacity = shared.capacity
         if 2 * min(users.amounts) > capacity and max(users.amounts) <= capacity:
@@ -428,10 +411,9 @@ class Builder:
         """What is missing from the greatest capacity is held by an interval that cannot move."""
         filled = Users(list(users.intervals), list(users.amounts))
         base = shared.capacity if shared.base is None else shared.base
-        end_of_time = max(self.horizon, shared.windows[-1].end) + 1
         at = 0
         for window in (*shared.windows, None):
-            until = end_of_time if window is None else window.start
+            until = self.horizon + 1 if window is None else window.start
             self._fill(filled, shared, at, until, base)
             if window is not None:
                 self._fill(filled, shared, window.start, window.end, window.capacity)
@@ -461,11 +443,6 @@ class Builder:
         for r, reservoir in enumerate(self.problem.reservoirs):
             if not times[r]:
                 continue
-            if sum(map(abs, amounts[r])) + abs(reservoir.initial) >= _MAX_SUM:
-                raise Refusal(
-                    f"the amounts of reservoir {reservoir.id!r} are beyond CP-SAT's 64-bit sums",
-                    reservoir.origin,
-                )
             most = sum(a for a in amounts[r] if a > 0)
             greatest = reservoir.greatest
             above = most if greatest is None else min(most, greatest - reservoir.initial)

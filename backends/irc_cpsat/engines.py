@@ -23,8 +23,9 @@ from irc.passes.unroll import unroll
 from irc.problem import Problem
 from irc.retime import retime
 from irc.schedule import Schedule, Status
+from irc.times import Number
 from irc.worth import in_units, worth
-from irc_cpsat.depth import depths, enough, fits_a_model
+from irc_cpsat.depth import SLOTS_LIMIT, depths, enough, fits_a_model
 
 if TYPE_CHECKING:
     from irc_cpsat.builder import Hint, Model
@@ -69,7 +70,9 @@ class _Run:
             if best.schedule is not None or self._spent():
                 break
         if best is None:
-            return Outcome(Status.UNKNOWN, self.engine, seconds=self._seconds())
+            return Outcome(
+                Status.UNKNOWN, self.engine, seconds=self._seconds(), notes=(_too_many(),)
+            )
         return self._completed(best, depth)
 
     def _completed(self, best: Outcome, depth: int) -> Outcome:
@@ -79,16 +82,18 @@ class _Run:
             reached = int(best.schedule.makespan / self.problem.tick)
             limit = reached if limit is None else min(limit, reached)
         needed = enough(self.problem, limit)
-        if needed is not None and needed > depth and fits_a_model(self.problem, needed):
-            if not self._spent():
-                deeper = self._at(needed)
-                if deeper.schedule is not None or deeper.status is Status.INFEASIBLE:
-                    return deeper
-        elif needed is not None and needed <= depth:
+        if needed is not None and needed <= depth:
             return best
+        if needed is not None and fits_a_model(self.problem, needed) and not self._spent():
+            deeper = self._at(needed)
+            if deeper.schedule is not None or deeper.status is Status.INFEASIBLE:
+                return _better(best, deeper)
         return self._unproven(best, depth)
 
     def _unproven(self, best: Outcome, depth: int) -> Outcome:
+        """Without bounds: what was proven holds for so many occurrences only."""
+        levels = tuple(replace(level, bound=None) for level in best.levels)
+        best = replace(best, bound=0, levels=levels)
         if best.status not in (Status.OPTIMAL, Status.INFEASIBLE):
             return best
         told = Diagnostic(
@@ -98,8 +103,7 @@ class _Run:
             hint="a deadline of the task, or a 'max' for 'occurs', would make the answer certain",
         )
         status = Status.FEASIBLE if best.schedule is not None else Status.UNKNOWN
-        levels = tuple(replace(level, bound=None) for level in best.levels)
-        return replace(best, status=status, bound=0, levels=levels, notes=(*best.notes, told))
+        return replace(best, status=status, notes=(*best.notes, told))
 
     def _seconds(self) -> float:
         return time.perf_counter() - self.began
@@ -157,6 +161,34 @@ class _Run:
             self._seconds(),
             levels=_levels(problem, answer, schedule),
         )
+
+
+def _too_many() -> Diagnostic:
+    return Diagnostic(
+        Code.NO_ANSWER,
+        f"the repeated actions of this task have more than {SLOTS_LIMIT} occurrences, "
+        "the most that a model is given",
+        hint="a longer action that stands for several of them would do",
+    )
+
+
+def _better(shallow: Outcome, deep: Outcome) -> Outcome:
+    """The better of two answers, with the bounds of the one that leaves nothing out.
+
+    Out of time, a deep model can have come less far than a shallow one before it.
+    """
+    if shallow.schedule is None or deep.schedule is None or _vector(deep) <= _vector(shallow):
+        return deep
+    bounds = deep.levels[0].bound, *(None for _ in deep.levels[1:])
+    levels = tuple(
+        replace(level, bound=bound) for level, bound in zip(shallow.levels, bounds, strict=True)
+    )
+    return replace(shallow, status=Status.FEASIBLE, bound=deep.bound, levels=levels)
+
+
+def _vector(outcome: Outcome) -> tuple[Number, ...]:
+    """The objectives in their order; less is better."""
+    return tuple(-o.value if o.name == "reward" else o.value for o in outcome.levels)
 
 
 def _levels(problem: Problem, answer: Answer, schedule: Schedule) -> tuple[ObjectiveLevel, ...]:

@@ -12,6 +12,7 @@ grow along them satisfy every order and every interference at once, whatever the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from irc.problem import PLAIN, Activity, Arc, Problem
@@ -30,11 +31,9 @@ def order_from_state(problem: Problem) -> Problem:
     order = _Order(problem)
     if not order.is_acyclic():
         return problem
-    gone: set[int] = set()
-    for v in range(len(problem.variables)):
-        pairs = _orders(problem, v, order)
-        if pairs is not None and order.with_pairs(pairs):
-            gone.add(v)
+    index = _Index(problem)
+    found = [(v, _orders(index, v)) for v in range(len(problem.variables))]
+    gone = order.with_most_of([(v, pairs) for v, pairs in found if pairs is not None])
     return _without(problem, gone, order.added) if gone else problem
 
 
@@ -47,14 +46,37 @@ class _Touch:
     at: str
 
 
-def _orders(problem: Problem, v: int, order: _Order) -> set[tuple[int, int]] | None:
+class _Index:
+    """What touches each variable, and the optional group of each activity."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.effects: list[list[_Touch]] = [[] for _ in problem.variables]
+        self.conditions: list[list[_Touch]] = [[] for _ in problem.variables]
+        self.goals: list[set[int]] = [set() for _ in problem.variables]
+        for i, activity in enumerate(problem.activities):
+            for e in activity.details.effects:
+                self.effects[e.var].append(_Touch(i, e.value, "end" if e.at_end else "start"))
+            for c in activity.details.conditions:
+                self.conditions[c.var].append(_Touch(i, c.value, c.at))
+        for v, value in problem.goals:
+            self.goals[v].add(value)
+        self.chooser = {
+            i: k
+            for k, group in enumerate(problem.groups)
+            if not group.required
+            for i in group.members
+        }
+
+
+def _orders(index: _Index, v: int) -> set[tuple[int, int]] | None:
     """(a, b): a ends before b starts; all that the variable demands. None where it says more."""
-    effects, conditions = _touches(problem, v)
+    problem = index.problem
+    effects, conditions = index.effects[v], index.conditions[v]
     touching = {t.activity for t in (*effects, *conditions)}
-    if not _same_presence(problem, touching):
+    if not _same_presence(index, touching):
         return None
-    is_goal = any(goal_var == v for goal_var, _ in problem.goals)
-    if is_goal and any(problem.activities[i].details.optional for i in touching):
+    if index.goals[v] and any(problem.activities[i].details.optional for i in touching):
         return None  # The goal also says who must be there.
     if any(e.at == "start" for e in effects):
         return None
@@ -71,34 +93,19 @@ def _orders(problem: Problem, v: int, order: _Order) -> set[tuple[int, int]] | N
     line = _line(effects, conditions, source)
     if line is None:
         return None
-    return _pairs(problem, v, line, conditions, source)
+    return _pairs(index.goals[v], line, conditions, source)
 
 
-def _touches(problem: Problem, v: int) -> tuple[list[_Touch], list[_Touch]]:
-    effects: list[_Touch] = []
-    conditions: list[_Touch] = []
-    for i, activity in enumerate(problem.activities):
-        details = activity.details
-        effects += [
-            _Touch(i, e.value, "end" if e.at_end else "start")
-            for e in details.effects
-            if e.var == v
-        ]
-        conditions += [_Touch(i, c.value, c.at) for c in details.conditions if c.var == v]
-    return effects, conditions
-
-
-def _same_presence(problem: Problem, touching: set[int]) -> bool:
+def _same_presence(index: _Index, touching: set[int]) -> bool:
     """Whether all of them are there in every schedule, or all by the choice of one group."""
-    details = [problem.activities[i].details for i in touching]
-    if any(d.repeats is not None for d in details):
+    details = {i: index.problem.activities[i].details for i in touching}
+    if any(d.repeats is not None for d in details.values()):
         return False
-    optional = {i for i in touching if problem.activities[i].details.optional}
+    optional = {i for i in touching if details[i].optional}
     if not optional:
         return True
-    return touching == optional and any(
-        not group.required and touching <= set(group.members) for group in problem.groups
-    )
+    choosers = {index.chooser.get(i) for i in touching}
+    return touching == optional and len(choosers) == 1 and None not in choosers
 
 
 def _line(
@@ -128,8 +135,7 @@ def _line(
 
 
 def _pairs(
-    problem: Problem,
-    v: int,
+    goals: set[int],
     line: list[_Touch],
     conditions: list[_Touch],
     source: dict[int, int | None],
@@ -145,10 +151,7 @@ def _pairs(
     for effect in line:
         next_changer[before] = effect.activity
         before = effect.activity
-    if any(
-        goal_var == v and (goal not in source or source[goal] != before)
-        for goal_var, goal in problem.goals
-    ):
+    if any(goal not in source or source[goal] != before for goal in goals):
         return None
     pairs: set[tuple[int, int]] = set()
     for condition in conditions:
@@ -190,6 +193,20 @@ class _Order:
                 if not waiting[b]:
                     ready.append(b)
         return settled == self.size
+
+    def with_most_of(self, found: Sequence[tuple[int, set[tuple[int, int]]]]) -> set[int]:
+        """Adds the pairs of each variable that makes no cycle with those before it; which it did.
+
+        All at once where that is possible, else half by half.
+        """
+        if not found:
+            return set()
+        if self.with_pairs({pair for _, pairs in found for pair in pairs}):
+            return {v for v, _ in found}
+        if len(found) == 1:
+            return set()
+        half = len(found) // 2
+        return self.with_most_of(found[:half]) | self.with_most_of(found[half:])
 
     def with_pairs(self, pairs: set[tuple[int, int]]) -> bool:
         """Adds pairs if they make no cycle."""

@@ -468,7 +468,7 @@ class Walk:
         key = (
             situation.values,
             tuple((i, run is not None) for i, run in enumerate(situation.runs)),
-            tuple((i, run.is_point, _end_node(i, run)) for i, run in touching),
+            tuple((i, run.is_point, run.drawn_out, _end_node(i, run)) for i, run in touching),
             tuple((i, _end_node(i, run)) for i, run in ending),
         )
         if key not in self.outcomes:

@@ -1,0 +1,35 @@
+"""State in CP-SAT models: what needs an order within an instant, and what has none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from irc.backend import Limits
+from irc.compiler import solve_task
+from irc.model import Task
+from irc.schedule import Schedule, Status
+
+
+def solved(*actions: dict[str, Any], **fields: Any) -> Schedule:
+    task = Task.model_validate({"actions": list(actions), **fields})
+    return solve_task(task, limits=Limits(10, workers=1), shortcut=False).schedule
+
+
+def gives(value: str, name: str, duration: Any, at: str = "start", **fields: Any) -> dict[str, Any]:
+    effects = [{"at": at, "var": "door", "value": value}]
+    return {"id": name, "duration": duration, "effects": effects, **fields}
+
+
+DOOR = [{"id": "door", "values": ["shut", "open"], "initial": "shut"}]
+OPEN = [{"var": "door", "value": "open"}]
+
+
+def test_a_lag_as_long_as_the_horizon_still_orders_within_an_instant() -> None:
+    """Closing starts no earlier, in ranks too, than two before the end of opening, its start."""
+    at_once = {"before": "opening", "after": "closing", "min_lag": -2}
+    actions = gives("open", "opening", 2), gives("shut", "closing", 0)
+    schedule = solved(*actions, precedence=[at_once], state=DOOR, goals=OPEN, deadline=2)
+    assert schedule.status is Status.INFEASIBLE
+    longer = {**at_once, "min_lag": -4}
+    schedule = solved(*actions, precedence=[longer], state=DOOR, goals=OPEN, deadline=4)
+    assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, 2)

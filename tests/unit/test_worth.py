@@ -1,0 +1,82 @@
+"""What a schedule is worth: makespan, tardiness, reward and cost, in the task's unit."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from irc.lower import lower
+from irc.model import Task
+from irc.problem import Problem
+from irc.schedule import Entry, Schedule
+from irc.worth import in_units, worth
+
+
+def problem_of(*actions: dict[str, Any], **fields: Any) -> Problem:
+    return lower(Task.model_validate({"actions": list(actions), **fields}))
+
+
+def schedule(*entries: tuple[str, Any, Any]) -> Schedule:
+    return Schedule(tuple(Entry(name, start, end, {}) for name, start, end in entries))
+
+
+def act(name: str, duration: Any = 2, **fields: Any) -> dict[str, Any]:
+    return {"id": name, "duration": duration, **fields}
+
+
+def test_an_empty_schedule_is_worth_nothing() -> None:
+    problem = problem_of(act("a", occurs="optional", reward=3, cost=2, due=1))
+    assert worth(problem, schedule()) == {"makespan": 0, "tardiness": 0, "reward": 0, "cost": 0}
+
+
+def test_each_occurrence_counts() -> None:
+    problem = problem_of(act("a", occurs={"min": 0, "max": 3}, reward=3, cost=2, due=3, weight=5))
+    values = worth(problem, schedule(("a", 0, 2), ("a", 2, 4)))
+    assert values == {"makespan": 4, "tardiness": 5, "reward": 6, "cost": 4}
+
+
+def test_losses_and_refunds_are_kept_with_their_signs() -> None:
+    problem = problem_of(act("a", reward=-3), act("b", reward=1))
+    values = worth(problem, schedule(("a", 0, 2), ("b", 0, 2)))
+    assert values["reward"] == -2
+
+
+@pytest.mark.parametrize(("due", "late"), [(3, 0), (2, 0), (1, 1), ("1/2", Fraction(3, 2))])
+def test_only_what_ends_behind_its_due_date_is_late(due: Any, late: Any) -> None:
+    problem = problem_of(act("a", due=due))
+    assert worth(problem, schedule(("a", 0, 2)))["tardiness"] == late
+
+
+def test_a_weight_of_nothing_makes_lateness_harmless() -> None:
+    problem = problem_of(act("a", due=0, weight=0))
+    assert worth(problem, schedule(("a", 0, 2)))["tardiness"] == 0
+
+
+def group(**fields: Any) -> dict[str, Any]:
+    return {"id": "g", "actions": ["a", "b"], "required": False, **fields}
+
+
+def test_a_group_counts_once_and_is_as_late_as_its_last_member() -> None:
+    problem = problem_of(act("a"), act("b"), groups=[group(reward=7, due=3, weight=2)])
+    values = worth(problem, schedule(("a", 0, 2), ("b", 4, 6)))
+    assert (values["reward"], values["tardiness"]) == (7, 6)
+
+
+@pytest.mark.parametrize("present", [(), ("a",)])
+def test_a_group_that_is_not_complete_is_worth_nothing(present: tuple[str, ...]) -> None:
+    problem = problem_of(act("a"), act("b"), groups=[group(reward=7, due=0)])
+    values = worth(problem, schedule(*((name, 0, 2) for name in present)))
+    assert (values["reward"], values["tardiness"]) == (0, 0)
+
+
+def test_an_empty_group_is_worth_nothing() -> None:
+    problem = problem_of(act("a"), groups=[{"id": "g", "actions": [], "reward": 7}])
+    assert worth(problem, schedule(("a", 0, 2)))["reward"] == 0
+
+
+def test_times_are_counted_in_ticks_and_the_rest_in_units() -> None:
+    problem = problem_of(act("a", "1/3"))
+    assert in_units(problem, "makespan", 2) == Fraction(2, 3)
+    assert in_units(problem, "reward", 2) == 2
