@@ -20,8 +20,8 @@ from irc.frontends.dsl.lexer import (
     Lexeme,
     classified,
     quoted,
-    written_name,
 )
+from irc.frontends.dsl.written import name as written_name
 from irc.lsp.dsl import Cursor, cursor_at, pools
 from irc.lsp.mentions import Kind
 from irc.lsp.names import Names

@@ -70,7 +70,7 @@ def _renamed(d: Diagnostic, analysis: Analysis, names: Names) -> list[Repair]:
 
 def _written(name: str, analysis: Analysis) -> str:
     if analysis.language == "dsl":
-        from irc.frontends.dsl.lexer import written_name
+        from irc.frontends.dsl.written import name as written_name
 
         return written_name(name)
     import json
