@@ -110,6 +110,13 @@ def test_a_fault_is_told_while_it_is_typed_and_goes_when_it_is_mended(client: Cl
     assert client.findings(URI) == []
 
 
+def test_all_that_cannot_be_read_is_underlined(client: Client) -> None:
+    text = KITCHEN + "boil 3 after deadline 4\n"
+    (found,) = client.open(URI, text)
+    assert found["code"] == "IRC010"
+    assert covered(text, found["range"]) == "deadline"
+
+
 def test_json_is_checked_too(client: Client) -> None:
     found = client.open(JSON_URI, SOUP.replace('"stove"}]}', '"stov"}]}'), "json")
     errors = [d for d in found if d["severity"] == 1]

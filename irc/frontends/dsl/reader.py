@@ -199,7 +199,12 @@ class _Reader:
         if key in self.faults:
             return
         self.faults[key] = Diagnostic(
-            fault.code, fault.message, hint=fault.hint, offset=fault.start, within=within
+            fault.code,
+            fault.message,
+            hint=fault.hint,
+            offset=fault.start,
+            end=fault.end,
+            within=within,
         )
         if statement is not None and statement.spans:
             self.broken.append(self.text[statement.start : statement.end])
