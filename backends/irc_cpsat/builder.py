@@ -1,4 +1,6 @@
-"""The elements of a problem in a CP-SAT model, one method for each kind of element.
+"""Activities, precedence and resources in a CP-SAT model, one method for each kind of element.
+
+State, stock, calendars and objectives have modules of their own, as have hints.
 
 An activity is a start and, where it can move by itself, an end; what may be absent has a literal.
 Where state is left, every happening also has a rank, and `moment = time × ranks + rank` is one
@@ -15,8 +17,13 @@ from ortools.sat.python import cp_model
 
 from irc.horizon import safe_horizon, within
 from irc.list_schedule import list_schedule
-from irc.problem import PLAIN, Activity, Claim, Problem, Shared
+from irc.problem import Activity, Claim, Problem, Shared
 from irc.retime import Decision
+from irc_cpsat.calendars import with_windows
+from irc_cpsat.hints import add_hint
+from irc_cpsat.names import name_of
+from irc_cpsat.objectives import makespan, values_of
+from irc_cpsat.stock import add_stock
 from irc_cpsat.sums import refuse_overflow
 
 Hint = tuple[list[Decision], list[tuple[int, ...]]]
@@ -127,26 +134,26 @@ class Builder:
         for shared, users in zip(problem.shared, self.users, strict=True):
             self._resource(shared, users)
         if problem.reservoirs:
-            self._reservoirs()
+            add_stock(self)
         if self.ranked:
             from irc_cpsat.state import add_state
 
             add_state(self)
+        latest = makespan(self)
         built = Model(
             model=self.model,
             problem=problem,
             starts=self.starts,
             ends=self.ends,
-            makespan=self._makespan(),
+            makespan=latest,
             literals=literals,
             sizes=self.sizes,
             positive=self.positive,
             present=self.present,
             modes=self.modes,
             ranks=self.ranks,
-            values={},
+            values=values_of(self, latest),
         )
-        built.values.update(self._values(built))
         if objective:
             name = problem.objectives[0]
             if name == "reward":
@@ -154,7 +161,7 @@ class Builder:
             else:
                 self.model.minimize(built.values[name])
         if self.hint is not None:
-            self._add_hint(built, *self.hint)
+            add_hint(self, built, *self.hint)
             built.hint = self.hint
         return built
 
@@ -184,7 +191,7 @@ class Builder:
             elif i in by_group:
                 self.present.append(by_group[i])
             else:
-                self.present.append(model.new_bool_var(f"present {_name(activity)}"))
+                self.present.append(model.new_bool_var(f"present {name_of(activity)}"))
         for i in problem.wanted:
             if (literal := self.present[i]) is not None:
                 model.add(literal == 1)
@@ -196,7 +203,7 @@ class Builder:
         if not modes:
             return []
         literals = [
-            self.model.new_bool_var(f"mode {mode.id} of {_name(activity)}") for mode in modes
+            self.model.new_bool_var(f"mode {mode.id} of {name_of(activity)}") for mode in modes
         ]
         absent = self._absent(i)
         self.model.add_exactly_one([*literals, *absent])
@@ -219,7 +226,7 @@ class Builder:
         deadline = self.problem.effective_deadline(i)
         latest_end = self.horizon if deadline is None else min(self.horizon, deadline)
         earliest = max(activity.release, self.problem.heads[i] if self.bounds else 0)
-        name = _name(activity)
+        name = name_of(activity)
         fits = earliest + activity.duration_min <= latest_end
         literal = self.present[i]
         if not fits and literal is not None:
@@ -256,7 +263,8 @@ class Builder:
             return 0
         return activity.start + min(activity.duration_max, max(activity.duration_min, self.horizon))
 
-    def _end(self, i: int) -> Any:
+    def end(self, i: int) -> Any:
+        """When an activity ends, as an expression."""
         end = self.ends[i]
         return self.starts[i] + self.problem.activities[i].duration_min if end is None else end
 
@@ -267,11 +275,11 @@ class Builder:
             details = activity.details
             touches = bool(details.conditions or details.effects) or i in concerned
             last = self.rank_count - 1 if touches else 0
-            start = self.model.new_int_var(0, last, f"rank {_name(activity)}")
+            start = self.model.new_int_var(0, last, f"rank {name_of(activity)}")
             if activity.is_fixed:
                 self.ranks.append((start, start))
                 continue
-            end = self.model.new_int_var(0, last, f"end rank {_name(activity)}")
+            end = self.model.new_int_var(0, last, f"end rank {name_of(activity)}")
             self.ranks.append((start, end))
             self._duration_in_ranks(i, activity)
 
@@ -289,7 +297,7 @@ class Builder:
 
     def moment(self, i: int, *, at_end: bool) -> Any:
         """time × ranks + rank of a happening; plain time where there are no ranks."""
-        time = self._end(i) if at_end else self.starts[i]
+        time = self.end(i) if at_end else self.starts[i]
         ranks = self.ranks[i] if self.ranked else None
         return time if ranks is None else time * self.rank_count + ranks[at_end]
 
@@ -303,8 +311,8 @@ class Builder:
             least = factor * arc.min_lag + (1 if sequel and arc.min_lag == 0 else 0)
             self.enforced(self.model.add(apart >= least), i, j)
         if arc.max_lag is not None and arc.max_lag < self.horizon:
-            before = self._end(i) if arc.from_end else self.starts[i]
-            after = self._end(j) if arc.to_end else self.starts[j]
+            before = self.end(i) if arc.from_end else self.starts[i]
+            after = self.end(j) if arc.to_end else self.starts[j]
             self.enforced(self.model.add(after - before <= arc.max_lag), i, j)
 
     def _occurrences(self) -> None:
@@ -313,7 +321,7 @@ class Builder:
             previous = activity.details.previous
             if previous is None:
                 continue
-            self.enforced(self.model.add(self.starts[i] >= self._end(previous)), i)
+            self.enforced(self.model.add(self.starts[i] >= self.end(previous)), i)
             here, there = self.present[i], self.present[previous]
             if here is not None and there is not None:
                 self.model.add_implication(here, there)
@@ -330,7 +338,7 @@ class Builder:
         """A literal that says the activity has a length; None where it always has."""
         if activity.duration_min > 0:
             return None
-        literal = self.model.new_bool_var(f"holds {_name(activity)}")
+        literal = self.model.new_bool_var(f"holds {name_of(activity)}")
         self.model.add(self.sizes[i] >= 1).only_enforce_if(literal)
         self.model.add(self.sizes[i] == 0).only_enforce_if(~literal)
         self.positive[i] = literal
@@ -348,7 +356,7 @@ class Builder:
             return []
         literals: list[tuple[int, Literal]] = []
         for r in claim.alternatives:
-            name = f"use {c} of {_name(activity)} on {self.problem.shared[r].id}"
+            name = f"use {c} of {name_of(activity)} on {self.problem.shared[r].id}"
             literal = self.model.new_bool_var(name)
             literals.append((r, literal))
             if claim.amount > self.problem.shared[r].capacity and activity.duration_min > 0:
@@ -381,13 +389,13 @@ class Builder:
 
     def _interval(self, i: int, literal: Literal | None) -> cp_model.IntervalVar:
         activity, start = self.problem.activities[i], self.starts[i]
-        name = _name(activity)
+        name = name_of(activity)
         if activity.is_fixed:
             size = activity.duration_min
             if literal is None:
                 return self.model.new_fixed_size_interval_var(start, size, name)
             return self.model.new_optional_fixed_size_interval_var(start, size, literal, name)
-        length, end = self.sizes[i], self._end(i)
+        length, end = self.sizes[i], self.end(i)
         if literal is None:
             return self.model.new_interval_var(start, length, end, name)
         return self.model.new_optional_interval_var(start, length, end, literal, name)
@@ -400,147 +408,9 @@ class Builder:
         if not users.intervals:
             return
         if shared.base is not None:
-            users = self._with_windows(shared, users)
+            users = with_windows(self, shared, users)
         capacity = shared.capacity
         if 2 * min(users.amounts) > capacity and max(users.amounts) <= capacity:
             self.model.add_no_overlap(users.intervals)
         else:
             self.model.add_cumulative(users.intervals, users.amounts, capacity)
-
-    def _with_windows(self, shared: Shared, users: Users) -> Users:
-        """What is missing from the greatest capacity is held by an interval that cannot move."""
-        filled = Users(list(users.intervals), list(users.amounts))
-        base = shared.capacity if shared.base is None else shared.base
-        at = 0
-        for window in (*shared.windows, None):
-            until = self.horizon + 1 if window is None else window.start
-            self._fill(filled, shared, at, until, base)
-            if window is not None:
-                self._fill(filled, shared, window.start, window.end, window.capacity)
-                at = window.end
-        return filled
-
-    def _fill(self, filled: Users, shared: Shared, start: int, end: int, capacity: int) -> None:
-        if start < end and capacity < shared.capacity:
-            away = self.model.new_fixed_size_interval_var(start, end - start, f"away {shared.id}")
-            filled.intervals.append(away)
-            filled.amounts.append(shared.capacity - capacity)
-
-    # --- stock ---
-
-    def _reservoirs(self) -> None:
-        """Levels count from the initial one; changes of one instant are seen together."""
-        times: list[list[Any]] = [[] for _ in self.problem.reservoirs]
-        amounts: list[list[int]] = [[] for _ in self.problem.reservoirs]
-        actives: list[list[Any]] = [[] for _ in self.problem.reservoirs]
-        for i, activity in enumerate(self.problem.activities):
-            for change in activity.details.stock:
-                r = change.reservoir
-                times[r].append(self._end(i) if change.at_end else self.starts[i])
-                amounts[r].append(change.amount)
-                literal = self.present[i]
-                actives[r].append(True if literal is None else literal)
-        for r, reservoir in enumerate(self.problem.reservoirs):
-            if not times[r]:
-                continue
-            most = sum(a for a in amounts[r] if a > 0)
-            greatest = reservoir.greatest
-            above = most if greatest is None else min(most, greatest - reservoir.initial)
-            below = sum(a for a in amounts[r] if a < 0)
-            self.model.add_reservoir_constraint_with_active(
-                times[r],
-                amounts[r],
-                actives[r],
-                max(below, reservoir.least - reservoir.initial),
-                above,
-            )
-
-    # --- what counts ---
-
-    def _makespan(self) -> cp_model.IntVar:
-        least = self.problem.bound.value if self.bounds else 0
-        makespan = self.model.new_int_var(least, self.horizon, "makespan")
-        for i in range(len(self.starts)):
-            tail = self.problem.tails[i] if self.bounds else 0
-            self.enforced(self.model.add(makespan >= self._end(i) + tail), i)
-        return makespan
-
-    def _values(self, built: Model) -> dict[str, Expression]:
-        values: dict[str, Expression] = {"makespan": built.makespan}
-        objectives = self.problem.objectives
-        if "tardiness" in objectives:
-            values["tardiness"] = self._tardiness()
-        if "reward" in objectives:
-            worth = [(a.details.reward, p) for a, p in self._occurring() if a.details.reward]
-            worth += [
-                (g.reward, self.groups[k])
-                for k, g in enumerate(self.problem.groups)
-                if g.reward and g.members
-            ]
-            values["reward"] = _weighted(worth)
-        if "cost" in objectives:
-            values["cost"] = _weighted(
-                [(a.details.cost, p) for a, p in self._occurring() if a.details.cost]
-            )
-        return values
-
-    def _occurring(self) -> list[tuple[Activity, Literal | None]]:
-        return list(zip(self.problem.activities, self.present, strict=True))
-
-    def _tardiness(self) -> Expression:
-        late = []
-        for i, activity in enumerate(self.problem.activities):
-            due, weight = activity.details.due, activity.details.weight
-            if due is not None and weight:
-                late.append(weight * self._late([i], due, self.present[i], _name(activity)))
-        for k, group in enumerate(self.problem.groups):
-            if group.due is not None and group.weight and group.members:
-                late.append(
-                    group.weight
-                    * self._late(list(group.members), group.due, self.groups[k], group.id)
-                )
-        return sum(late) if late else 0
-
-    def _late(self, whose: list[int], due: int, literal: Literal | None, name: str) -> Expression:
-        late = self.model.new_int_var(0, max(0, self.horizon - due), f"late {name}")
-        for i in whose:
-            constraint = self.model.add(late >= self._end(i) - due)
-            if literal is not None:
-                constraint.only_enforce_if(literal)
-        return late
-
-    # --- hint ---
-
-    def _add_hint(
-        self, built: Model, decisions: Sequence[Any], choices: Sequence[tuple[int, ...]]
-    ) -> None:
-        """A complete assignment, so that CP-SAT starts from a schedule."""
-        for i, decision in enumerate(decisions):
-            self.model.add_hint(built.starts[i], decision.start)
-            end = built.ends[i]
-            if end is not None:
-                self.model.add_hint(end, decision.end)
-            for taken, literals in zip(choices[i], built.literals[i], strict=True):
-                for r, literal in literals:
-                    self.model.add_hint(literal, int(r == taken))
-        for i, size in built.sizes.items():
-            self.model.add_hint(size, decisions[i].end - decisions[i].start)
-        for i, literal in built.positive.items():
-            self.model.add_hint(literal, int(decisions[i].end > decisions[i].start))
-        hinted = self.model.proto.solution_hint
-        values = dict(zip(hinted.vars, hinted.values, strict=True))
-        for both, a, b in self.both_of:
-            self.model.add_hint(both, values[a.index] * values[b.index])
-        latest = max((int(d.end) for d in decisions), default=0)
-        self.model.add_hint(built.makespan, max(latest, self.problem.bound.value))
-
-
-def _name(activity: Activity) -> str:
-    if activity.details is PLAIN or activity.details.occurrence == 1:
-        return activity.id
-    return f"{activity.id} ({activity.details.occurrence})"
-
-
-def _weighted(worth: Sequence[tuple[int, Literal | None]]) -> Expression:
-    """Σ amount · present."""
-    return sum(amount if literal is None else amount * literal for amount, literal in worth)

@@ -97,7 +97,7 @@ class _AssumptionBuilder(Builder):
         if point == ORIGIN:
             return 0
         activity, is_end = divmod(point - 1, 2)
-        return self._end(activity) if is_end else self.starts[activity]
+        return self.end(activity) if is_end else self.starts[activity]
 
     def _all_of(
         self, i: int, claim: Claim, r: int, *literals: cp_model.IntVar | None

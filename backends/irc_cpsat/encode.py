@@ -3,8 +3,8 @@
 An activity is an interval; a resource of which only one claim fits at a time is a
 `NoOverlap`, any other a `Cumulative`; a choice is one optional interval for each alternative.
 An interval of size 0 must not be seen by `NoOverlap` (it would break inside another), so what
-may have no length is optional there. `irc_cpsat.builder` has a method for each kind of element,
-`irc_cpsat.state` what state needs.
+may have no length is optional there. `irc_cpsat.builder` has a method for most kinds of element,
+modules beside it what state, stock, calendars and objectives need.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ from rich.cells import cell_len, set_cell_size
 from rich.console import Console
 from rich.text import Text
 
+from irc.cli.absent import in_words, left_out
 from irc.problem import Problem
 from irc.retime import AnswerError
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
@@ -222,6 +223,9 @@ def _headline(page: _Page, problem: Problem, schedule: Schedule) -> Iterator[Tex
             yield Text(_objective_line(page, problem, schedule, value))
     else:
         yield Text(page.visible(_why_nothing(problem, schedule.status)))
+    absent = left_out(problem, schedule)
+    if absent:
+        yield Text(in_words(absent, page.visible))
     made = [
         f"{what} {page.visible(name)}"
         for what, name in (("target", schedule.target), ("engine", schedule.engine))
@@ -338,7 +342,7 @@ class _Column(NamedTuple):
 
 
 _LEAST_FLEXIBLE = 8
-_FIRST_TO_GO = ("status", "resources", "mode", "duration")
+_FIRST_TO_GO = ("status", "resources", "rank", "mode", "duration")
 _MARKED = ("action", "slack")
 _GAP = "  "
 
@@ -379,13 +383,14 @@ def _columns(
     ]
     texts: list[tuple[str, Callable[[Entry], str]]] = [
         ("mode", lambda entry: page.visible(entry.mode or "")),
+        ("rank", _rank),
         ("resources", lambda entry: _resources(page, entry)),
         ("status", lambda entry: page.visible(entry.status or "")),
     ]
     for title, text in texts:
         cells = [text(entry) for entry in entries]
         if any(cells):
-            columns.append(_Column(title, cells, flexible=title != "status"))
+            columns.append(_Column(title, cells, flexible=title not in ("status", "rank")))
     if slack is not None:
         free = _aligned(problem.to_units(slack[entry.id]) for entry in entries)
         marked = [
@@ -399,6 +404,13 @@ def _columns(
 def _title(page: _Page, entry: Entry) -> str:
     name = page.visible(entry.id)
     return name if entry.occurrence == 1 else f"{name} #{entry.occurrence}"
+
+
+def _rank(entry: Entry) -> str:
+    """The place within its instant: "1"; "0, 1" where the end has one of its own."""
+    if entry.end_rank is None or entry.end_rank == entry.rank:
+        return str(entry.rank) if entry.rank else ""
+    return f"{entry.rank}, {entry.end_rank}"
 
 
 def _resources(page: _Page, entry: Entry) -> str:

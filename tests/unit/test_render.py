@@ -297,6 +297,56 @@ def test_modes_and_occurrences_are_shown_where_there_are_any() -> None:
     assert "slack" not in table["cut"]
 
 
+def test_ranks_are_shown_where_an_instant_has_an_order() -> None:
+    answer = answer_of({"actions": [{"id": "cut", "duration": 4}]})
+    entries = (
+        Entry("cut", 0, 4),
+        Entry("fry", 4, 8, rank=1),
+        Entry("eat", 8, 9, rank=2, end_rank=3),
+    )
+    problem = replace(
+        answer.problem,
+        activities=tuple(replace(answer.problem.activities[0], id=e.id) for e in entries),
+    )
+    table = table_of(shown(Answer(replace(answer.schedule, entries=entries), problem)))
+    assert [table[name]["rank"] for name in ("cut", "fry", "eat")] == ["", "1", "2, 3"]
+    assert "rank" not in table_of(shown(answer))["cut"]
+
+
+def optional_orders(count: int) -> dict[str, Any]:
+    orders = [f"order{k + 1}" for k in range(count)]
+    return {
+        "actions": [
+            {"id": "open", "duration": 1},
+            {"id": "nap", "duration": 1, "occurs": "optional"},
+            *({"id": f"bake {name}", "duration": 9} for name in orders),
+        ],
+        "groups": [
+            {"id": name, "actions": [f"bake {name}"], "required": False, "reward": 1}
+            for name in orders
+        ],
+    }
+
+
+def test_what_is_left_out_is_told_by_groups_and_then_by_actions() -> None:
+    answer = answer_of({"actions": [{"id": "open", "duration": 1}]})
+    problem = lower(Task.model_validate(optional_orders(2)))
+    assert "left out: order1, order2, nap\n" in shown(Answer(answer.schedule, problem))
+    assert "left out" not in shown(answer)
+
+
+def test_of_much_that_is_left_out_the_first_are_named() -> None:
+    answer = answer_of({"actions": [{"id": "open", "duration": 1}]})
+    problem = lower(Task.model_validate(optional_orders(20)))
+    text = " ".join(shown(Answer(answer.schedule, problem)).split())
+    assert "order11, order12 and 9 more" in text
+
+
+def test_a_task_without_answer_leaves_nothing_out() -> None:
+    answer = without_schedule(optional_orders(1), Status.INFEASIBLE)
+    assert "left out" not in shown(answer)
+
+
 def test_a_long_table_is_cut_in_the_middle_and_says_how_to_see_all() -> None:
     rows = parts(shown(chain(1000)))[1][2:]
     assert len(rows) == TABLE_ROWS + 1

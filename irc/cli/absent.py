@@ -1,0 +1,34 @@
+"""What an answer leaves out, in words: optional groups, and optional actions beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from irc.problem import Problem
+from irc.schedule import Schedule, Status
+
+NAMES_SHOWN = 12
+"""Of more names the first ones are told, and how many there are besides."""
+
+
+def left_out(problem: Problem, schedule: Schedule) -> list[str]:
+    """The ids of the groups that are absent, then of the absent actions that are in none of them.
+
+    Empty where there is no answer that could leave anything out.
+    """
+    if schedule.status not in (Status.OPTIMAL, Status.FEASIBLE):
+        return []
+    present = {entry.id for entry in schedule.entries}
+    absent = [i for i, a in enumerate(problem.activities) if a.id not in present]
+    gone = set(absent)
+    groups = [g for g in problem.groups if not g.required and gone.issuperset(g.members)]
+    told = {i for group in groups for i in group.members}
+    actions = [problem.activities[i].id for i in absent if i not in told]
+    return [*(group.id for group in groups), *actions]
+
+
+def in_words(names: list[str], visible: Callable[[str], str]) -> str:
+    """A line for people: "left out: order2, nap"."""
+    listed = ", ".join(visible(name) for name in names[:NAMES_SHOWN])
+    more = len(names) - NAMES_SHOWN
+    return f"left out: {listed}" + (f" and {more:,} more" if more > 0 else "")
