@@ -8,11 +8,12 @@ where the model holds as many, nothing better was left out.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from irc.passes.unroll import slots
 from irc.problem import Activity, Problem
 
-FIRST = 2
+FIRST = 1
 GREATEST = 64
 """Depths that are tried without being asked for by a proof."""
 
@@ -43,20 +44,38 @@ def _total(repeated: list[Activity], depth: int) -> int:
 
 def enough(problem: Problem, limit: int | None) -> int | None:
     """The depth that holds every schedule that ends by `limit` (ticks); None where none does."""
-    needed = 1
-    for activity in problem.activities:
-        repeats = activity.details.repeats
-        if repeats is None:
-            continue
-        fitting: int | None = None
-        if limit is not None and activity.duration_min > 0:
-            fitting = max(0, limit - activity.release) // activity.duration_min
-        if repeats[1] is not None:
-            fitting = repeats[1] if fitting is None else min(fitting, repeats[1])
-        if fitting is None:
-            return None
-        needed = max(needed, fitting)
-    return needed
+    fitting = [_fitting(a, limit) for a in problem.activities if a.details.repeats is not None]
+    known = [count for count in fitting if count is not None]
+    return max([1, *known]) if len(known) == len(fitting) else None
+
+
+def within(problem: Problem, limit: int) -> Problem:
+    """The problem without what ends after `limit` (ticks), and so with fewer occurrences.
+
+    Where a schedule that long is known, no shorter one is lost.
+    """
+    deadline = limit if problem.deadline is None else min(limit, problem.deadline)
+    activities = tuple(_capped(a, deadline) for a in problem.activities)
+    return replace(problem, deadline=deadline, activities=activities)
+
+
+def _capped(activity: Activity, limit: int) -> Activity:
+    repeats, fitting = activity.details.repeats, _fitting(activity, limit)
+    if repeats is None or fitting is None:
+        return activity
+    greatest = max(1, repeats[0], fitting)
+    return replace(activity, details=replace(activity.details, repeats=(repeats[0], greatest)))
+
+
+def _fitting(activity: Activity, limit: int | None) -> int | None:
+    """How many occurrences fit one after another into the time up to `limit`, if that is known."""
+    fitting: int | None = None
+    if limit is not None and activity.duration_min > 0:
+        fitting = max(0, limit - activity.release) // activity.duration_min
+    greatest = activity.details.repeats[1] if activity.details.repeats else 1
+    if greatest is None:
+        return fitting
+    return greatest if fitting is None else min(fitting, greatest)
 
 
 def fits_a_model(problem: Problem, depth: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import replace
 from importlib.util import find_spec
@@ -25,11 +26,18 @@ from irc.retime import retime
 from irc.schedule import Schedule, Status
 from irc.times import Number
 from irc.worth import in_units, worth
-from irc_cpsat.depth import SLOTS_LIMIT, depths, enough, fits_a_model
+from irc_cpsat.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
 
 if TYPE_CHECKING:
     from irc_cpsat.builder import Hint, Model
     from irc_cpsat.levels import Answer
+
+_SHARE = 0.4
+"""The part of the time left that a number of occurrences may take before a greater one is tried."""
+
+_STATE_WORKERS = 8
+"""With state, which of CP-SAT's searches succeeds differs from task to task: with fewer workers
+than this it leaves the better ones out, whatever the number of processors."""
 
 
 class OrTools(Engine):
@@ -65,8 +73,10 @@ class _Run:
     def run(self) -> Outcome:
         best: Outcome | None = None
         depth = 0
-        for depth in depths(self.problem):
-            best = self._at(depth)
+        tried = list(depths(self.problem))
+        for depth in tried:
+            # To refute a depth can take for ever where the next one has an answer at once.
+            best = self._at(self.problem, depth, 1.0 if depth == tried[-1] else _SHARE)
             if best.schedule is not None or self._spent():
                 break
         if best is None:
@@ -77,18 +87,20 @@ class _Run:
 
     def _completed(self, best: Outcome, depth: int) -> Outcome:
         """The answer at a depth that leaves nothing out, or the word that this one may."""
-        limit = self.problem.deadline
-        if best.schedule is not None and self.problem.objectives[0] == "makespan":
-            reached = int(best.schedule.makespan / self.problem.tick)
-            limit = reached if limit is None else min(limit, reached)
-        needed = enough(self.problem, limit)
-        if needed is not None and needed <= depth:
+        problem = self.problem
+        if best.schedule is not None and problem.objectives[0] == "makespan":
+            problem = within(problem, int(best.schedule.makespan / problem.tick))
+        needed = enough(problem, problem.deadline)
+        whole = needed is not None and needed <= depth
+        if whole and (best.status in (Status.OPTIMAL, Status.INFEASIBLE) or self._spent()):
             return best
-        if needed is not None and fits_a_model(self.problem, needed) and not self._spent():
-            deeper = self._at(needed)
-            if deeper.schedule is not None or deeper.status is Status.INFEASIBLE:
+        if needed is not None and fits_a_model(problem, needed) and not self._spent():
+            deeper = self._at(problem, max(needed, depth), 1.0)
+            if deeper.schedule is not None:
                 return _better(best, deeper)
-        return self._unproven(best, depth)
+            if deeper.status is Status.INFEASIBLE and best.schedule is None:
+                return deeper
+        return best if whole else self._unproven(best, depth)
 
     def _unproven(self, best: Outcome, depth: int) -> Outcome:
         """Without bounds: what was proven holds for so many occurrences only."""
@@ -115,14 +127,16 @@ class _Run:
         left = self._left()
         return left is not None and left <= 0
 
-    def _at(self, depth: int) -> Outcome:
+    def _at(self, whole: Problem, depth: int, share: float) -> Outcome:
+        """The answer with so many occurrences, within a share of the time that is left."""
         from irc_cpsat.builder import Builder
         from irc_cpsat.levels import solve_levels
 
-        problem = unroll(self.problem, depth)
+        problem = unroll(whole, depth)
+        left = self._left()
         built = Builder(problem, self.limits.bounds, self.limits.hints).build()
         try:
-            answer = solve_levels(built, self._solve, self._left())
+            answer = solve_levels(built, self._solve, None if left is None else share * left)
         except ValueError as error:
             raise EngineFailed(f"CP-SAT rejects the model: {error}") from None
         return self._outcome(problem, built, answer)
@@ -139,6 +153,8 @@ class _Run:
             parameters.max_memory_in_mb = self.limits.memory_mb
         if self.limits.workers is not None:
             parameters.num_workers = self.limits.workers
+        elif self.problem.variables:
+            parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
         if self.on_progress is None or objective != "makespan":
             return solver.solve(model), solver
         return solver.solve(model, _reporter(self.engine, self.on_progress)), solver

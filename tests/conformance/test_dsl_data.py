@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from irc.frontends.asyncplan import import_asyncplan
-
 import irc
 from irc.frontends.dsl.formatter import format_dsl
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.dsl.task import dsl_task
 from irc.frontends.files import read_task
+from irc.frontends.importers.asyncplan import import_asyncplan
 
 ROOT = Path(__file__).resolve().parents[2]
 

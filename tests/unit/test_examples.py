@@ -11,6 +11,8 @@ import pytest
 
 import irc
 from irc.api import validate
+from irc.backend import get_backend, refused_features
+from irc.diagnostics import Code
 from irc.schedule import Status
 from irc.times import Number, parse_number
 
@@ -85,8 +87,13 @@ def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
 
 @pytest.mark.skipif(find_spec("kairos") is None, reason="kairos has wheels for Linux only")
 @each_example
-def test_kairos_answers_within_ten_seconds(promised: Promised) -> None:
+def test_kairos_answers_within_ten_seconds_or_the_target_refuses(promised: Promised) -> None:
     task = irc.load(promised.path)
+    if refused_features(task, get_backend("pddl21")):
+        with pytest.raises(irc.InputError) as refused:
+            irc.compile(task, "pddl21")
+        assert {d.code for d in refused.value.report.errors} == {Code.UNSUPPORTED}
+        return
     searched_on = promised.file in SEARCHED_ON
     seconds = SEARCHED_ON_SECONDS if searched_on else PLANNER_SECONDS
     schedule = irc.solve(
