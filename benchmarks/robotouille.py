@@ -28,7 +28,7 @@ def main() -> None:
     tasks = tasks[: options.first]
     valid = 0
     for name, task in tasks:
-        answer = solve_timed(task, options.target, options.engine, options.seconds)
+        answer = solve_timed(task, options.target, options.engine, options.seconds, None)
         valid += answer.valid
         makespan = answer.value("makespan")
         print(

@@ -42,11 +42,13 @@ class Timed:
         return next((o.value for o in self.schedule.objective if o.name == name), None)
 
 
-def solve_timed(task: Task, target: str, engine: str, seconds: float) -> Timed:
+def solve_timed(
+    task: Task, target: str, engine: str, seconds: float, workers: int | None = 1
+) -> Timed:
     """Solves with the engine forced to run. An answer that is not valid ends the benchmark."""
     began = time.perf_counter()
     try:
-        limits = Limits(seconds, workers=1)
+        limits = Limits(seconds, workers=workers)
         schedule = solve_task(task, target, engine, limits, shortcut=False).schedule
     except InputError as error:
         return Timed(None, time.perf_counter() - began, f"refused: {next(iter(error.report))}")

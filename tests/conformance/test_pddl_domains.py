@@ -40,3 +40,11 @@ def test_a_schedule_of_cpsat_is_an_accepted_plan_of_the_original(
     schedule = irc.solve(task, "cpsat", time_limit=120)
     assert (schedule.status, schedule.makespan) == (said, makespan)
     assert Judge(EXAMPLES / name).accepts(plan_text(task, schedule))
+
+
+def test_the_satellite_has_an_accepted_plan_too_though_not_a_proven_one() -> None:
+    task = imported("satellite")
+    schedule = irc.solve(task, "cpsat", time_limit=40)
+    assert schedule.answered
+    assert schedule.makespan >= 26.5
+    assert Judge(EXAMPLES / "satellite").accepts(plan_text(task, schedule))
