@@ -51,7 +51,7 @@ def outcome(
     )
 
 
-def run_with(problem: Problem, answers: Callable[[int], Outcome]) -> Outcome:
+def run_with(problem: Problem, answers: Callable[[Problem, int, float], Outcome]) -> Outcome:
     run = _Run("ortools", problem, Limits(), None)
     run._at = answers  # type: ignore[method-assign]
     return run.run()
@@ -98,14 +98,14 @@ def test_as_many_occurrences_are_enough_as_fit_one_after_another() -> None:
 def test_a_bound_of_too_few_occurrences_is_no_bound() -> None:
     task, problem = problem_of(CHOP, objective=["minimize_cost", "minimize_makespan"])
     shallow = outcome(("cost", 5, 5), ("makespan", 8, 4))
-    found = run_with(problem, lambda depth: shallow)
+    found = run_with(problem, lambda _problem, _depth, _share: shallow)
     assert [level.bound for level in found.levels] == [None, None]
     assert finish(task, problem, found, "cpsat", 0).status is Status.FEASIBLE
 
 
 def test_a_shallow_optimum_without_a_deeper_proof_is_only_feasible() -> None:
     _, problem = problem_of(CHOP, objective="minimize_cost")
-    found = run_with(problem, lambda depth: outcome(("cost", 5, 5), status=Status.OPTIMAL))
+    found = run_with(problem, lambda *_: outcome(("cost", 5, 5), status=Status.OPTIMAL))
     assert found.status is Status.FEASIBLE
     assert found.levels == (ObjectiveLevel("cost", 5, None),)
     assert found.notes
@@ -115,7 +115,7 @@ def test_a_worse_answer_of_a_deeper_model_does_not_displace_the_best() -> None:
     _, problem = problem_of(CHOP)
     deep = outcome(("makespan", 9, 6), length=9)
     shallow = outcome(("makespan", 8, 8), status=Status.OPTIMAL)
-    found = run_with(problem, lambda depth: shallow if depth == 2 else deep)
+    found = run_with(problem, lambda _p, depth, _s: shallow if depth == 1 else deep)
     assert (found.status, found.schedule, found.bound) == (Status.FEASIBLE, shallow.schedule, 6)
     assert found.levels == (ObjectiveLevel("makespan", 8, 6),)
 
@@ -123,5 +123,7 @@ def test_a_worse_answer_of_a_deeper_model_does_not_displace_the_best() -> None:
 def test_more_reward_is_better_in_a_deeper_model() -> None:
     _, problem = problem_of(CHOP, objective="maximize_reward", deadline=12)
     deep = outcome(("reward", 9, 9), status=Status.OPTIMAL)
-    found = run_with(problem, lambda depth: outcome(("reward", 8, 8)) if depth == 2 else deep)
+    found = run_with(
+        problem, lambda _p, depth, _s: outcome(("reward", 8, 8)) if depth == 1 else deep
+    )
     assert found is deep
