@@ -20,19 +20,20 @@ _STEP = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*:\s*\(([^)\s]+)\)\s*(?:\[(\d+(?:\.\d+
 def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0) -> str:
     """What the engine prints for the program's two files, which are written into `folder`."""
     from irc.backend import Limits
-    from irc_pddl21.engines import Kairos, Optic, _Job
+    from irc_pddl21.planners import Kairos, Optic
+    from irc_pddl21.runs import Job, Wish
 
     planner = {"auto": Kairos, "kairos": Kairos, "optic": Optic}[engine]()
     for name, text in program.files.items():
         (folder / name).write_text(text, encoding="utf-8")
-    job = _Job(
-        program.problem,
+    job = Job(
+        Wish(program.problem, first_plan=True, enough=program.problem.bound.value),
+        program,
         program.names,
         folder / "domain.pddl",
         folder / "problem.pddl",
         Limits(seconds, workers=1),
         seconds,
-        first_plan=True,
     )
     return run(planner.command(job), ProcessLimits(seconds=seconds)).stdout
 
