@@ -47,6 +47,7 @@ def apply(
 
     `starts` says when actions started, in the task's unit, for observations that name an end
     alone; `source` is the text that the event was read from. Neither task nor event changes.
+    The task must have no faults of its own (`irc.check`): only the event is judged here.
     Raises `InputError` where the event does not fit the task: nothing of it is applied then.
 
     >>> task = Task(actions=[{"id": "boil", "duration": 4}])
