@@ -104,6 +104,12 @@ class Code(Enum):
     DAMAGED = ("IRC603", Severity.WARNING, "damaged lines in an engine's answer")
     NO_ANSWER = ("IRC604", Severity.NOTE, "an engine that found nothing within its limits")
 
+    TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
+    OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")
+    NOTHING_TO_REMOVE = ("IRC703", Severity.ERROR, "an event that removes what is not there")
+    UNSUITED_CHANGE = ("IRC704", Severity.ERROR, "a change that its element cannot take")
+    EVENT_TIME = ("IRC705", Severity.ERROR, "a time that contradicts the event's own")
+
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id
         self.severity = severity

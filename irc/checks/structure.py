@@ -7,7 +7,7 @@ from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
-from irc.model import Action, DurationRange, Precedence, Resource, Task, Use
+from irc.model import Action, DurationRange, Resource, Task, Use
 from irc.model.base import write_time
 from irc.source import Pointer
 from irc.times import Clock, Instant, Number, TimeError
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from irc.checks.unknown_names import Guesses
     from irc.fixes import Fix
     from irc.model import Condition, Effect, Group, StateGoal, StateVariable
-    from irc.model.events import CancelActions, CancelGroups, Change, Event, PrecedenceKey
+    from irc.model.events import SetState
 
 
 class Names:
@@ -90,24 +90,26 @@ def check_structure(task: Task, findings: Findings) -> None:
     _check_unique(task.resources, "resource", ("resources",), findings)
     _check_unique(task.state, "state variable", ("state",), findings)
     _check_unique(task.groups, "group", ("groups",), findings)
-    times = _Times(clock, findings)
+    times = Times(clock, findings)
     times.point(task.deadline, "deadline", ("deadline",))
     for i, resource in enumerate(task.resources):
-        _check_resource(resource, ("resources", i), times, findings)
+        check_resource(resource, ("resources", i), times, findings)
     for i, variable in enumerate(task.state):
-        _check_variable(variable, ("state", i), findings)
+        check_variable(variable, ("state", i), findings)
     for i, action in enumerate(task.actions):
-        _check_action(action, ("actions", i), names, times, findings)
+        check_action(action, ("actions", i), names, times, findings)
     _check_precedence(task, names, times, findings)
     _check_groups(task, names, times, findings)
     for i, goal in enumerate(task.goals):
         if isinstance(goal, str):
             names.require("action", goal, ("goals", i))
         else:
-            _check_value(goal, ("goals", i), names)
+            check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
     if task.events:
-        _check_events(task.events, names, times)
+        from irc.online.checking import check_events
+
+        check_events(task, names, times)
 
 
 def _removed(*pointers: Pointer) -> Fix:
@@ -145,7 +147,7 @@ _WEIGHT = 'add "due": …, or remove the weight'
 _SWAP = "swap the two, or correct one of them"
 
 
-class _Times:
+class Times:
     """Checks of single times, all against one clock."""
 
     def __init__(self, clock: Clock, findings: Findings) -> None:
@@ -212,7 +214,8 @@ _OTHER_KIND = {
 }
 
 
-def _check_resource(resource: Resource, at: Pointer, times: _Times, findings: Findings) -> None:
+def check_resource(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
+    """Tells what contradicts itself in a resource."""
     if resource.kind == "reservoir":
         if resource.max is not None and resource.min > resource.max:
             findings.add(
@@ -250,7 +253,7 @@ def _limits(resource: Resource) -> str:
     return f"{resource.min} to {resource.max}"
 
 
-def _check_windows(resource: Resource, at: Pointer, times: _Times, findings: Findings) -> None:
+def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
     windows = []
     for i, window in enumerate(resource.availability):
         pointer = (*at, "availability", i)
@@ -279,7 +282,8 @@ def _check_windows(resource: Resource, at: Pointer, times: _Times, findings: Fin
             )
 
 
-def _check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
+def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
+    """Tells what a state variable lacks, or an initial value that it does not have."""
     if not variable.values:
         findings.add(
             Code.EMPTY_CHOICE,
@@ -331,7 +335,8 @@ def _value_text(value: bool | str) -> str:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def _check_value(fact: Condition | Effect | StateGoal, at: Pointer, names: Names) -> None:
+def check_value(fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: Names) -> None:
+    """Tells where a variable, or its value, is not declared."""
     if not names.require("state variable", fact.var, (*at, "var")):
         return
     variable = names.state[fact.var]
@@ -349,9 +354,10 @@ def _check_value(fact: Condition | Effect | StateGoal, at: Pointer, names: Names
     )
 
 
-def _check_action(
-    action: Action, at: Pointer, names: Names, times: _Times, findings: Findings
+def check_action(
+    action: Action, at: Pointer, names: Names, times: Times, findings: Findings
 ) -> None:
+    """Tells every structural fault of an action."""
     owner = f"action {action.id!r}"
     if action.duration is not None:
         times.duration(action.duration, owner, (*at, "duration"))
@@ -386,13 +392,13 @@ def _check_stock(action: Action, at: Pointer, names: Names) -> None:
         for i, change in enumerate(getattr(action, field)):
             pointer = (*at, field, i, "resource")
             if names.require("resource", change.resource, pointer):
-                _require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
+                require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
 
 
 def _check_facts(action: Action, at: Pointer, names: Names) -> None:
     for field in ("conditions", "effects"):
         for i, fact in enumerate(getattr(action, field)):
-            _check_value(fact, (*at, field, i), names)
+            check_value(fact, (*at, field, i), names)
 
 
 def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> None:
@@ -408,7 +414,7 @@ def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> N
         for j, resource in enumerate(use.alternatives):
             pointer = (*at, i, "one_of", j) if use.one_of is not None else (*at, i, "resource")
             if names.require("resource", resource, pointer):
-                _require_kind(names.resources[resource], "renewable", "uses", pointer, names)
+                require_kind(names.resources[resource], "renewable", "uses", pointer, names)
 
 
 def _check_repeated_alternatives(
@@ -426,9 +432,8 @@ def _check_repeated_alternatives(
     )
 
 
-def _require_kind(
-    resource: Resource, kind: str, field: str, pointer: Pointer, names: Names
-) -> None:
+def require_kind(resource: Resource, kind: str, field: str, pointer: Pointer, names: Names) -> None:
+    """Tells where a resource is not of the `kind` that `field` needs."""
     if resource.kind != kind:
         other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
         called = {"renewable": "a renewable resource", "reservoir": "a reservoir"}
@@ -440,7 +445,7 @@ def _require_kind(
         )
 
 
-def _check_modes(action: Action, at: Pointer, names: Names, times: _Times) -> None:
+def _check_modes(action: Action, at: Pointer, names: Names, times: Times) -> None:
     owner = f"action {action.id!r}"
     _check_unique(action.modes, "mode", (*at, "modes"), names.findings)
     for i, mode in enumerate(action.modes):
@@ -475,7 +480,7 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
         )
 
 
-def _check_precedence(task: Task, names: Names, times: _Times, findings: Findings) -> None:
+def _check_precedence(task: Task, names: Names, times: Times, findings: Findings) -> None:
     actions = names.actions
     repeatable = {
         a.id for a in task.actions if a.occurs != "once" and a.occurrence_bounds[1] not in (0, 1)
@@ -515,10 +520,11 @@ def _check_precedence(task: Task, names: Names, times: _Times, findings: Finding
             )
         seen.add(key)
         if edge.max_lag is not None:
-            _check_lags(edge.min_lag, edge.max_lag, ("precedence", k), times)
+            check_lags(edge.min_lag, edge.max_lag, ("precedence", k), times)
 
 
-def _check_lags(least: Instant, greatest: Instant, at: Pointer, times: _Times) -> None:
+def check_lags(least: Instant, greatest: Instant, at: Pointer, times: Times) -> None:
+    """Tells where a lag's least is above its greatest."""
     low = times.number(least, "min_lag", (*at, "min_lag"))
     high = times.number(greatest, "max_lag", (*at, "max_lag"))
     if low is not None and high is not None and low > high:
@@ -530,7 +536,7 @@ def _check_lags(least: Instant, greatest: Instant, at: Pointer, times: _Times) -
         )
 
 
-def _check_groups(task: Task, names: Names, times: _Times, findings: Findings) -> None:
+def _check_groups(task: Task, names: Names, times: Times, findings: Findings) -> None:
     optional_group: dict[str, Group] = {}
     for i, group in enumerate(task.groups):
         at: Pointer = ("groups", i)
@@ -547,16 +553,17 @@ def _check_groups(task: Task, names: Names, times: _Times, findings: Findings) -
         for j, member in enumerate(group.actions):
             pointer = (*at, "actions", j)
             if names.require("action", member, pointer):
-                _check_member(group, names.actions[member], pointer, optional_group, findings)
+                check_member(group, names.actions[member], pointer, optional_group, findings)
 
 
-def _check_member(
+def check_member(
     group: Group,
     action: Action,
     at: Pointer,
     optional_group: dict[str, Group],
     findings: Findings,
 ) -> None:
+    """Tells where an action cannot be in a group; notes its optional group."""
     greatest = action.occurrence_bounds[1]
     if greatest is None or greatest > 1:
         findings.add(
@@ -595,51 +602,3 @@ def _check_repeated_objectives(task: Task, findings: Findings) -> None:
                 hint="remove the repetition",
                 fix=_removed(("objective", i)),
             )
-
-
-_REFERENCES = {
-    "action": "action",
-    "group": "group",
-    "resource": "resource",
-    "var": "state variable",
-}
-_DECLARED = {
-    "actions": "action",
-    "resources": "resource",
-    "state": "state variable",
-    "groups": "group",
-}
-
-
-def _check_events(events: Sequence[Event], names: Names, times: _Times) -> None:
-    """References of events, against what the task and earlier changes declare."""
-    from irc.model.events import AddPrecedence, CancelActions, CancelGroups, RemovePrecedence
-
-    moments = [times.point(event.at, "at", ("events", i, "at")) for i, event in enumerate(events)]
-    for i in sorted(range(len(events)), key=lambda i: moments[i] or 0):
-        for j, change in enumerate(events[i].changes):
-            at: Pointer = ("events", i, "changes", j)
-            if isinstance(change, (CancelActions, CancelGroups)):
-                _check_cancelled(change, at, names)
-            elif isinstance(change, (AddPrecedence, RemovePrecedence)):
-                edges: Sequence[Precedence | PrecedenceKey] = change.precedence
-                for k, edge in enumerate(edges):
-                    names.require("action", edge.before, (*at, "precedence", k, "before"))
-                    names.require("action", edge.after, (*at, "precedence", k, "after"))
-            else:
-                _check_change(change, at, names)
-
-
-def _check_cancelled(change: CancelActions | CancelGroups, at: Pointer, names: Names) -> None:
-    field = "actions" if change.op == "cancel_actions" else "groups"
-    for k, name in enumerate(getattr(change, field)):
-        names.require(_DECLARED[field], name, (*at, field, k))
-
-
-def _check_change(change: Change, at: Pointer, names: Names) -> None:
-    for field, kind in _DECLARED.items():
-        names.tables[kind].update({e.id: e for e in getattr(change, field, ())})
-    for field, kind in _REFERENCES.items():
-        name = getattr(change, field, None)
-        if isinstance(name, str):
-            names.require(kind, name, (*at, field))
