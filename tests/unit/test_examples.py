@@ -26,8 +26,10 @@ SEARCHED_ON = {
     "lab_assay.json",
     "print_shop.json",
     "house_build_100.json",
+    "cellar_fuses.irc",
+    "roof_repair.json",
 }
-"""Where kairos has a plan in a second but looks for a better one until its time is over."""
+"""Where kairos has a plan soon, but may look for a better one or have no bound that proves it."""
 
 
 @dataclass(frozen=True)
