@@ -109,7 +109,7 @@ def test_state_goals_are_goals_and_planner_names_say_what_they_mean() -> None:
 
 def test_an_action_that_contradicts_itself_is_refused_with_its_place() -> None:
     both = [{"at": "start", "var": "door", "value": value} for value in ("shut", "locked")]
-    with pytest.raises(InputError, match="gives a variable two values") as caught:
+    with pytest.raises(InputError, match="two values") as caught:
         program_of({}, {"effects": both}, state=[DOOR])
     assert caught.value.report.errors[0].pointer[:2] == ("actions", 1)
 
@@ -271,7 +271,8 @@ def test_stock_that_is_always_enough_needs_no_counter() -> None:
     flour = {"id": "flour", "kind": "reservoir", "initial": 2}
     takes = {"consumes": [{"resource": "flour", "amount": 1}]}
     assert grounded(program_of(takes, takes, resources=[flour])).encoding.counters == {}
-    assert grounded(program_of(takes, takes, takes, resources=[flour])).encoding.counters
+    gives = {"produces": [{"resource": "flour", "amount": 1}]}
+    assert grounded(program_of(takes, takes, takes, gives, resources=[flour])).encoding.counters
 
 
 # --- calendars -----------------------------------------------------------------------------------
