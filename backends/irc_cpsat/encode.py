@@ -49,6 +49,10 @@ def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]
         names["further"] = further
     if any(slots(a, FILE_DEPTH) != slots(a, FILE_DEPTH + 1) for a in problem.activities):
         names["occurrences"] = FILE_DEPTH
+    beyond = problem.objectives[1:]
+    if beyond:
+        # A model has one objective; the engine solves for the others among its best answers.
+        names["objectives_beyond_the_model"] = list(beyond)
     return {MODEL_FILE: str(built.model.proto)}, names
 
 
