@@ -78,6 +78,8 @@ class Encoding:
         """Leaves out the facts that no condition and no goal asks for."""
         asked = {fact for operator in self.operators for fact in operator.asked}
         asked.update(self.goal)
+        if asked.issuperset(self.facts):
+            return
         self.facts = [fact for fact in self.facts if fact in asked]
         self.initial = [fact for fact in self.initial if fact in asked]
         self.timed = [literal for literal in self.timed if literal.fact in asked]

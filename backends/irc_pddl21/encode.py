@@ -28,7 +28,7 @@ from typing import Any
 
 from irc.backend import Refusal
 from irc.passes.restrict import drop_ample_stock, settle_presence
-from irc.problem import Activity, Problem
+from irc.problem import PLAIN, Activity, Problem
 from irc_pddl21.domain import Change, Comparison, Encoding, Operator, TimedLiteral
 from irc_pddl21.grounded import Grounded, Meaning, names_of
 from irc_pddl21.names import NameTable
@@ -290,6 +290,9 @@ class _Encoder:
 
     def _activity(self, i: int) -> None:
         activity, base, occurrences = self.problem.activities[i], self.base[i], self.occurrences[i]
+        if activity.details is PLAIN and not activity.claims and i not in self.worth:
+            self._plain(i, activity, base)
+            return
         variants = [
             v
             for v in variants_of(self.problem, activity, self.units)
@@ -316,6 +319,26 @@ class _Encoder:
             self._operators(i, own, variants, [todo, *after], [todo], begun, [done, *idle])
         if occurrences.again != 0:
             self._again(i, variants, occurrences)
+
+    def _plain(self, i: int, activity: Activity, base: str) -> None:
+        """By far the most frequent kind: it happens once, and in one way."""
+        todo = self._fact(f"todo_{base}", initially=True)
+        done = self._fact(f"done_{base}")
+        self.encoding.goal.append(done)
+        span = activity.duration_min, activity.duration_max
+        self.encoding.operators.append(
+            Operator(
+                base,
+                self._lasting(span) if span[1] else None,
+                at_start=[todo, *self.conditions[2 * i]],
+                over_all=self._holding(i),
+                at_end=self.conditions[2 * i + 1],
+                start_deletes=[todo],
+                start_adds=[self._fact(f"begun_{base}")] if i in self.begun else [],
+                end_adds=[done],
+            )
+        )
+        self.out.actions[base] = Meaning(activity.id, None, ())
 
     def _again(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
         """What can happen again and again: once the occurrence before has ended."""
