@@ -75,7 +75,8 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
     for i, variable in enumerate(task.state):
         yield FeatureUse(Feature.STATE, ("state", i), f"state variable {variable.id!r}")
     for i, action in enumerate(task.actions):
-        yield from _of_action(action, i)
+        if not action.is_simple:
+            yield from _of_action(action, i)
     yield from _of_precedence(task)
     for i, group in enumerate(task.groups):
         yield from _of_group(group, ("groups", i))

@@ -64,7 +64,7 @@ def _is_rich(task: Task) -> bool:
         or task.goals
         or task.objective != ("minimize_makespan",)
         or any(r.kind == "reservoir" for r in task.resources)
-        or any(_is_rich_action(a) for a in task.actions)
+        or any(not a.is_simple and _is_rich_action(a) for a in task.actions)
     )
 
 
@@ -83,6 +83,8 @@ def _is_rich_action(action: Action) -> bool:
 def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
     """Sorts names as people do: "job2" before "job10"."""
     parts = _DIGITS.split(name)
+    if len(parts) == 3:
+        return [(-1, parts[0]), (int(parts[1]), ""), (-1, parts[2])], name
     return [(int(p), "") if k % 2 else (-1, p) for k, p in enumerate(parts)], name
 
 
@@ -108,8 +110,8 @@ def _shared(resource: Renewable, k: int) -> Shared:
 
 def _has_sense(action: Action, clock: Clock) -> bool:
     """Whether the action has durations, none negative, no range empty."""
-    if type(action.duration) is int and not action.modes:
-        return action.duration >= 0
+    if action.is_simple:
+        return True
     if action.duration is None and not action.modes:
         return False
     try:
@@ -153,6 +155,9 @@ def _times(task: Task, kept: Iterable[int]) -> Iterator[Instant]:
         yield task.deadline
     for i in kept:
         action = task.actions[i]
+        if action.is_simple:
+            yield action.duration  # type: ignore[misc]
+            continue
         durations = [m.duration for m in action.modes] if action.modes else [action.duration]
         for duration in durations:
             if isinstance(duration, DurationRange):
@@ -195,6 +200,9 @@ def _activity(
     action: Action, index: int, resource_index: dict[str, int], to_ticks: ToTicks
 ) -> Activity:
     duration = action.duration
+    if action.is_simple:
+        ticks = to_ticks(duration)  # type: ignore[arg-type]
+        return Activity(action.id, ticks, ticks, origin=("actions", index))
     if action.modes:
         spans = [span(m.duration, to_ticks) for m in action.modes]
         shortest, longest = min(s[0] for s in spans), max(s[1] for s in spans)

@@ -168,9 +168,11 @@ def _durative(o: Operator) -> str:
     else:
         duration = f"(and (>= ?duration {shortest}) (<= ?duration {longest}))"
     conditions = [f"(at start ({f}))" for f in o.at_start]
-    conditions += [f"(at start (>= ({c}) {n}))" for c, n in o.takes.items()]
-    conditions += [f"(over all ({f}))" for f in o.over_all]
-    conditions += [f"(at end ({f}))" for f in o.at_end]
+    if o.takes:
+        conditions += [f"(at start (>= ({c}) {n}))" for c, n in o.takes.items()]
+    if o.over_all or o.at_end:
+        conditions += [f"(over all ({f}))" for f in o.over_all]
+        conditions += [f"(at end ({f}))" for f in o.at_end]
     conditions += [f"({_point(n.at_end)} ({n.relation} ({n.counter}) {n.amount}))" for n in o.needs]
     effects = [f"(at start (not ({f})))" for f in o.start_deletes]
     effects += [f"(at start ({f}))" for f in o.start_adds]

@@ -6,6 +6,9 @@ import re
 import unicodedata
 
 _LONGEST = 48
+_PLAIN = re.compile(r"[a-z][a-z0-9_]{0,46}[a-z0-9]")
+"""What stays as it is (and is no longer than `_LONGEST`)."""
+
 _OUTSIDE = re.compile(r"[^a-z0-9_]+")
 
 # fmt: off
@@ -28,6 +31,12 @@ _FACTS = ("todo_", "begun_", "done_", "lag_", "after_", "during_", "open_", "rel
 """What the names of facts begin with; some readers have one name space for facts and actions."""
 
 
+def _plain(text: str) -> str:
+    if not text.isascii():
+        text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    return _OUTSIDE.sub("_", text.lower()).strip("_")[:_LONGEST] or "x"
+
+
 class NameTable:
     """Hands out PDDL names; PDDL is case-insensitive, so all are lower case."""
 
@@ -37,9 +46,7 @@ class NameTable:
 
     def new(self, text: str) -> str:
         """A free name that reads like `text`: letters, digits and "_", starting with a letter."""
-        if not text.isascii():
-            text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
-        name = _OUTSIDE.sub("_", text.lower()).strip("_")[:_LONGEST] or "x"
+        name = text if _PLAIN.fullmatch(text) else _plain(text)
         if not name[0].isalpha() or name.startswith(_FACTS):
             name = f"x{name}"
         candidate, number = name, self._numbers.get(name, 1)

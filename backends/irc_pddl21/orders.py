@@ -30,6 +30,9 @@ def sort_constraints(
     facts, waits, envelopes = [], [], []
     for arc in problem.arcs:
         frm, to = 2 * arc.before + arc.from_end, 2 * arc.after + arc.to_end
+        if arc.min_lag == 0 and arc.max_lag is None:
+            facts.append(AtLeast(frm, to, 0))
+            continue
         directions = [AtLeast(frm, to, arc.min_lag)]
         if arc.max_lag is not None:
             directions.append(AtLeast(to, frm, -arc.max_lag))

@@ -97,7 +97,8 @@ def check_structure(task: Task, findings: Findings) -> None:
     for i, variable in enumerate(task.state):
         check_variable(variable, ("state", i), findings)
     for i, action in enumerate(task.actions):
-        check_action(action, ("actions", i), names, times, findings)
+        if not action.is_simple:
+            check_action(action, ("actions", i), names, times, findings)
     _check_precedence(task, names, times, findings)
     _check_groups(task, names, times, findings)
     for i, goal in enumerate(task.goals):

@@ -71,6 +71,9 @@ class Use(Node):
         return () if self.resource is None else (self.resource,)
 
 
+_SIMPLE = frozenset(["id", "label", "description", "duration"])
+
+
 class Action(Node):
     """Something that takes time."""
 
@@ -92,6 +95,14 @@ class Action(Node):
     effects: Effects = ()
     reward: Annotated[int, Field(strict=True)] | None = None
     cost: Annotated[int, Field(strict=True)] | None = None
+
+    @property
+    def is_simple(self) -> bool:
+        """Whether it says no more than that it takes a whole number of time units above 0.
+
+        Most actions of large tasks do, and whoever looks at all of them can be quick about these.
+        """
+        return self.model_fields_set <= _SIMPLE and type(self.duration) is int and self.duration > 0
 
     @property
     def occurrence_bounds(self) -> tuple[int, int | None]:
