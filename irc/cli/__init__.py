@@ -17,12 +17,12 @@ EXIT_ENGINE = 4
 
 def main() -> None:
     """Entry point of the `irc` script. Exits with one of the `EXIT_*` codes."""
+    # A compiler builds large acyclic structures and ends: searching them for cycles is in vain.
+    gc.set_threshold(10_000_000, 50, 100)
     # pydantic would search every installed distribution for plugins before the first model.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from irc.cli.app import build_app
 
-    # A compiler builds large acyclic structures and ends: searching them for cycles is in vain.
-    gc.set_threshold(10_000_000, 50, 100)
     # Ended from outside we still end the planners we started.
     signal.signal(signal.SIGTERM, _terminated)
     try:
