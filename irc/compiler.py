@@ -30,7 +30,6 @@ from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.source import Source
-from irc.times import format_number
 from irc.worth import worth
 
 if TYPE_CHECKING:
@@ -96,10 +95,10 @@ def solve_task(
 
 def _too_short(problem: Problem) -> Diagnostic:
     """Why no schedule meets the task's deadline, where a bound of ours says so."""
-    least = format_number(problem.to_units(problem.bound.value))
     return Diagnostic(
         Code.TOO_LATE,
-        f"no schedule ends before {least} {problem.time_unit} ({problem.bound.reason})",
+        f"no schedule ends before {problem.time_text(problem.bound.value)} "
+        f"({problem.bound.reason})",
         ("deadline",),
         "a later deadline or more capacity would be needed",
     )

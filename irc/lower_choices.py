@@ -5,10 +5,10 @@ Loaded only for tasks that have one of these.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import replace
 
-from irc.lower import claims_of, natural_order, requirements, span, ticks_or_none
+from irc.lower import ToTicks, claims_of, natural_order, requirements, span, ticks_or_none
 from irc.model import Action, Task
 from irc.model import Group as GroupNode
 from irc.problem import (
@@ -25,9 +25,6 @@ from irc.problem import (
     StockChange,
     Variable,
 )
-from irc.times import Instant
-
-ToTicks = Callable[[Instant], int]
 
 NEVER = -1
 """The deadline of an action that must not occur: nothing ends before t = 0."""
@@ -88,10 +85,12 @@ class _Lowering:
         """The earliest deadline among the groups of each action."""
         deadlines: dict[str, int] = {}
         for group in self.task.groups:
-            if group.deadline is not None:
-                deadline = ticks_or_none(group.deadline, self.to_ticks)
-                for name in group.actions if deadline is not None else ():
-                    deadlines[name] = min(deadline or 0, deadlines.get(name, deadline or 0))
+            if group.deadline is None:
+                continue
+            deadline = ticks_or_none(group.deadline, self.to_ticks)
+            if deadline is not None:
+                for name in group.actions:
+                    deadlines[name] = min(deadline, deadlines.get(name, deadline))
         return deadlines
 
     def activity(self, activity: Activity) -> Activity:

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from irc.source import Pointer
-from irc.times import Number, exact
+from irc.times import Number, exact, format_number
 
 
 class Requirement(NamedTuple):
@@ -276,6 +276,10 @@ class Problem:
             return ticks * self.tick.numerator
         return exact(ticks * self.tick)
 
+    def time_text(self, ticks: int) -> str:
+        """A time as messages show it: in the task's unit, which it names."""
+        return f"{format_number(self.to_units(ticks))} {self.time_unit}"
+
     def effective_deadline(self, index: int) -> int | None:
         """The tighter of an activity's own deadline and the task's, in ticks."""
         own = self.activities[index].deadline
@@ -289,6 +293,11 @@ class Problem:
         return not (self.groups or self.variables or self.reservoirs) and all(
             a.details is PLAIN or not _decides(a.details) for a in self.activities
         )
+
+    @property
+    def has_calendars(self) -> bool:
+        """Whether some resource has another capacity at times."""
+        return any(resource.windows for resource in self.resources)
 
     @property
     def has_contention(self) -> bool:

@@ -111,11 +111,7 @@ def retime(
 
 def _is_simple(problem: Problem) -> bool:
     """Whether only lags and resources of constant capacity say what comes after what."""
-    return (
-        problem.is_plain
-        and not problem.sequel
-        and not any(resource.windows for resource in problem.resources)
-    )
+    return problem.is_plain and not problem.sequel and not problem.has_calendars
 
 
 def long_enough(problem: Problem, decisions: Sequence[Decision]) -> list[Decision]:

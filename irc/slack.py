@@ -31,7 +31,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     """
     if not schedule.entries:
         return {}
-    if not problem.is_plain or any(r.windows for r in problem.resources):
+    if not problem.is_plain or problem.has_calendars:
         raise AnswerError("it is worked out only without state, stock, calendars and choices")
     entries = _entries(problem, schedule)
     decisions = [

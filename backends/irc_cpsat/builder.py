@@ -81,7 +81,7 @@ class Builder:
         self.bounds = bounds
         self.model = cp_model.CpModel()
         self.users = [Users() for _ in problem.shared]
-        plain = problem.is_plain and not any(s.windows for s in problem.shared)
+        plain = problem.is_plain and not problem.has_calendars
         found = list_schedule(problem) if plain and (bounds or hints) else None
         self.hint = found if hints else None
         self.ranked = bool(problem.variables)

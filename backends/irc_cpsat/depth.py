@@ -30,7 +30,7 @@ def depths(problem: Problem) -> Iterator[int]:
     if not repeated:
         yield 1
         return
-    depth = FIRST if _total(repeated, FIRST) <= SLOTS_LIMIT else 1
+    depth = FIRST
     while depth <= GREATEST and _total(repeated, depth) <= SLOTS_LIMIT:
         yield depth
         if all(slots(a, depth) == slots(a, depth + 1) for a in repeated):

@@ -123,7 +123,7 @@ class _Watcher:
 def accepted_by(program: Program) -> Accept | None:
     """The validator's word on a schedule; None where re-timing already leaves nothing to judge."""
     problem = program.problem
-    if problem.is_plain and not any(resource.windows for resource in problem.resources):
+    if problem.is_plain and not problem.has_calendars:
         return None
     from irc.validation import validate
 

@@ -11,7 +11,6 @@ from irc.diagnostics import Code, Findings
 from irc.network import Times, earliest
 from irc.problem import Activity, Arc, Problem
 from irc.source import Pointer
-from irc.times import format_number
 from irc.timing import DURATION, TimingNetwork, timing_network
 
 _LONGEST_SHOWN = 8
@@ -30,20 +29,16 @@ def check_temporal(problem: Problem, findings: Findings) -> None:
     _check_demand(problem, findings)
 
 
-def _units(problem: Problem, ticks: int) -> str:
-    return f"{format_number(problem.to_units(ticks))} {problem.time_unit}"
-
-
 def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
     """Whether an activity's own fields leave it no room."""
     activity = problem.activities[index]
     if activity.start is not None and activity.start < activity.release:
         findings.add(
             Code.WINDOW,
-            f"action {activity.id!r} is fixed to start at {_units(problem, activity.start)}, "
-            f"before its release at {_units(problem, activity.release)}",
+            f"action {activity.id!r} is fixed to start at {problem.time_text(activity.start)}, "
+            f"before its release at {problem.time_text(activity.release)}",
             (*activity.origin, "start"),
-            hint=f"the start must be at least {_units(problem, activity.release)}",
+            hint=f"the start must be at least {problem.time_text(activity.release)}",
         )
         return True
     deadline = activity.deadline
@@ -56,11 +51,11 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
         return False
     findings.add(
         Code.WINDOW,
-        f"action {activity.id!r} cannot end by its deadline of {_units(problem, deadline)}: "
-        f"it starts at {_units(problem, start)} at the earliest "
-        f"and takes {_units(problem, activity.duration_min)}",
+        f"action {activity.id!r} cannot end by its deadline of {problem.time_text(deadline)}: "
+        f"it starts at {problem.time_text(start)} at the earliest "
+        f"and takes {problem.time_text(activity.duration_min)}",
         (*activity.origin, "deadline"),
-        hint=f"the deadline must be at least {_units(problem, start + activity.duration_min)}",
+        hint=f"the deadline must be at least {problem.time_text(start + activity.duration_min)}",
     )
     return True
 
@@ -72,7 +67,7 @@ def _step(problem: Problem, timing: TimingNetwork, edge: int) -> str:
         activity = problem.activities[timing.owner[timing.network.src[edge]]]
         limit = activity.duration_max if is_max else activity.duration_min
         word = "at most" if is_max else "at least"
-        return f"{activity.id!r} takes {word} {_units(problem, limit)}"
+        return f"{activity.id!r} takes {word} {problem.time_text(limit)}"
     return _arc_in_words(problem, problem.arcs[label], is_max)
 
 
@@ -82,12 +77,12 @@ def _arc_in_words(problem: Problem, arc: Arc, is_max: bool) -> str:
     to_point = "end" if arc.to_end else "start"
     if is_max and arc.max_lag is not None:
         return (
-            f"{after.id!r} {to_point}s at most {_units(problem, arc.max_lag)} "
+            f"{after.id!r} {to_point}s at most {problem.time_text(arc.max_lag)} "
             f"after the {from_point} of {before.id!r}"
         )
     if arc.from_end and not arc.to_end and arc.min_lag == 0:
         return f"{before.id!r} precedes {after.id!r}"
-    lag = f"{_units(problem, arc.min_lag)} after" if arc.min_lag else "after"
+    lag = f"{problem.time_text(arc.min_lag)} after" if arc.min_lag else "after"
     return f"{after.id!r} {to_point}s at least {lag} the {from_point} of {before.id!r}"
 
 
@@ -131,7 +126,7 @@ def _tell_cycle(
     more = f"; … ({len(cycle) - _LONGEST_SHOWN} more)" if len(cycle) > _LONGEST_SHOWN else ""
     findings.add(
         Code.LAGS,
-        f"these contradict each other by {_units(problem, excess)}: {steps}{more}",
+        f"these contradict each other by {problem.time_text(excess)}: {steps}{more}",
         pointer,
         hint="raise a maximum or lower a minimum",
     )
@@ -165,29 +160,29 @@ def _check_latest(
         if activity.start is not None and start > activity.start:
             findings.add(
                 Code.TOO_LATE,
-                f"action {activity.id!r} is fixed to start at {_units(problem, activity.start)}, "
-                f"but cannot start before {_units(problem, start)}"
+                f"action {activity.id!r} is fixed to start at {problem.time_text(activity.start)}, "
+                f"but cannot start before {problem.time_text(start)}"
                 + _because(problem, timing, times, points.start[i]),
                 (*activity.origin, "start"),
-                hint=f"the start must be at least {_units(problem, start)}",
+                hint=f"the start must be at least {problem.time_text(start)}",
             )
         elif activity.deadline is not None and end > activity.deadline:
             findings.add(
                 Code.TOO_LATE,
-                f"action {activity.id!r} has the deadline {_units(problem, activity.deadline)}, "
-                f"but cannot end before {_units(problem, end)}"
+                f"action {activity.id!r} has the deadline {problem.time_text(activity.deadline)}, "
+                f"but cannot end before {problem.time_text(end)}"
                 + _because(problem, timing, times, points.end[i]),
                 (*activity.origin, "deadline"),
-                hint=f"the deadline must be at least {_units(problem, end)}",
+                hint=f"the deadline must be at least {problem.time_text(end)}",
             )
     if problem.deadline is not None and latest_end > problem.deadline:
         findings.add(
             Code.TOO_LATE,
-            f"the task's deadline is {_units(problem, problem.deadline)}, but action "
-            f"{problem.activities[last].id!r} cannot end before {_units(problem, latest_end)}"
+            f"the task's deadline is {problem.time_text(problem.deadline)}, but action "
+            f"{problem.activities[last].id!r} cannot end before {problem.time_text(latest_end)}"
             + _because(problem, timing, times, points.end[last]),
             ("deadline",),
-            hint=f"the deadline must be at least {_units(problem, latest_end)}",
+            hint=f"the deadline must be at least {problem.time_text(latest_end)}",
         )
 
 

@@ -24,7 +24,7 @@ from irc.explanation.statements import (
     problem_of,
 )
 from irc.explanation.temporal import temporal_conflict
-from irc.explanation.wording import in_words, units
+from irc.explanation.wording import in_words
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.mandatory import mandatory_part
@@ -176,12 +176,12 @@ def _reason(problem: Problem, conflict: Conflict) -> str | None:
     bound = run_passes(part).bound
     if bound.value <= part.deadline:
         return None
-    return f"at least {units(problem, bound.value)} are needed: {bound.reason}"
+    return f"at least {problem.time_text(bound.value)} are needed: {bound.reason}"
 
 
 def _way_round(problem: Problem, conflict: Conflict) -> str:
     """What a cycle of demands on time comes to."""
-    excess = units(problem, conflict.excess or 0)
+    excess = problem.time_text(conflict.excess or 0)
     kinds = {statement.kind for statement in conflict.statements}
     if not kinds & {Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.RELEASE}:
         if any(s.side is Side.MOST for s in conflict.statements):
@@ -240,7 +240,7 @@ def _proof(answer: Answer, links: tuple[Link, ...] | None) -> str:
     schedule, problem = answer.schedule, answer.problem
     if links is not None and not any(link.hand_over for link in links):
         return "nothing is shorter: the chain needs no resource, so every schedule has to keep it"
-    least = units(problem, problem.bound.value)
+    least = problem.time_text(problem.bound.value)
     if _reaches(schedule, problem):
         return f"no other order is better: {problem.bound.reason}"
     if schedule.status is Status.OPTIMAL:

@@ -9,18 +9,13 @@ from irc.problem import Arc, Problem
 from irc.times import format_number
 
 
-def units(problem: Problem, ticks: int) -> str:
-    """A time with the task's unit."""
-    return f"{format_number(problem.to_units(ticks))} {problem.time_unit}"
-
-
 def in_words(problem: Problem, statement: Statement) -> str:
     """A statement as a sentence."""
     return _WORDS[statement.kind](problem, statement)
 
 
 def _task_deadline(problem: Problem, statement: Statement) -> str:
-    return f"everything ends by {units(problem, problem.deadline or 0)}"
+    return f"everything ends by {problem.time_text(problem.deadline or 0)}"
 
 
 def _capacity(problem: Problem, statement: Statement) -> str:
@@ -57,44 +52,44 @@ def arc_in_words(problem: Problem, arc: Arc, side: Side) -> str:
         return f"{what} {_distance(problem, arc.max_lag, 'at most', 'at least')} {since}"
     low, high = (format_number(problem.to_units(lag)) for lag in (arc.min_lag, arc.max_lag))
     if arc.min_lag == arc.max_lag:
-        return f"{what} exactly {units(problem, arc.min_lag)} after {since}"
+        return f"{what} exactly {problem.time_text(arc.min_lag)} after {since}"
     return f"{what} {low} to {high} {problem.time_unit} after {since}"
 
 
 def _distance(problem: Problem, lag: int, later: str, earlier: str) -> str:
     if lag < 0:
-        return f"{earlier} {units(problem, -lag)} before"
+        return f"{earlier} {problem.time_text(-lag)} before"
     if lag == 0:
         return "not before" if later == "at least" else "not after"
-    return f"{later} {units(problem, lag)} after"
+    return f"{later} {problem.time_text(lag)} after"
 
 
 def _release(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
-    return f"{activity.id!r} is released at {units(problem, activity.release)}"
+    return f"{activity.id!r} is released at {problem.time_text(activity.release)}"
 
 
 def _start(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
-    return f"{activity.id!r} starts at {units(problem, activity.start or 0)}"
+    return f"{activity.id!r} starts at {problem.time_text(activity.start or 0)}"
 
 
 def _deadline(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
-    return f"{activity.id!r} ends by {units(problem, activity.deadline or 0)}"
+    return f"{activity.id!r} ends by {problem.time_text(activity.deadline or 0)}"
 
 
 def _duration(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
     low, high = activity.duration_min, activity.duration_max
     if low == high:
-        return f"{activity.id!r} takes {units(problem, low)}"
+        return f"{activity.id!r} takes {problem.time_text(low)}"
     if statement.side is Side.LEAST:
-        return f"{activity.id!r} takes at least {units(problem, low)}"
+        return f"{activity.id!r} takes at least {problem.time_text(low)}"
     if statement.side is Side.MOST:
-        return f"{activity.id!r} takes at most {units(problem, high)}"
+        return f"{activity.id!r} takes at most {problem.time_text(high)}"
     least = format_number(problem.to_units(low))
-    return f"{activity.id!r} takes {least} to {units(problem, high)}"
+    return f"{activity.id!r} takes {least} to {problem.time_text(high)}"
 
 
 _WORDS: Mapping[Kind, Callable[[Problem, Statement], str]] = {

@@ -15,17 +15,15 @@ def mandatory_part(problem: Problem) -> Problem:
     of them. Activities keep their order; of repeated ones the occurrences that must be there
     stay, one after the other.
     """
-    if problem.is_plain and not any(r.windows for r in problem.resources):
+    if problem.is_plain and not problem.has_calendars:
         return problem
-    places: dict[int, int] = {}
+    places = mandatory_places(problem)
     activities: list[Activity] = []
     chains: list[Arc] = []
-    for i, activity in enumerate(problem.activities):
+    for activity in problem.activities:
         for k in range(_least(activity)):
             if k:
                 chains.append(Arc(len(activities) - 1, len(activities), origin=-1))
-            else:
-                places[i] = len(activities)
             activities.append(_plain(activity))
     return replace(
         problem,
