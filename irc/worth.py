@@ -18,7 +18,10 @@ def in_units(problem: Problem, objective: str, value: int) -> Number:
 
 
 def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
-    """Makespan, tardiness, reward and cost, in the task's unit; each occurrence counts."""
+    """The objectives' values, in the task's unit; each occurrence counts.
+
+    Without an earlier schedule there is nothing that could have changed.
+    """
     activities = {a.id: a for a in problem.activities if a.details.occurrence == 1}
     tardiness: Number = 0
     reward = cost = 0
@@ -41,6 +44,7 @@ def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
         "tardiness": tardiness,
         "reward": reward,
         "cost": cost,
+        "changes": 0,
     }
 
 

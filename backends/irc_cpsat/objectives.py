@@ -42,6 +42,8 @@ def values_of(builder: Builder, latest: cp_model.IntVar) -> dict[str, Expression
         values["cost"] = _weighted(
             [(a.details.cost, p) for a, p in _occurring(builder) if a.details.cost]
         )
+    if "changes" in objectives:
+        values["changes"] = 0  # There is no earlier schedule to keep to.
     return values
 
 
