@@ -305,11 +305,13 @@ def _judged(
     if problem.objectives[0] == "makespan":
         ours = problem.to_units(max(outcome.bound, problem.bound.value))
         known["makespan"] = max(ours, known.get("makespan") or 0)
-    optimal = outcome.status is Status.OPTIMAL
+    if outcome.status is Status.OPTIMAL:
+        known.update((name, values[name]) for name in problem.objectives)
     objective = tuple(
-        ObjectiveValue(name, values[name], values[name] if optimal else known.get(name))
-        for name in problem.objectives
+        ObjectiveValue(name, values[name], known.get(name)) for name in problem.levels
     )
-    if all(o.bound is not None and o.value == o.bound for o in objective):
+    # (Changes that only choose among equals do not count.)
+    own = objective[: len(problem.objectives)]
+    if all(o.bound is not None and o.value == o.bound for o in own):
         return Status.OPTIMAL, objective
     return outcome.status, objective

@@ -252,9 +252,9 @@ class Problem:
     without loss: (activity, use) → resource.
 
     `goals` are (variable, value) pairs, `wanted` the activities that must be present, `objectives`
-    the names of what counts, in order ("makespan", "tardiness", "reward", "cost"). `sequel` holds
-    pairs of activities of which state says, through `arcs`, that the second starts when the first
-    has ended, at the same time if need be but at a higher rank.
+    the names of what counts, in order ("makespan", "tardiness", "reward", "cost",
+    "changes"). `sequel` holds pairs of activities of which state says, through `arcs`, that the
+    second starts when the first has ended, at the same time if need be but at a higher rank.
 
     `heads[i]` is the earliest start of activity i, `tails[i]` the least time between its end and
     the end of the schedule; both follow from precedence, lags and releases alone.

@@ -58,5 +58,5 @@ def add_earlier(builder: Builder, built: Model) -> None:
             builder.model.add_hint(chosen, int(k == earlier.mode))
         for claim, choices in zip(activity.claims, built.literals[i], strict=True):
             for r, literal in choices:
-                members = problem.shared[r].members
-                builder.model.add_hint(literal, int(members == (earlier.resources[claim.use],)))
+                taken = earlier.resources[claim.use] in problem.shared[r].members
+                builder.model.add_hint(literal, int(taken))

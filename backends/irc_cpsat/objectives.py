@@ -67,7 +67,7 @@ def _changes(builder: Builder, literals: Claims) -> Expression:
         for claim, choices in zip(activity.claims, literals[i], strict=True):
             taken = earlier.resources[claim.use]
             implied += [
-                literal for r, literal in choices if builder.problem.shared[r].members == (taken,)
+                literal for r, literal in choices if taken in builder.problem.shared[r].members
             ]
         for literal in implied:
             builder.model.add_implication(stays, literal)
