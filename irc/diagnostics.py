@@ -98,6 +98,7 @@ class Code(Enum):
 
     UNSUPPORTED = ("IRC501", Severity.ERROR, "a feature the target cannot take")
     OUT_OF_RANGE = ("IRC502", Severity.ERROR, "numbers beyond the target's range")
+    LATER_EVENTS = ("IRC503", Severity.NOTE, "events that are not seen as of t = 0")
 
     BAD_SCHEDULE = ("IRC601", Severity.ERROR, "a schedule file that cannot be read")
     BAD_ANSWER = ("IRC602", Severity.ERROR, "an engine's answer that cannot be used")
