@@ -74,7 +74,8 @@ def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[s
     values = dict(_costs(problem, schedule))
     if values and stability:
         last = [*values][-1]
-        values[last] = values[last] + stability * abs(values[last])
+        size = max(values[last], -values[last])
+        values[last] += size * stability
     return values
 
 
