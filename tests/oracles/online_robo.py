@@ -24,6 +24,8 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 Document = Mapping[str, Any]
+_Value = tuple[int | None, Fraction]
+"""Reward (None: nothing can earn one) and makespan."""
 
 STACK = "stack"
 _STATION = {
@@ -58,14 +60,21 @@ class UndecidedError(Exception):
 
 @dataclass(frozen=True)
 class Verdict:
-    """`faults` is empty where the history is approved.
+    """`faults` is empty where the history is valid at every step.
 
-    `optima` has for each step the best (reward, makespan) from what was committed by then (the
-    reward is None where there are no candidate goals), and None where there is no continuation.
+    `worse` has the steps (by number) that are worth less than an exact continuation, and what is
+    possible. `optima` has for each step the best (reward, makespan) from what was committed by
+    then (the reward is None where there are no candidate goals), and None where nothing can follow.
     """
 
     faults: tuple[str, ...]
-    optima: tuple[tuple[int | None, Fraction] | None, ...]
+    worse: Mapping[int, str]
+    optima: tuple[_Value | None, ...]
+
+    @property
+    def approved(self) -> bool:
+        """Whether the history is valid, and its last step worth what an exact one is."""
+        return not self.faults and len(self.optima) - 1 not in self.worse
 
 
 @dataclass(frozen=True)
@@ -123,11 +132,12 @@ def judge(episode: Document, simulation: Document, *, seconds: float = 60) -> Ve
     moments = _moments(episode["events"])
     steps = simulation["steps"]
     faults: list[str] = []
-    optima: list[tuple[int | None, Fraction] | None] = []
+    worse: dict[int, str] = {}
+    optima: list[_Value | None] = []
     expected = [Fraction(0), *(at for at, _ in moments)]
     told = [_time(step["at"]) for step in steps]
     if told != expected:
-        return Verdict((f"steps at {_many(told)}, not at {_many(expected)}",), ())
+        return Verdict((f"steps at {_many(told)}, not at {_many(expected)}",), {}, ())
     committed: _Plan = {}
     for k, step in enumerate(steps):
         at = expected[k]
@@ -139,6 +149,8 @@ def judge(episode: Document, simulation: Document, *, seconds: float = 60) -> Ve
         best = _continuation(known, frozen, at, seconds)
         optima.append(best and best.worth)
         faults += [f"step {k}: {said}" for said in _step_faults(known, step, before, at, best)]
+        if best is not None and (less := _less(known, step, best)):
+            worse[k] = less
         names = [None] if not k else [event.get("id") for event in moments[k - 1][1]]
         if _event_names(step) != names:
             faults.append(f"step {k}: says that its events are {step['event']}, not {names}")
@@ -146,7 +158,7 @@ def judge(episode: Document, simulation: Document, *, seconds: float = 60) -> Ve
         faults += [f"step {k}: {name} is there more than once" for name in repeated]
     if steps and _plan(simulation["final"]) != (committed, []):
         faults.append("the final schedule is not that of the last step")
-    return Verdict(tuple(faults), tuple(optima))
+    return Verdict(tuple(faults), worse, tuple(optima))
 
 
 def _event_names(step: Document) -> list[Any]:
@@ -316,7 +328,7 @@ class _Best:
     """An exact continuation: how many half-done goals it finishes, and what it is worth."""
 
     finished: int
-    worth: tuple[int | None, Fraction]
+    worth: _Value
 
 
 def _step_faults(
@@ -448,27 +460,53 @@ def _value(
     if best is None:
         yield "there is no continuation, and here is one"
         return
-    finished = [
+    finished, half_done = _finished(known, plan), _half_done(known, frozen)
+    if sum(goal in finished for goal in half_done) != best.finished:
+        yield f"of the goals begun, {half_done}, it should finish {best.finished}"
+    reward, makespan = worth = _reached(known, plan)
+    if _order(worth) < _order(best.worth):
+        yield f"is worth {_worth(worth)}, which is better than possible: {_worth(best.worth)}"
+    told = {o["name"]: _time(o["value"]) for o in step["schedule"]["objective"]}
+    for name, value in (("reward", reward), ("makespan", makespan)):
+        if value is not None and told.get(name) != value:
+            yield f"says that its {name} is {told.get(name)}, not {value}"
+    if step["schedule"]["status"] == "optimal" and worth != best.worth:
+        yield "is called optimal, and is not"
+
+
+def _less(known: _Known, step: Document, best: _Best) -> str | None:
+    """What is possible, where the step has less."""
+    if step["schedule"]["status"] not in ("optimal", "feasible"):
+        return f"nothing, and {_worth(best.worth)} is possible"
+    worth = _reached(known, _plan(step["schedule"])[0])
+    if _order(worth) <= _order(best.worth):
+        return None
+    return f"{_worth(worth)}, and {_worth(best.worth)} is possible"
+
+
+def _finished(known: _Known, plan: _Plan) -> list[str]:
+    """The candidate goals that are reached."""
+    return [
         goal
         for goal in known.goals
         if (members := known.candidate_jobs(goal))
         and all(name in plan and plan[name].status is None for name in members)
     ]
-    half_done = _half_done(known, frozen)
-    if sum(goal in finished for goal in half_done) != best.finished:
-        yield f"of the goals begun, {half_done}, it should finish {best.finished}"
-    reward = sum(known.goals[goal]["reward"] for goal in finished) if known.goals else None
-    worth = (reward, max((run.end for run in plan.values()), default=Fraction(0)))
-    if worth != best.worth:
-        yield f"is worth (reward, makespan) {_worth(worth)}, and {_worth(best.worth)} is possible"
-    told = {o["name"]: _time(o["value"]) for o in step["schedule"]["objective"]}
-    for name, value in (("reward", worth[0]), ("makespan", worth[1])):
-        if value is not None and told.get(name) != value:
-            yield f"says that its {name} is {told.get(name)}, not {value}"
 
 
-def _worth(worth: tuple[int | None, Fraction]) -> str:
-    return f"({worth[0]}, {worth[1]})"
+def _reached(known: _Known, plan: _Plan) -> _Value:
+    rewards = [known.goals[goal]["reward"] for goal in _finished(known, plan)]
+    last = max((run.end for run in plan.values()), default=Fraction(0))
+    return (sum(rewards) if known.goals else None, last)
+
+
+def _order(worth: _Value) -> tuple[int, Fraction]:
+    """Less is better."""
+    return -(worth[0] or 0), worth[1]
+
+
+def _worth(worth: _Value) -> str:
+    return str(worth[1]) if worth[0] is None else f"reward {worth[0]}, makespan {worth[1]}"
 
 
 def _half_done(known: _Known, frozen: _Plan) -> list[str]:
@@ -604,7 +642,7 @@ class _Model:
         (self.model.maximize if greatest else self.model.minimize)(value)
         solver = cp_model.CpSolver()
         solver.parameters.max_time_in_seconds = seconds
-        solver.parameters.num_workers = 2
+        solver.parameters.num_workers = 8  # Fewer would leave out the strategies that prove.
         status = solver.solve(self.model)
         if status == cp_model.INFEASIBLE:
             return None
