@@ -111,7 +111,7 @@ class Code(Enum):
     UNSUITED_CHANGE = ("IRC704", Severity.ERROR, "a change that its element cannot take")
     EVENT_TIME = ("IRC705", Severity.ERROR, "a time that contradicts the event's own")
     ALREADY_DONE = ("IRC707", Severity.ERROR, "an event about an action that has ended")
-    CONTRADICTION = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
+    OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
     CARRIED = ("IRC709", Severity.WARNING, "a conflict that only what has run already causes")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:

@@ -267,7 +267,7 @@ def _contradicts(
     ):
         if told is not None and key in observed and planned is not None and told != planned:
             step.tell(
-                Code.CONTRADICTION,
+                Code.OBSERVED,
                 f"action {key[0]!r} was already observed to have {field_name} at "
                 f"{step.text(planned)}, not {step.text(told)}",
                 (*at, field_name),
