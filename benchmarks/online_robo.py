@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +102,7 @@ def run(raw: dict[str, Any], task: Task, target: str, engine: str, limits: Limit
 
     done = simulate(task, target=target, engine=engine, limits=limits, on_step=on_step)
     document = json.loads(json.dumps(done.as_json()), parse_float=Fraction)
-    seconds = tuple(later - earlier for earlier, later in zip(began, began[1:], strict=False))
+    seconds = tuple(later - earlier for earlier, later in pairwise(began))
     return Episode(str(task.name), document, judge(raw, document), seconds)
 
 
