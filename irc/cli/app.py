@@ -223,7 +223,8 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     if format is Format.json:
         put_json(schedule.as_json())
     else:
-        from irc.cli.render import answer_console, print_answer
+        from irc.cli.page import answer_console
+        from irc.cli.render import print_answer
 
         print_answer(answer, answer_console())
         if output is not None:
