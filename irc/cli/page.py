@@ -61,6 +61,7 @@ class Glyphs(NamedTuple):
     times: str
     more: str
     about: str
+    arrow: str
     good: str
     bad: str
 
@@ -77,6 +78,7 @@ _BLOCKS = Glyphs(
     times="×",
     more="…",
     about="≈",
+    arrow="→",
     good="✔",
     bad="✘",
 )
@@ -91,6 +93,7 @@ _ASCII = Glyphs(
     times="x",
     more="...",
     about="about ",
+    arrow="->",
     good="",
     bad="",
 )
@@ -158,6 +161,7 @@ def grouped(value: Number) -> str:
 
 
 def with_unit(value: Number, unit: str) -> str:
+    """ "1,000 min"."""
     return f"{grouped(value)} {unit}"
 
 

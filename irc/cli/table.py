@@ -17,6 +17,8 @@ from irc.times import Number
 
 
 class Column(NamedTuple):
+    """A title and a cell for each row; flexible ones give way on a narrow console."""
+
     title: str
     cells: list[str]
     to_the_right: bool = False
@@ -34,6 +36,7 @@ _GAP = "  "
 
 
 def entry_title(page: Page, entry: Entry) -> str:
+    """The name of an occurrence."""
     name = page.visible(entry.id)
     return name if entry.occurrence == 1 else f"{name} #{entry.occurrence}"
 
@@ -46,11 +49,13 @@ def rank_text(entry: Entry) -> str:
 
 
 def entry_resources(page: Page, entry: Entry) -> str:
+    """What an entry holds, with amounts."""
     held = sorted(entry.resources.items(), key=lambda item: natural(item[0]))
     return ", ".join(counted(page, name, amount) for name, amount in held)
 
 
 def counted(page: Page, name: str, amount: int) -> str:
+    """A resource with its amount, where that is not 1."""
     shown = page.visible(name)
     return shown if amount == 1 else f"{shown} {page.glyphs.times}{amount}"
 
