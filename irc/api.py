@@ -71,6 +71,7 @@ def check(task: Task | str | Path | Mapping[str, Any]) -> Report:
 def compile(task: Task | str | Path | Mapping[str, Any], target: str = "pddl21") -> Program:
     """The task as a program of `target`: its `files`, its `manifest`, and the way back.
 
+    The program is that of t = 0; where the task has events, its `notes` say that they are not seen.
     Raises `InputError` where the task is at fault or the target refuses it.
     """
     return compile_task(_task(task), target)
@@ -91,7 +92,8 @@ def solve(
     """The best schedule found, validated, with an honest status.
 
     `time_limit` in seconds of wall-clock time, `memory_limit` in MB. With `shortcut` a task
-    without contention is solved by its critical path alone. Raises `InputError`,
+    without contention is solved by its critical path alone. The task is planned as of t = 0: its
+    events are not seen. Raises `InputError`,
     `irc.backend.UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
     if time_limit is not None and not time_limit > 0:

@@ -96,11 +96,15 @@ class EngineFailed(Exception):
 
 @dataclass(frozen=True)
 class Program:
-    """A task in a target's own language, with the way back."""
+    """A task in a target's own language, with the way back.
+
+    `notes` tell what of the task is not in it because it is not known as of t = 0.
+    """
 
     backend: Backend
     task: Task
     problem: Problem
+    notes: tuple[Diagnostic, ...] = ()
 
     @property
     def target(self) -> str:

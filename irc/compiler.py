@@ -25,7 +25,7 @@ from irc.canonical import task_sha256
 from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.model import Task
-from irc.pipeline import check_task, compile_task, lower_for, refusals_told
+from irc.pipeline import check_task, compile_task, later_events, lower_for, refusals_told
 from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
@@ -71,8 +71,9 @@ def solve_task(
 ) -> Answer:
     """Compiles, runs an engine, re-times and returns the answer.
 
-    Raises `InputError`, `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a
-    schedule has no entries and says why in its status.
+    The task is planned as of t = 0: of its events there is only a note. Raises `InputError`,
+    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries
+    and says why in its status.
     """
     began = time.perf_counter()
     backend = get_backend(target)
@@ -90,7 +91,7 @@ def solve_task(
         with refusals_told(task):
             outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
     schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
-    return Answer(_approved(task, schedule), problem, outcome.notes)
+    return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
 
 
 def _too_short(problem: Problem) -> Diagnostic:
@@ -131,7 +132,8 @@ def extract_answer(
     outcome = Outcome(Status.FEASIBLE, "extract", schedule)
     schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
     try:
-        return Answer(_approved(task, replace(schedule, engine=None)), problem)
+        approved = _approved(task, replace(schedule, engine=None))
+        return Answer(approved, problem, later_events(task))
     except EngineFailed as error:
         raise _bad_answer(str(error), answer, answer_name) from None
 
@@ -305,11 +307,13 @@ def _judged(
     if problem.objectives[0] == "makespan":
         ours = problem.to_units(max(outcome.bound, problem.bound.value))
         known["makespan"] = max(ours, known.get("makespan") or 0)
-    optimal = outcome.status is Status.OPTIMAL
+    if outcome.status is Status.OPTIMAL:
+        known.update((name, values[name]) for name in problem.objectives)
     objective = tuple(
-        ObjectiveValue(name, values[name], values[name] if optimal else known.get(name))
-        for name in problem.objectives
+        ObjectiveValue(name, values[name], known.get(name)) for name in problem.levels
     )
-    if all(o.bound is not None and o.value == o.bound for o in objective):
+    # (Changes that only choose among equals do not count.)
+    own = objective[: len(problem.objectives)]
+    if all(o.bound is not None and o.value == o.bound for o in own):
         return Status.OPTIMAL, objective
     return outcome.status, objective

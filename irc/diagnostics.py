@@ -98,6 +98,7 @@ class Code(Enum):
 
     UNSUPPORTED = ("IRC501", Severity.ERROR, "a feature the target cannot take")
     OUT_OF_RANGE = ("IRC502", Severity.ERROR, "numbers beyond the target's range")
+    LATER_EVENTS = ("IRC503", Severity.NOTE, "events that are not seen as of t = 0")
 
     BAD_SCHEDULE = ("IRC601", Severity.ERROR, "a schedule file that cannot be read")
     BAD_ANSWER = ("IRC602", Severity.ERROR, "an engine's answer that cannot be used")
@@ -111,6 +112,9 @@ class Code(Enum):
     NOTHING_TO_REMOVE = ("IRC703", Severity.ERROR, "an event that removes what is not there")
     UNSUITED_CHANGE = ("IRC704", Severity.ERROR, "a change that its element cannot take")
     EVENT_TIME = ("IRC705", Severity.ERROR, "a time that contradicts the event's own")
+    ALREADY_DONE = ("IRC707", Severity.ERROR, "an event about an action that has ended")
+    OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
+    CARRIED = ("IRC709", Severity.WARNING, "a conflict that only what has run already causes")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id

@@ -1,7 +1,8 @@
 """The ledger: which features of the IR a task uses, and where, so that a target can say no.
 
 Each element of a task is encoded by a backend or the compilation is refused; nothing is dropped
-in silence.
+in silence. Events are no part of it: they revise the task while it runs, and a backend is given
+what the task is at one moment.
 """
 
 from __future__ import annotations
@@ -54,7 +55,6 @@ class Feature(Enum):
     MINIMIZE_CHANGES = "the objective minimize_changes"
     SEVERAL_OBJECTIVES = "several objectives"
     MAKESPAN = "the objective minimize_makespan"
-    EVENTS = "events"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +82,6 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
         yield from _of_group(group, ("groups", i))
     yield from _of_goals(task)
     yield from _of_objective(task)
-    for i, event in enumerate(task.events):
-        yield FeatureUse(Feature.EVENTS, ("events", i), f"event {event.id or i + 1!r}")
 
 
 def _of_resource(resource: Resource, at: Pointer) -> Iterator[FeatureUse]:

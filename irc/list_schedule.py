@@ -9,21 +9,28 @@ deadlines or fixed starts defeat it there simply is none.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from heapq import heappop, heappush
 
-from irc.problem import Activity, Problem
+from irc.problem import Activity, Problem, Shared
 from irc.retime import Decision
 
 Choice = tuple[int, ...]
 
+_NEVER = 1 << 62
+"""Later than any time: what waits for it finds no place."""
+
 
 class _Profile:
-    """How much of one shared resource is in use: a step function of time."""
+    """How much of one shared resource is in use, or never there: a step function of time."""
 
-    def __init__(self, capacity: int) -> None:
-        self.capacity = capacity
+    def __init__(self, shared: Shared) -> None:
+        self.capacity = shared.capacity
+        base = shared.capacity if shared.base is None else shared.base
         self.times = [0]
-        self.used = [0]
+        self.used = [shared.capacity - base]
+        for window in shared.windows:
+            self.take(window.start, window.end, base - window.capacity)
 
     def blocked_until(self, start: int, end: int, amount: int) -> int | None:
         """None if `amount` more fits throughout [start, end), else the next time worth trying."""
@@ -31,9 +38,9 @@ class _Profile:
         limit = self.capacity - amount
         while k < len(self.times) and self.times[k] < end:
             if self.used[k] > limit:
-                while self.used[k] > limit:
+                while k < len(self.times) and self.used[k] > limit:
                     k += 1
-                return self.times[k]
+                return self.times[k] if k < len(self.times) else _NEVER
             k += 1
         return None
 
@@ -52,12 +59,21 @@ class _Profile:
         return k
 
 
-def list_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | None:
+def list_schedule(
+    problem: Problem, priorities: Sequence[int] | None = None
+) -> tuple[list[Decision], list[Choice]] | None:
     """Starts and ends in ticks, and for each activity the shared resource of each claim.
 
-    None where the rule finds no schedule that keeps every window and lag.
+    Whatever has the least of the `priorities` comes first where precedence leaves a choice; by
+    default what is fixed, and then what is most urgent. None where the rule finds no schedule that
+    keeps every window and lag.
     """
-    order = _order(problem)
+    if priorities is None:
+        priorities = [
+            -(a.duration_min + tail) if a.start is None else a.start - _NEVER
+            for a, tail in zip(problem.activities, problem.tails, strict=True)
+        ]
+    order = _order(problem, priorities)
     if order is None or any(
         claim.amount > max(problem.shared[r].capacity for r in claim.alternatives)
         for activity in problem.activities
@@ -67,7 +83,7 @@ def list_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | Non
     incoming: list[list[int]] = [[] for _ in problem.activities]
     for k, arc in enumerate(problem.arcs):
         incoming[arc.after].append(k)
-    profiles = [_Profile(shared.capacity) for shared in problem.shared]
+    profiles = [_Profile(shared) for shared in problem.shared]
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
     for i in order:
@@ -83,14 +99,39 @@ def list_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | Non
     return (decisions, choices) if _keeps_windows(problem, decisions) else None
 
 
+def quick_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | None:
+    """The quick schedule; where there is an earlier one, the better of two: by the order of the
+    earlier one (what is fixed first, what is new last), and by the rule.
+    """
+    by_rule = list_schedule(problem)
+    if not any(problem.earlier):
+        return by_rule
+    as_before = list_schedule(problem, [_place_before(problem, i) for i in _all(problem)])
+    if by_rule is None or as_before is None:
+        return by_rule or as_before
+    return min(as_before, by_rule, key=lambda found: max(int(d.end) for d in found[0]))
+
+
+def _all(problem: Problem) -> range:
+    return range(len(problem.activities))
+
+
+def _place_before(problem: Problem, i: int) -> int:
+    earlier = problem.earlier[i]
+    if earlier is not None:
+        return earlier.start
+    fixed = problem.activities[i].start
+    return _NEVER if fixed is None else fixed - _NEVER
+
+
 def quick_makespan(problem: Problem) -> int | None:
     """The makespan of the quick schedule, in ticks; None where the rule finds none."""
     quick = list_schedule(problem)
     return None if quick is None else max((int(d.end) for d in quick[0]), default=0)
 
 
-def _order(problem: Problem) -> list[int] | None:
-    """Precedence-consistent, most urgent first; None where arcs form a cycle."""
+def _order(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
+    """Precedence-consistent, the least priority first; None where arcs form a cycle."""
     waiting = [0] * len(problem.activities)
     following: list[list[int]] = [[] for _ in problem.activities]
     for arc in problem.arcs:
@@ -99,8 +140,7 @@ def _order(problem: Problem) -> list[int] | None:
     heap: list[tuple[int, int]] = []
 
     def push(i: int) -> None:
-        activity = problem.activities[i]
-        heappush(heap, (-(activity.duration_min + problem.tails[i]), i))
+        heappush(heap, (priorities[i], i))
 
     for i, count in enumerate(waiting):
         if not count:
@@ -153,6 +193,8 @@ def _place(activity: Activity, start: int, profiles: list[_Profile]) -> tuple[in
                     return None
                 later = soonest
                 break
+        if later == _NEVER:
+            return None
         if later is None:
             for r, amount in needed.items():
                 profiles[r].take(start, start + duration, amount)

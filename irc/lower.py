@@ -20,15 +20,15 @@ _DIGITS = re.compile(r"([0-9]{1,18})")
 ToTicks = Callable[[Instant], int]
 
 
-def lower(task: Task) -> Problem:
-    """The whole task as integers.
+def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
+    """The whole task as integers, in a tick that also divides the `instants` (in its unit).
 
     Elements that refer to nothing, and actions whose durations make no sense, are left out: the
     structural checks have told of them.
     """
     clock = task.clock
     actions = {a.id: i for i, a in reversed(list(enumerate(task.actions))) if _has_sense(a, clock)}
-    to_ticks, tick = _tick(task, actions.values(), clock)
+    to_ticks, tick = _tick(task, actions.values(), clock, instants)
     ids = sorted(actions, key=natural_order)
     index = {name: k for k, name in enumerate(ids)}
     resources = {r.id: i for i, r in reversed(list(enumerate(task.resources)))}
@@ -130,9 +130,11 @@ def _duration_numbers(action: Action, clock: Clock) -> Iterator[tuple[Number, Nu
             yield value, value
 
 
-def _tick(task: Task, kept: Iterable[int], clock: Clock) -> tuple[ToTicks, Fraction]:
+def _tick(
+    task: Task, kept: Iterable[int], clock: Clock, instants: Iterable[Number]
+) -> tuple[ToTicks, Fraction]:
     """The largest tick that divides every time of the task, and how to count in it."""
-    numbers: dict[Instant, Number] = {}
+    numbers: dict[Instant, Number] = {instant: instant for instant in instants}
     for value in _times(task, kept):
         if value not in numbers:
             try:

@@ -34,8 +34,8 @@ _OBJECTIVES = {
     "minimize_tardiness": "tardiness",
     "maximize_reward": "reward",
     "minimize_cost": "cost",
+    "minimize_changes": "changes",
 }
-"""(Under no earlier schedule nothing changes: "minimize_changes" is for replanning alone.)"""
 
 
 def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: ToTicks) -> Problem:
@@ -56,9 +56,7 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
         wanted=tuple(
             sorted({index[goal] for goal in task.goals if isinstance(goal, str) and goal in index})
         ),
-        objectives=tuple(
-            dict.fromkeys(_OBJECTIVES[name] for name in task.objective if name in _OBJECTIVES)
-        ),
+        objectives=tuple(dict.fromkeys(_OBJECTIVES[name] for name in task.objective)),
     )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from irc.backend import Backend, Program, Refusal, get_backend, require_support
 from irc.checks import Checked, run_checks
-from irc.diagnostics import Diagnostic, InputError, Report
+from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import Problem
@@ -41,10 +42,30 @@ def compile_task(task: Task, target: str) -> Program:
     Raises `InputError` (the task is at fault or refused) or `UnknownTarget`.
     """
     backend = get_backend(target)
-    program = Program(backend, task, lower_for(task, backend))
+    program = Program(backend, task, lower_for(task, backend), later_events(task))
     with refusals_told(task):
         program.files  # noqa: B018 - encodes now, so that a refusal is told here
     return program
+
+
+def later_events(task: Task) -> tuple[Diagnostic, ...]:
+    """A note that the task's events are not seen, where it has any.
+
+    What is planned as of t = 0 knows of no event, not even of one at 0: events become known while
+    the task runs. The note carries its own place in the text, so that it can be shown without it.
+    """
+    if not task.events:
+        return ()
+    count = len(task.events)
+    events = f"{count} events are" if count > 1 else "event is"
+    note = Diagnostic(
+        Code.LATER_EVENTS,
+        f"planned as of t = 0: the task's {events} not seen",
+        ("events", 0),
+        "`irc simulate` runs the task with its events, and plans what is left anew at each",
+    )
+    (placed,) = Report((note,), task.source).located()
+    return (placed if placed.within else replace(placed, within=task.source),)
 
 
 @contextmanager

@@ -225,6 +225,16 @@ class Arc(NamedTuple):
     origin: int = 0
 
 
+class Earlier(NamedTuple):
+    """Where an earlier schedule has an activity: its start, the index of its mode, and the
+    resource (index) of each of its uses, None where the mode has no such use.
+    """
+
+    start: int
+    mode: int | None
+    resources: tuple[int | None, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Bound:
     """A proven lower bound on the makespan, in ticks, and the argument that gave it."""
@@ -242,12 +252,16 @@ class Problem:
     without loss: (activity, use) → resource.
 
     `goals` are (variable, value) pairs, `wanted` the activities that must be present, `objectives`
-    the names of what counts, in order ("makespan", "tardiness", "reward", "cost"). `sequel` holds
-    pairs of activities of which state says, through `arcs`, that the second starts when the first
-    has ended, at the same time if need be but at a higher rank.
+    the names of what counts, in order ("makespan", "tardiness", "reward", "cost",
+    "changes"). `sequel` holds pairs of activities of which state says, through `arcs`, that the
+    second starts when the first has ended, at the same time if need be but at a higher rank.
 
     `heads[i]` is the earliest start of activity i, `tails[i]` the least time between its end and
     the end of the schedule; both follow from precedence, lags and releases alone.
+
+    `earlier` (empty, or one for each activity) says where an earlier schedule has what may move;
+    `stability` is how much worse, as a fraction, the last objective before "changes" may get to
+    move fewer.
     """
 
     name: str | None
@@ -269,6 +283,8 @@ class Problem:
     wanted: tuple[int, ...] = ()
     objectives: tuple[str, ...] = ("makespan",)
     sequel: tuple[tuple[int, int], ...] = ()
+    earlier: tuple[Earlier | None, ...] = ()
+    stability: Fraction = Fraction(0)
 
     def to_units(self, ticks: int) -> Number:
         """Ticks → the task's time unit, exactly."""
@@ -286,6 +302,13 @@ class Problem:
         if own is None or self.deadline is None:
             return self.deadline if own is None else own
         return min(own, self.deadline)
+
+    @property
+    def levels(self) -> tuple[str, ...]:
+        """The objectives, and behind them the changes to an earlier schedule, if there is one."""
+        if not any(self.earlier) or "changes" in self.objectives:
+            return self.objectives
+        return (*self.objectives, "changes")
 
     @property
     def is_plain(self) -> bool:

@@ -74,13 +74,15 @@ def retime(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
 ) -> tuple[Placed, ...]:
     """The earliest schedule with the same choices and the same order on every resource,
-    reservoir and state variable.
+    reservoir and state variable. What has not moved since an earlier schedule stays.
 
     `tolerance` (ticks) is how far the engine's times may be off: an end that is later than the
     next start by no more than that still counts as before it. Repeated actions must have been
     unrolled. Raises `AnswerError` where choices and order contradict the task's lags, the choices
     leave no resource to take, or a condition finds another value than it needs.
     """
+    if any(problem.earlier) and not tolerance:
+        problem = _with_unmoved_fixed(problem, decisions)
     if not _is_simple(problem):
         from irc.retiming.rich import retime_rich
 
@@ -107,6 +109,20 @@ def retime(
         # What has no length now takes no room, so nobody waits for it any longer.
         return retime(problem, [Decision(p.start, p.end, p.resources) for p in placed])
     return tuple(placed)
+
+
+def _with_unmoved_fixed(problem: Problem, decisions: Sequence[Decision]) -> Problem:
+    """The problem in which what starts when it did before, in the same mode, starts just then."""
+    activities = list(problem.activities)
+    for i, (earlier, decision) in enumerate(zip(problem.earlier, decisions, strict=True)):
+        if (
+            earlier is not None
+            and decision.present
+            and (decision.start, decision.mode) == (earlier.start, earlier.mode)
+            and activities[i].start is None
+        ):
+            activities[i] = replace(activities[i], start=earlier.start)
+    return replace(problem, activities=tuple(activities))
 
 
 def _is_simple(problem: Problem) -> bool:
@@ -300,7 +316,7 @@ def _hand_out(
             taken = next(
                 (
                     r
-                    for r in use.alternatives
+                    for r in _in_order(problem, i, u)
                     if held_over.end <= decision.start
                     or _free(held.get(r, []), held_over, capacity[r]) >= use.amount
                 ),
@@ -310,6 +326,15 @@ def _hand_out(
                 raise AnswerError(f"nothing is left for {activity.id!r} to use")
             result[i][u] = taken
             insort(held.setdefault(taken, []), (decision.start, decision.end, use.amount))
+
+
+def _in_order(problem: Problem, i: int, u: int) -> tuple[int, ...]:
+    """The alternatives of a use; first the one that an earlier schedule took."""
+    alternatives = problem.activities[i].uses[u].alternatives
+    earlier = problem.earlier[i] if problem.earlier else None
+    if earlier is None or (first := earlier.resources[u]) not in alternatives:
+        return alternatives
+    return (first, *(r for r in alternatives if r != first))
 
 
 def _free(held: list[tuple[Moment, Moment, int]], decision: Decision, capacity: int) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from irc.problem import Group, Problem
+from irc.problem import Activity, Earlier, Group, Problem
 from irc.schedule import Entry, Schedule
 from irc.times import Number
 
@@ -18,7 +18,7 @@ def in_units(problem: Problem, objective: str, value: int) -> Number:
 
 
 def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
-    """Makespan, tardiness, reward and cost, in the task's unit; each occurrence counts."""
+    """The objectives' values, in the task's unit; each occurrence counts."""
     activities = {a.id: a for a in problem.activities if a.details.occurrence == 1}
     tardiness: Number = 0
     reward = cost = 0
@@ -41,7 +41,28 @@ def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
         "tardiness": tardiness,
         "reward": reward,
         "cost": cost,
+        "changes": _changes(problem, by_id),
     }
+
+
+def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
+    """How many activities are not where an earlier schedule, if there is one, has them."""
+    return sum(
+        earlier is not None
+        and not any(_as_before(problem, activity, earlier, e) for e in by_id.get(activity.id, ()))
+        for activity, earlier in zip(problem.activities, problem.earlier, strict=False)
+    )
+
+
+def _as_before(problem: Problem, activity: Activity, earlier: Earlier, entry: Entry) -> bool:
+    details = activity.details
+    mode = None if earlier.mode is None else details.modes[earlier.mode].id
+    held: dict[str, int] = {}
+    for use, r in zip(activity.uses, earlier.resources, strict=True):
+        if r is not None:
+            held[problem.resources[r].id] = held.get(problem.resources[r].id, 0) + use.amount
+    start = problem.to_units(earlier.start)
+    return (entry.start, entry.mode, dict(entry.resources)) == (start, mode, held)
 
 
 def _late(problem: Problem, end: Number, due: int) -> Number:

@@ -51,6 +51,7 @@ class CpSat(Backend):
             Feature.TARDINESS,
             Feature.MAXIMIZE_REWARD,
             Feature.MINIMIZE_COST,
+            Feature.MINIMIZE_CHANGES,
             Feature.SEVERAL_OBJECTIVES,
         }
     )

@@ -16,11 +16,11 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.horizon import safe_horizon, within
-from irc.list_schedule import list_schedule
+from irc.list_schedule import quick_schedule
 from irc.problem import Activity, Claim, Problem, Shared
 from irc.retime import Decision
 from irc_cpsat.calendars import with_windows
-from irc_cpsat.hints import add_hint
+from irc_cpsat.hints import add_earlier, add_hint
 from irc_cpsat.names import name_of
 from irc_cpsat.objectives import makespan, values_of
 from irc_cpsat.stock import add_stock
@@ -81,8 +81,7 @@ class Builder:
         self.bounds = bounds
         self.model = cp_model.CpModel()
         self.users = [Users() for _ in problem.shared]
-        plain = problem.is_plain and not problem.has_calendars
-        found = list_schedule(problem) if plain and (bounds or hints) else None
+        found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
         self.hint = found if hints else None
         self.ranked = bool(problem.variables)
         self.rank_count = self._rank_count()
@@ -152,7 +151,7 @@ class Builder:
             present=self.present,
             modes=self.modes,
             ranks=self.ranks,
-            values=values_of(self, latest),
+            values=values_of(self, latest, literals),
         )
         if objective:
             name = problem.objectives[0]
@@ -163,6 +162,8 @@ class Builder:
         if self.hint is not None:
             add_hint(self, built, *self.hint)
             built.hint = self.hint
+        elif any(problem.earlier):
+            add_earlier(self, built)
         return built
 
     # --- presence and modes ---

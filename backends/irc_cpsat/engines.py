@@ -213,7 +213,7 @@ def _levels(problem: Problem, answer: Answer, schedule: Schedule) -> tuple[Objec
     reached = {level.name: level for level in answer.levels}
     found = []
     certain = True
-    for name in problem.objectives:
+    for name in problem.levels:
         level = reached.get(name) if certain else None
         bound = None if level is None else in_units(problem, name, level.bound)
         found.append(ObjectiveLevel(name, values[name], bound))

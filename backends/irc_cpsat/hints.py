@@ -34,3 +34,29 @@ def add_hint(
         builder.model.add_hint(both, values[a.index] * values[b.index])
     latest = max((int(d.end) for d in decisions), default=0)
     builder.model.add_hint(built.makespan, max(latest, builder.problem.bound.value))
+
+
+def add_earlier(builder: Builder, built: Model) -> None:
+    """What an earlier schedule says: an incomplete assignment near to good solutions.
+
+    Starts are pushed to where they may be now; modes and resources are those of before.
+    """
+    problem = builder.problem
+    groups: set[int] = set()
+    for i, earlier in enumerate(problem.earlier):
+        if earlier is None:
+            continue
+        activity = problem.activities[i]
+        builder.model.add_hint(
+            built.starts[i], max(earlier.start, activity.release, problem.heads[i])
+        )
+        present = built.present[i]
+        if present is not None and present.index not in groups:
+            groups.add(present.index)
+            builder.model.add_hint(present, 1)
+        for k, chosen in enumerate(built.modes[i]):
+            builder.model.add_hint(chosen, int(k == earlier.mode))
+        for claim, choices in zip(activity.claims, built.literals[i], strict=True):
+            for r, literal in choices:
+                taken = earlier.resources[claim.use] in problem.shared[r].members
+                builder.model.add_hint(literal, int(taken))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 from ortools.sat.python import cp_model
@@ -13,6 +14,9 @@ from irc.problem import Problem
 from irc.retime import ABSENT, Decision
 from irc.schedule import Status
 from irc_cpsat.builder import Model
+
+TIE_BREAK_SECONDS = 0.5
+"""So long, at least, is spent on moving less among answers that are equally good."""
 
 _TOLERANCE = 1e-6
 """Bounds are whole numbers; this only undoes their way through a double."""
@@ -44,14 +48,20 @@ def solve_levels(built: Model, solve: Solve, seconds: float | None) -> Answer:
     """One level after another within one time limit; the best so far is kept."""
     began = time.perf_counter()
     answer = Answer(Status.UNKNOWN)
-    names = built.problem.objectives
+    names = built.problem.levels
+    own = len(built.problem.objectives)
     for k, name in enumerate(names):
         value = built.values[name]
         if k:
             _aim(built, name, value)
-        left = None if seconds is None else seconds - (time.perf_counter() - began)
+        spent = time.perf_counter() - began
+        left = None if seconds is None else seconds - spent
         if k and left is not None and left <= 0:
             break
+        if k == own:
+            # It only chooses among equals, and must not take much longer than to find them.
+            patience = max(TIE_BREAK_SECONDS, spent)
+            left = patience if left is None else min(left, patience)
         status, solver = solve(built.model, name, left)
         if status == cp_model.MODEL_INVALID:
             raise ValueError(built.model.validate())
@@ -68,8 +78,10 @@ def solve_levels(built: Model, solve: Solve, seconds: float | None) -> Answer:
         if not level.proven:
             break
         if k + 1 < len(names):
-            _keep(built, value, level.value, solver)
-    if len(answer.levels) == len(names) and all(level.proven for level in answer.levels):
+            slack = built.problem.stability if names[k + 1] == "changes" else Fraction(0)
+            _keep(built, name, level.value, slack, solver)
+    proven = [level.proven for level in answer.levels[:own]]
+    if len(proven) == own and all(proven) and not built.problem.stability:
         answer.status = Status.OPTIMAL
     return answer
 
@@ -82,10 +94,15 @@ def _aim(built: Model, name: str, value: Any) -> None:
         built.model.minimize(value)
 
 
-def _keep(built: Model, value: Any, best: int, solver: cp_model.CpSolver) -> None:
-    """What was reached stays, and the next search starts from the solution."""
+def _keep(built: Model, name: str, best: int, slack: Fraction, solver: cp_model.CpSolver) -> None:
+    """What was reached stays, but for the slack; the next search starts from the solution."""
+    value = built.values[name]
     if not isinstance(value, int):
-        built.model.add(value == best)
+        given_up = int(abs(best) * slack)
+        if name == "reward":
+            built.model.add(value >= best - given_up)
+        else:
+            built.model.add(value <= best + given_up)
     solution = list(solver.response_proto.solution)
     built.model.clear_hints()  # type: ignore[no-untyped-call]
     hint = built.model.proto.solution_hint

@@ -13,6 +13,8 @@ from irc_cpsat.names import name_of
 if TYPE_CHECKING:
     from irc_cpsat.builder import Builder, Expression, Literal
 
+    Claims = Sequence[Sequence[Sequence[tuple[int, Literal]]]]
+
 
 def makespan(builder: Builder) -> cp_model.IntVar:
     """A variable that no end is behind."""
@@ -24,8 +26,11 @@ def makespan(builder: Builder) -> cp_model.IntVar:
     return latest
 
 
-def values_of(builder: Builder, latest: cp_model.IntVar) -> dict[str, Expression]:
-    """What each objective of the problem comes to, and the makespan, which is `latest`."""
+def values_of(builder: Builder, latest: cp_model.IntVar, literals: Claims) -> dict[str, Expression]:
+    """What each objective of the problem comes to, and the makespan, which is `latest`.
+
+    `literals` are those of the claims, as in the `Model`.
+    """
     values: dict[str, Expression] = {"makespan": latest}
     objectives = builder.problem.objectives
     if "tardiness" in objectives:
@@ -42,7 +47,33 @@ def values_of(builder: Builder, latest: cp_model.IntVar) -> dict[str, Expression
         values["cost"] = _weighted(
             [(a.details.cost, p) for a, p in _occurring(builder) if a.details.cost]
         )
+    if "changes" in builder.problem.levels:
+        values["changes"] = _changes(builder, literals)
     return values
+
+
+def _changes(builder: Builder, literals: Claims) -> Expression:
+    """How many activities are not where the earlier schedule has them."""
+    changed: list[Literal] = []
+    for i, earlier in enumerate(builder.problem.earlier):
+        if earlier is None:
+            continue
+        activity = builder.problem.activities[i]
+        stays = builder.model.new_bool_var(f"as before {name_of(activity)}")
+        changed.append(~stays)
+        implied = [] if (present := builder.present[i]) is None else [present]
+        if earlier.mode is not None:
+            implied.append(builder.modes[i][earlier.mode])
+        for claim, choices in zip(activity.claims, literals[i], strict=True):
+            taken = earlier.resources[claim.use]
+            implied += [
+                literal for r, literal in choices if taken in builder.problem.shared[r].members
+            ]
+        for literal in implied:
+            builder.model.add_implication(stays, literal)
+        start = builder.model.add(builder.starts[i] == earlier.start)
+        start.only_enforce_if(stays)
+    return sum(changed) if changed else 0
 
 
 def _occurring(builder: Builder) -> list[tuple[Activity, Literal | None]]:

@@ -125,6 +125,7 @@ def compile_(
         reading = _read(file)
         program = compile_task(reading.task, target)
         _tell_reading(reading, format)
+        tell_notes(program.notes)
         if output is not None:
             from irc.files import write_folder
 
@@ -147,9 +148,7 @@ def _print_files(program: Program) -> None:
 
 def _tell_reading(reading: Reading, format: Format) -> None:
     if reading.notes and format is Format.text:
-        from irc.diagnostics import Report
-
-        tell_notes(reading.notes, Report((), reading.task.source))
+        tell_notes(reading.notes, reading.task.source)
 
 
 def solve(
@@ -200,11 +199,13 @@ def explain(
     """Show why a task has no schedule, or what makes its schedule as long as it is."""
     from irc.cli.explain import put_explanation
     from irc.explanation import explain_task
+    from irc.pipeline import later_events
 
     with errors_told(format):
         reading = _read(file)
         explanation = explain_task(reading.task, time_limit)
         _tell_reading(reading, format)
+        tell_notes(later_events(reading.task))
         put_explanation(explanation, format)
 
 
@@ -212,10 +213,7 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     from irc.schedule import Status, dump_json
 
     schedule = answer.schedule
-    if answer.notes:
-        from irc.diagnostics import Report
-
-        tell_notes(answer.notes, Report())
+    tell_notes(answer.notes)
     if output is not None:
         from irc.files import write_whole
 
@@ -351,10 +349,13 @@ def targets(
 ) -> None:
     """Show what each target can take, and why not this file."""
     from irc.cli.targets import put_targets
+    from irc.pipeline import later_events
 
     with errors_told(format):
         reading = None if file is None else _read(file)
         put_targets(None if reading is None else reading.task, format)
+        if reading is not None:
+            tell_notes(later_events(reading.task))
 
 
 def schema() -> None:

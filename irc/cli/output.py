@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 
 from irc.cli import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
 from irc.diagnostics import Diagnostic, InputError, Report, Severity
+from irc.source import Source
 
 DIAGNOSTICS_VERSION = "1"
 
@@ -67,9 +68,12 @@ def summary(report: Report) -> str:
     return ", ".join(f"{n} {s}{'s' if n != 1 else ''}" for s, n in counts.items() if n)
 
 
-def tell_notes(notes: Iterable[Diagnostic], report: Report) -> None:
-    """Shows what was found on the way to a good answer, on standard error."""
-    shown = Report(tuple(notes), report.source).render()
+def tell_notes(notes: Iterable[Diagnostic], source: Source | None = None) -> None:
+    """Shows what was found on the way to a good answer, on standard error.
+
+    Without a `source` those have a place that carry their own.
+    """
+    shown = Report(tuple(notes), source).render()
     if shown:
         say(shown)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-from irc.problem import Activity, Claim, Problem, Shared
+from irc.problem import Activity, Claim, Earlier, Problem, Shared
 
 
 def merge_pools(problem: Problem) -> Problem:
@@ -97,8 +97,11 @@ def _settle(
     settled: dict[tuple[int, int], int],
 ) -> Activity:
     open_claims = []
+    old = problem.earlier[index] if problem.earlier else None
     for claim in activity.claims:
         chosen = next((r for r in claim.alternatives if r in enough), None)
+        if chosen is not None and old is not None:
+            chosen = _as_before(problem, claim, old, enough)
         if chosen is None:
             open_claims.append(claim)
             continue
@@ -108,3 +111,12 @@ def _settle(
     if len(open_claims) == len(activity.claims):
         return activity
     return replace(activity, claims=tuple(open_claims))
+
+
+def _as_before(problem: Problem, claim: Claim, old: Earlier, enough: set[int]) -> int | None:
+    """What an earlier schedule took, if there is always enough of it."""
+    taken = old.resources[claim.use]
+    for r in claim.alternatives:
+        if r in enough and (taken is None or taken in problem.shared[r].members):
+            return r
+    return None

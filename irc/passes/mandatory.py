@@ -50,6 +50,7 @@ def mandatory_part(problem: Problem) -> Problem:
         goals=(),
         wanted=(),
         sequel=(),
+        earlier=(),
     )
 
 

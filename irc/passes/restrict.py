@@ -142,5 +142,6 @@ def _without(problem: Problem, gone: Collection[int]) -> Problem:
         settled={(place[i], u): r for (i, u), r in problem.settled.items() if i in place},
         groups=tuple(groups),
         wanted=moved(problem.wanted),
+        earlier=tuple(e for i, e in enumerate(problem.earlier) if i in place),
         sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
     )

@@ -23,7 +23,7 @@ def unroll(problem: Problem, depth: int) -> Problem:
             activities.append(activity)
             continue
         least = repeats[0]
-        activities.append(_occurrence(activity, 1, None, least))
+        activities.append(_occurrence(activity, 1, activity.details.previous, least))
         previous = i
         for k in range(2, slots(activity, depth) + 1):
             here = len(problem.activities) + len(further)
@@ -44,6 +44,7 @@ def unroll(problem: Problem, depth: int) -> Problem:
                 if j == i
             },
         },
+        earlier=problem.earlier and (*problem.earlier, *(None for _ in further)),
     )
 
 
@@ -58,10 +59,16 @@ def slots(activity: Activity, depth: int) -> int:
 
 
 def _occurrence(activity: Activity, k: int, previous: int | None, least: int) -> Activity:
+    """The k-th of those that are left (some may have run)."""
+    details = activity.details
     return replace(
         activity,
         details=replace(
-            activity.details, repeats=None, occurrence=k, previous=previous, optional=k > least
+            details,
+            repeats=None,
+            occurrence=details.occurrence + k - 1,
+            previous=previous,
+            optional=k > least,
         ),
     )
 
@@ -71,7 +78,7 @@ def _further_heads(problem: Problem, further: list[tuple[int, Activity]]) -> tup
     heads = problem.heads
     return heads and (
         *heads,
-        *(heads[i] + (a.details.occurrence - 1) * a.duration_min for i, a in further),
+        *(heads[i] + (_number(problem, i, a) - 1) * a.duration_min for i, a in further),
     )
 
 
@@ -81,10 +88,15 @@ def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tup
     return tails and (
         *tails,
         *(
-            max(0, _least(problem.activities[i]) - a.details.occurrence) * a.duration_min
+            max(0, _least(problem.activities[i]) - _number(problem, i, a)) * a.duration_min
             for i, a in further
         ),
     )
+
+
+def _number(problem: Problem, i: int, occurrence: Activity) -> int:
+    """Which of the occurrences that activity i stands for this is, from 1."""
+    return occurrence.details.occurrence - problem.activities[i].details.occurrence + 1
 
 
 def _least(activity: Activity) -> int:

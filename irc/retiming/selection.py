@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, Problem
+from irc.problem import Activity, Earlier, Problem
 from irc.retime import ABSENT_PLACE, AnswerError, Decision, Placed
 
 
@@ -59,6 +59,7 @@ def select(problem: Problem, decisions: Sequence[Decision]) -> Selection:
         ),
         sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
         settled=_settled(problem, place, uses),
+        earlier=_earlier(problem, kept, uses),
     )
     return Selection(
         selected,
@@ -96,6 +97,20 @@ def _with_uses(decision: Decision, uses: tuple[int, ...]) -> Decision:
     if len(uses) == len(decision.chosen) or not decision.chosen:
         return decision
     return replace(decision, chosen=tuple(decision.chosen[u] for u in uses))
+
+
+def _earlier(
+    problem: Problem, kept: Sequence[int], uses: Sequence[tuple[int, ...]]
+) -> tuple[Earlier | None, ...]:
+    """Where the kept activities were; resources are those of the uses that are kept."""
+    found: list[Earlier | None] = []
+    for i, its in zip(kept, uses, strict=True) if problem.earlier else ():
+        earlier = problem.earlier[i]
+        if earlier is not None:
+            taken = tuple(earlier.resources[u] for u in its)
+            earlier = earlier._replace(mode=None, resources=taken)
+        found.append(earlier)
+    return tuple(found)
 
 
 def _settled(

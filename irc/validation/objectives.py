@@ -10,7 +10,7 @@ from irc.validation.subject import Subject
 from irc.validation.verdict import Violations
 
 _UNKNOWABLE = "changes"
-"""How much a schedule differs from an earlier one: the entries alone do not say."""
+"""How much a schedule differs from an earlier one, if there was one: its entries do not say."""
 
 
 def objective_values(subject: Subject) -> MappingProxyType[str, Number]:

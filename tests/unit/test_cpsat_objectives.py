@@ -14,7 +14,7 @@ from irc.compiler import finish, solve_task
 from irc.model import Task
 from irc.pipeline import lower_for
 from irc.problem import Problem
-from irc.schedule import Schedule, Status
+from irc.schedule import ObjectiveValue, Schedule, Status
 from irc_cpsat.builder import Builder
 from irc_cpsat.engines import _Run
 from irc_cpsat.levels import solve_levels
@@ -52,6 +52,20 @@ def shop(*objective: str, **fields: Any) -> Task:
 
 def solved(task: Task, **limits: Any) -> Schedule:
     return solve_task(task, limits=Limits(limits.pop("seconds", 30), workers=1, **limits)).schedule
+
+
+@pytest.mark.parametrize(
+    "others", [(), ("minimize_makespan",), ("maximize_reward", "minimize_cost")]
+)
+def test_nothing_changes_where_there_is_no_earlier_schedule(others: tuple[str, ...]) -> None:
+    """The objective stands at its place in the order, as 0, and takes nothing from the others."""
+    plain = list(solved(shop(*others)).objective) if others else []
+    for place in range(len(others) + 1):
+        task = shop(*others[:place], "minimize_changes", *others[place:])
+        schedule = solved(task)
+        assert schedule.status is Status.OPTIMAL
+        changes = ObjectiveValue("changes", 0, 0)
+        assert list(schedule.objective) == [*plain[:place], changes, *plain[place:]]
 
 
 @pytest.mark.parametrize("order", [o for n in range(1, 5) for o in permutations(OBJECTIVES, n)])

@@ -28,13 +28,13 @@ def act(name: str, duration: Any = 2, **fields: Any) -> dict[str, Any]:
 
 def test_an_empty_schedule_is_worth_nothing() -> None:
     problem = problem_of(act("a", occurs="optional", reward=3, cost=2, due=1))
-    assert worth(problem, schedule()) == {"makespan": 0, "tardiness": 0, "reward": 0, "cost": 0}
+    assert set(worth(problem, schedule()).values()) == {0}
 
 
 def test_each_occurrence_counts() -> None:
     problem = problem_of(act("a", occurs={"min": 0, "max": 3}, reward=3, cost=2, due=3, weight=5))
     values = worth(problem, schedule(("a", 0, 2), ("a", 2, 4)))
-    assert values == {"makespan": 4, "tardiness": 5, "reward": 6, "cost": 4}
+    assert values == {"makespan": 4, "tardiness": 5, "reward": 6, "cost": 4, "changes": 0}
 
 
 def test_losses_and_refunds_are_kept_with_their_signs() -> None:

@@ -1,0 +1,302 @@
+"""One step of repair: what has begun stays, what is open is solved anew, on either target.
+
+What is half-done is finished if any continuation allows it. Only where a proof says that none does,
+orders are given up, as few as possible: first it is found which can be finished together.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+from irc.backend import (
+    Backend,
+    EngineFailed,
+    EngineMissing,
+    Limits,
+    OnProgress,
+    Outcome,
+    Program,
+    UnknownTarget,
+    get_backend,
+    require_support,
+)
+from irc.compiler import SHORTCUT_ENGINE, finish, schedule_of
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.lower import lower
+from irc.model import Event, Task
+from irc.online.facts import UnexplainedError, ticks_of
+from irc.online.freeze import Frozen, freeze, with_groups
+from irc.online.history import ABANDONED, History, ids
+from irc.online.state import Key, key_of
+from irc.passes import (
+    drop_uncontended,
+    heads_and_tails,
+    merge_pools,
+    order_from_state,
+    reduce_transitively,
+    resource_bounds,
+    run_passes,
+)
+from irc.pipeline import refusals_told
+from irc.problem import Problem
+from irc.retime import AnswerError, earliest_schedule
+from irc.schedule import Entry, Schedule, Status
+from irc.times import Number, json_number
+
+if TYPE_CHECKING:
+    from irc.backend import Engine
+
+GIVEN_UP_TRIED = 200
+"""So many choices of orders to give up are tried at most, smaller ones first."""
+
+_PASSES = (
+    order_from_state,
+    reduce_transitively,
+    drop_uncontended,
+    heads_and_tails,
+    resource_bounds,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Means:
+    """What a step is solved with. `stability` is a part of the objective, 0 to 1 and beyond."""
+
+    target: str = "cpsat"
+    engine: str = "auto"
+    limits: Limits = field(default_factory=Limits)
+    stability: Fraction = Fraction(0)
+    on_progress: OnProgress | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one instant came to.
+
+    `completed` and `running` are ids as of then, `moved` counts the planned actions whose start,
+    mode or resources differ from before (or that are gone), `abandoned` are half-done groups that
+    cannot be finished. `schedule` is the whole history with the new plan, an answer to `task`.
+    """
+
+    at: Number
+    events: tuple[Event, ...]
+    completed: tuple[str, ...]
+    running: tuple[str, ...]
+    moved: int
+    schedule: Schedule
+    task: Task
+    notes: tuple[Diagnostic, ...] = ()
+    abandoned: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """The step as `irc simulate --format json` has it."""
+        return {
+            "at": json_number(self.at),
+            "event": [event.id for event in self.events],
+            "completed": list(self.completed),
+            "running": list(self.running),
+            "moved": self.moved,
+            "abandoned": list(self.abandoned),
+            "notes": [note.as_json() for note in self.notes],
+            "schedule": self.schedule.as_json(),
+        }
+
+
+def solve_step(
+    task: Task, history: History, at: Number, means: Means, events: tuple[Event, ...] = ()
+) -> Step:
+    """The best continuation of a history at `at`, for the task as it is in force.
+
+    Raises `InputError` (the target refuses the task, or the history does not fit it),
+    `UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    """
+    began = time.perf_counter()
+    state = history.state(at)
+    backend = get_backend(means.target)
+    engine = _engine(backend, means.engine)
+    require_support(task, backend)
+    instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
+    problem = merge_pools(lower(task, instants))
+    problem = replace(problem, stability=means.stability)
+    frozen = _frozen(task, problem, history, at)
+    solver = _Solver(task, frozen, backend, engine, means)
+    with refusals_told(task):
+        outcome, whole, given_up = solver.best()
+    outcome = _with_status(outcome, frozen, history, given_up)
+    schedule = finish(task, whole, outcome, means.target, time.perf_counter() - began)
+    notes = outcome.notes
+    if schedule.answered:
+        notes = (*notes, *_carried(task, schedule, at))
+    return Step(
+        at,
+        events,
+        ids(state.completed),
+        ids(state.running),
+        moved(state.open, schedule, history) if schedule.answered else 0,
+        schedule,
+        task,
+        notes,
+        tuple(problem.groups[k].id for k in given_up),
+    )
+
+
+def _engine(backend: Backend, name: str) -> Engine:
+    engines = backend.engines()
+    if name not in engines:
+        raise UnknownTarget("engine", name, list(engines))
+    return engines[name]
+
+
+def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Frozen:
+    try:
+        return freeze(problem, history, at, ticks_of(problem, at))
+    except UnexplainedError as error:
+        entry = error.entry
+        findings = Findings()
+        held = ", ".join(sorted(entry.resources)) or "nothing"
+        findings.add(
+            Code.BAD_SCHEDULE,
+            f"{entry.id!r} has begun, and the schedule says that it holds {held}"
+            + (f" in mode {entry.mode!r}" if entry.mode is not None else "")
+            + ", which the task does not allow",
+            hint="give the schedule that is being carried out, as `irc solve` wrote it",
+        )
+        raise InputError(Report(tuple(findings.items), task.source)) from None
+
+
+@dataclass
+class _Solver:
+    """Looks for the best continuation, giving up half-done orders only on a proof."""
+
+    task: Task
+    frozen: Frozen
+    backend: Backend
+    engine: Engine
+    means: Means
+
+    def best(self) -> tuple[Outcome, Problem, tuple[int, ...]]:
+        """The outcome, the problem it answers, and the groups given up."""
+        half_done = self.frozen.half_done()
+        tried = 0
+        first: tuple[Outcome, Problem] | None = None
+        for size in range(len(half_done) + 1):
+            found: list[tuple[Outcome, Problem, tuple[int, ...]]] = []
+            for given_up in combinations(half_done, size):
+                outcome, problem = self.attempt(given_up)
+                first = first or (outcome, problem)
+                if outcome.status is Status.UNKNOWN:
+                    # No proof that it must be given up.
+                    return outcome, problem, given_up
+                if outcome.schedule is not None:
+                    found.append((outcome, problem, given_up))
+                tried += 1
+                if tried >= GIVEN_UP_TRIED:
+                    break
+            if found:
+                return min(found, key=lambda f: _value(f[1], f[0]))
+            if tried >= GIVEN_UP_TRIED:
+                break
+        assert first is not None
+        return *first, ()
+
+    def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
+        """The outcome where these groups are given up."""
+        problem = with_groups(self.frozen, given_up)
+        try:
+            problem = run_passes(problem, _PASSES)
+        except ValueError:
+            return _impossible("what has begun and the lags of the task contradict each other"), (
+                problem
+            )
+        if problem.deadline is not None and problem.bound.value > problem.deadline:
+            bound = f"no continuation ends before {problem.time_text(problem.bound.value)}"
+            return _impossible(f"{bound} ({problem.bound.reason})"), problem
+        if not problem.has_contention and not any(problem.earlier):
+            try:
+                schedule = schedule_of(problem, earliest_schedule(problem))
+            except AnswerError as error:
+                return _impossible(str(error)), problem
+            return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value), problem
+        missing = self.engine.missing()
+        if missing is not None:
+            raise EngineMissing(missing)
+        program = Program(self.backend, self.task, problem)
+        return self.engine.solve(program, self.means.limits, self.means.on_progress), problem
+
+
+def _impossible(why: str) -> Outcome:
+    note = Diagnostic(Code.TOO_LATE, why, hint="a later deadline or more capacity would be needed")
+    return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))
+
+
+def _value(problem: Problem, outcome: Outcome) -> tuple[Number, ...]:
+    """The objectives in their order; less is better."""
+    from irc.worth import worth
+
+    assert outcome.schedule is not None
+    values = worth(problem, outcome.schedule)
+    return tuple(-values[n] if n == "reward" else values[n] for n in problem.levels)
+
+
+def _with_status(
+    outcome: Outcome, frozen: Frozen, history: History, given_up: Sequence[int]
+) -> Outcome:
+    """The entries of what was cancelled, or ran for an order that is given up, say so."""
+    if outcome.schedule is None:
+        return outcome
+    groups = frozen.problem.groups
+    kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
+    lost = {
+        frozen.problem.activities[i].id
+        for k in given_up
+        for i in groups[k].members
+        if i not in kept
+    }
+
+    def told(entry: Entry) -> Entry:
+        before = history.entries.get(key_of(entry))
+        status = None if before is None else before.status
+        return replace(entry, status=ABANDONED if entry.id in lost else status)
+
+    entries = tuple(told(entry) for entry in outcome.schedule.entries)
+    return replace(outcome, schedule=replace(outcome.schedule, entries=entries))
+
+
+def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
+    """The conflicts that only history causes. Raises `EngineFailed` where there are others."""
+    from irc.validation import validate
+
+    verdict = validate(task, schedule)
+    if not verdict.valid:
+        reasons = "; ".join(v.message for v in verdict.violations[:3])
+        raise EngineFailed(f"the answer was rejected by the validator: {reasons}")
+    return [
+        Diagnostic(
+            Code.CARRIED,
+            violation.message,
+            hint="it has begun already, so it is carried on with; nothing else may add to it",
+        )
+        for violation in getattr(verdict,'carried',())
+    ]
+
+
+def moved(planned: Sequence[Entry], schedule: Schedule, history: History) -> int:
+    """How many planned occurrences, still wanted, are elsewhere now, or not there any more."""
+    now: dict[Key, Entry] = {key_of(entry): entry for entry in schedule.entries}
+    return sum(
+        entry.id not in history.cancelled and not _same(entry, now.get(key_of(entry)))
+        for entry in planned
+    )
+
+
+def _same(old: Entry, new: Entry | None) -> bool:
+    return new is not None and (old.start, old.mode, dict(old.resources)) == (
+        new.start,
+        new.mode,
+        dict(new.resources),
+    )
