@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from fractions import Fraction
 
 from irc.backend import Limits
 from irc.canonical import task_sha256
@@ -17,6 +18,7 @@ from irc.frontends.json_document import read_document
 from irc.model import Task
 from irc.online.execution import Execution
 from irc.schedule import Schedule, Status, schedule_from_json
+from irc.source import Source
 from irc.times import Number
 
 
@@ -37,23 +39,29 @@ class Planning:
         """Those of one planning."""
         return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
 
-    def execution(self, task: Task, schedule: Schedule, at: Number = 0) -> Execution:
-        """The task in execution by a schedule, as of `at`."""
-        return Execution(
-            task,
-            schedule,
-            at,
-            target=self.target,
-            engine=self.engine,
-            limits=self.limits,
-            stability=self.stability,
-        )
+    def execution(
+        self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None
+    ) -> Execution:
+        """The task in execution by a schedule (read from `source`, if it was), as of `at`.
+
+        Raises `InputError` where the schedule does not fit the task.
+        """
+        try:
+            return Execution(
+                task,
+                schedule,
+                at,
+                target=self.target,
+                engine=self.engine,
+                limits=self.limits,
+                stability=Fraction(str(self.stability)),
+            )
+        except InputError as error:
+            raise InputError(Report(error.report.diagnostics, source)) from None
 
     def first_schedule(self, task: Task) -> Schedule:
         """The best schedule of a task of which nothing has run yet, and no event is known."""
-        plain = task.model_copy(update={"events": ()}).with_source(task.source)
-        schedule = solve_task(plain, self.target, self.engine, self.limits).schedule
-        return replace(schedule, task_sha256=task_sha256(task))
+        return solve_task(task, self.target, self.engine, self.limits).schedule
 
 
 def one_standard_input(format: Format, *names: str | None) -> None:
@@ -62,29 +70,42 @@ def one_standard_input(format: Format, *names: str | None) -> None:
         fail(EXIT_USE, "only one of the inputs can be standard input", format)
 
 
-def read_schedule(path: str, task: Task) -> Schedule:
-    """The schedule in a file, which must be one of the task. Raises `InputError`."""
+def read_schedule(path: str) -> tuple[Schedule, Source]:
+    """The schedule in a file, and its text. Raises `InputError`, also where it holds no plan."""
     document = read_document(*read_text(path))
     schedule = schedule_from_json(document.content, document.source)
-
-    def refused(message: str, field: str, hint: str) -> InputError:
-        finding = Diagnostic(Code.BAD_SCHEDULE, message, (field,), hint)
-        return InputError(Report((finding,), document.source))
-
-    if schedule.task_sha256 is not None and schedule.task_sha256 != task_sha256(task):
-        raise refused(
-            "this schedule was made for another task, or the task has changed since",
-            "task_sha256",
-            "give the task it was made for (`irc replan --task-output` writes the one in force), "
-            "or remove 'task_sha256' from the schedule to go on all the same",
-        )
     if not schedule.answered:
-        raise refused(
+        raise _unsuited(
             f"there is no plan in this schedule: its status is {schedule.status}",
             "status",
             "give the schedule that was in force before",
+            document.source,
         )
-    return schedule
+    return schedule, document.source
+
+
+def require_task(schedule: Schedule, source: Source, task: Task) -> None:
+    """Raises `InputError` where a schedule says that it is of another task."""
+    if schedule.task_sha256 in (None, task_sha256(task)):
+        return
+    raise _unsuited(
+        "this schedule was made for another task, or the task has changed since",
+        "task_sha256",
+        "give the task it was made for (`irc replan --task-output` writes the one in force), "
+        "or remove 'task_sha256' from the schedule to go on all the same",
+        source,
+    )
+
+
+def _unsuited(message: str, field: str, hint: str, source: Source) -> InputError:
+    return InputError(Report((Diagnostic(Code.BAD_SCHEDULE, message, (field,), hint),), source))
+
+
+def schedule_to_begin_with(path: str, task: Task) -> tuple[Schedule, Source]:
+    """The schedule in a file, which must be one of the task. Raises `InputError`."""
+    schedule, source = read_schedule(path)
+    require_task(schedule, source, task)
+    return schedule, source
 
 
 def require_sound(task: Task) -> None:

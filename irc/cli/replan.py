@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from irc.canonical import task_sha256
 from irc.cli import EXIT_USE
 from irc.cli.output import Format, errors_told, fail, put_json, say, tell_notes
 from irc.cli.planning import (
@@ -13,6 +14,7 @@ from irc.cli.planning import (
     one_standard_input,
     read_schedule,
     require_sound,
+    require_task,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.files import write_whole
@@ -20,9 +22,13 @@ from irc.frontends.convert import written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
 from irc.frontends.files import read_task
 from irc.model import Task
-from irc.online.execution import Execution, Step
+from irc.online import apply
+from irc.online.execution import Execution
 from irc.online.protocol import own_event
-from irc.schedule import dump_json
+from irc.online.replanning import Step
+from irc.online.simulation import in_order
+from irc.schedule import Schedule, dump_json
+from irc.source import Source
 from irc.suggest import closest
 from irc.times import Number, TimeError, format_number, json_number, parse_instant
 
@@ -45,9 +51,9 @@ def replan_file(
         task = read_task(file).task
         require_sound(task)
         moment = _moment(task, at, format)
-        before = read_schedule(schedule, task)
+        before, source = read_schedule(schedule)
         events = _events(task, named, moment)
-        step = _step(planning.execution(task, before, moment), events)
+        step = _step(_running(task, before, source, moment, planning), events)
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.as_json()})
@@ -55,7 +61,7 @@ def replan_file(
             from irc.cli.page import answer_console
             from irc.cli.step_text import print_history, print_step
 
-            tell_notes(step.notes, Report())
+            tell_notes(step.notes)
             print_step(step, before, answer_console())
             print_history(step, before, answer_console())
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
@@ -134,12 +140,40 @@ def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
     )
 
 
-def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
+def _running(
+    task: Task, schedule: Schedule, source: Source, at: Number, planning: Planning
+) -> Execution:
+    """The task in execution at `at` by a schedule, its own events before then known.
+
+    To a schedule of the task as they revise it they are nothing new; where it says that it is of
+    the task before any event, they have happened since. Raises `InputError`.
+    """
+    earlier = [_own(task, task.events.index(e)) for e in in_order(task) if task.number(e.at) < at]
+    if earlier and schedule.task_sha256 == task_sha256(task):
+        execution = planning.execution(task, schedule, source=source)
+        _apply(execution, earlier)
+        execution.advance(at)
+        return execution
+    starts = {entry.id: entry.start for entry in schedule.entries}
+    for placed in earlier:
+        try:
+            task = apply(task, placed.event, starts)
+        except InputError as error:
+            raise InputError(placed.anchored(error.report)) from None
+    require_task(schedule, source, task)
+    return planning.execution(task, schedule, at, source)
+
+
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
     for placed in events:
         try:
             execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
+
+
+def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
+    _apply(execution, events)
     return execution.replan()
 
 

@@ -16,8 +16,8 @@ from irc.cli.output import Format, errors_told, fail, say, tell_notes
 from irc.cli.planning import (
     Planning,
     end_with,
-    read_schedule,
     require_sound,
+    schedule_to_begin_with,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.frontends.files import STANDARD_INPUT, read_task
@@ -59,14 +59,15 @@ def _session(
     planning: Planning,
     open_files: ExitStack,
 ) -> Session:
-    given = None if schedule is None else read_schedule(schedule, task)
+    given, source = (None, None) if schedule is None else schedule_to_begin_with(schedule, task)
     if path is None:
-        return Session.start(planning.execution(task, given or _planned(task, planning)))
+        first = given or _planned(task, planning)
+        return Session.start(planning.execution(task, first, source=source))
     journal, found = Journal.open(path)
     open_files.enter_context(journal)
     if found is None:
-        execution = planning.execution(task, given or _planned(task, planning))
-        return Session.start(execution, journal)
+        first = given or _planned(task, planning)
+        return Session.start(planning.execution(task, first, source=source), journal)
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
@@ -91,7 +92,7 @@ def _other_schedule() -> Diagnostic:
 
 def _serve(session: Session, requests: IO[bytes]) -> None:
     if session.notes:
-        tell_notes(session.notes, Report())
+        tell_notes(session.notes)
     _send(json.dumps(session.greeting(), ensure_ascii=False, allow_nan=False))
     for line in _lines(requests):
         if len(line) > MAX_LINE:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 from irc.cli.output import Format, errors_told, put, put_json, say, tell_notes
@@ -10,14 +11,15 @@ from irc.cli.planning import (
     Planning,
     end_with,
     one_standard_input,
-    read_schedule,
     require_sound,
+    schedule_to_begin_with,
 )
 from irc.cli.replan import STEP_VERSION
-from irc.diagnostics import Report
+from irc.diagnostics import Code
 from irc.files import write_folder, write_whole
 from irc.frontends.files import read_task
-from irc.online.execution import Simulation, Step, simulate
+from irc.online.replanning import Step
+from irc.online.simulation import Simulation, simulate
 from irc.schedule import Schedule, dump_json
 from irc.validation import validate
 
@@ -35,7 +37,7 @@ def simulate_file(
         one_standard_input(format, file, schedule)
         task = read_task(file).task
         require_sound(task)
-        given = None if schedule is None else read_schedule(schedule, task)
+        given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
         told = _Steps(steps, format)
         simulation = simulate(
             task,
@@ -43,7 +45,7 @@ def simulate_file(
             target=planning.target,
             engine=planning.engine,
             limits=planning.limits,
-            stability=planning.stability,
+            stability=Fraction(str(planning.stability)),
             on_step=told.tell,
         )
         if output is not None and simulation.final.answered:
@@ -77,7 +79,7 @@ class _Steps:
 
             if self.count:
                 put("")
-            tell_notes(step.notes, Report())
+            tell_notes(d for d in step.notes if d.code is not Code.LATER_EVENTS)
             print_step(step, self.before, answer_console())
         self.count += 1
         if step.schedule.answered:

@@ -19,7 +19,8 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
-from irc.online.execution import Simulation, Step
+from irc.online.replanning import Step
+from irc.online.simulation import Simulation
 from irc.schedule import Entry, Schedule, Status
 
 _STYLES = {
@@ -109,7 +110,7 @@ def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[
     moved = [
         f"{entry_title(page, entry)} {_difference(page, old[key], entry)}"
         for key, entry in now.items()
-        if key in old and _difference(page, old[key], entry)
+        if key in old and _difference(page, old[key], entry) and not _is_frozen(entry, step)
     ]
     added = [entry_title(page, entry) for key, entry in now.items() if key not in old]
     gone = [entry_title(page, entry) for key, entry in old.items() if key not in now]
@@ -152,6 +153,13 @@ def _is_time(objective: str) -> bool:
     return objective == "tardiness"
 
 
+def _is_frozen(entry: Entry, step: Step) -> bool:
+    """Whether an occurrence had begun by the step; of what it was before, nothing was moved."""
+    if entry.id in step.completed:
+        return entry.end <= step.at
+    return entry.id in step.running and entry.start <= step.at
+
+
 def _key(entry: Entry) -> _Key:
     return entry.id, entry.occurrence
 
@@ -160,10 +168,8 @@ def _note(entry: Entry, step: Step, before: Schedule | None) -> str:
     """What there is to know of an entry: its status, whether it has run, or where it was."""
     if entry.status is not None:
         return entry.status
-    if entry.id in step.completed and entry.end <= step.at:
-        return "done"
-    if entry.id in step.running and entry.start <= step.at:
-        return "running"
+    if _is_frozen(entry, step):
+        return "done" if entry.end <= step.at else "running"
     if before is None:
         return ""
     old = {_key(e): e for e in before.entries}.get(_key(entry))

@@ -281,7 +281,7 @@ def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
             violation.message,
             hint="it has begun already, so it is carried on with; nothing else may add to it",
         )
-        for violation in getattr(verdict,'carried',())
+        for violation in getattr(verdict, "carried", ())
     ]
 
 

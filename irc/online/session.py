@@ -7,10 +7,9 @@ schedule of every replanning, so that replaying it solves nothing and ends in th
 
 from __future__ import annotations
 
-import copy
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Self
 
@@ -20,7 +19,7 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.frontends.events import PlacedEvent
 from irc.frontends.json_value import read_value
 from irc.model import Task
-from irc.online.execution import Execution, Step, state_at
+from irc.online.execution import Execution
 from irc.online.journal import Journal, Recovered
 from irc.online.protocol import (
     MAX_LINE,
@@ -31,6 +30,7 @@ from irc.online.protocol import (
     time_of,
     to_request,
 )
+from irc.online.replanning import Step
 from irc.schedule import Schedule, schedule_from_json
 from irc.times import json_number
 
@@ -60,7 +60,6 @@ class Session:
     """How many requests were replayed."""
     last_id: Any = None
     """The "id" of the last request that was accepted."""
-    _unplanned: bool = field(default=False, repr=False)
 
     @classmethod
     def start(cls, execution: Execution, journal: Journal | None = None) -> Self:
@@ -109,7 +108,7 @@ class Session:
     def answer(self, line: bytes) -> Answer:
         """The answer to one request. Raises `irc.online.journal.JournalError`: the end of it."""
         name: Any = None
-        before = copy.copy(self.execution), self._unplanned
+        before = self.execution.copy()
         try:
             raw, source = decode_request(line)
             name = raw.get("id") if is_id(raw.get("id")) else None
@@ -121,11 +120,11 @@ class Session:
                 return Answer(_with_id(name, answer))
             document, step = self._do(request)
         except InputError as error:
-            self.execution, self._unplanned = before
+            self.execution = before
             message = error.report.errors[0].message
             return Answer(_with_id(name, self._refused(message, error.report)))
         except (EngineFailed, EngineMissing) as error:
-            self.execution, self._unplanned = before
+            self.execution = before
             return Answer(_with_id(name, self._refused(str(error))))
         self._record(source.text, step)
         self.last_id = name
@@ -144,12 +143,12 @@ class Session:
     def state(self) -> dict[str, Any]:
         """Where the execution stands: what ran, what runs, what is to come, and the plan."""
         execution = self.execution
-        state = state_at(execution.schedule, execution.now)
+        state = execution.state()
         return {
             "completed": [entry.id for entry in state.completed],
             "running": [entry.id for entry in state.running],
             "open": [entry.id for entry in state.open],
-            "replan_needed": self._unplanned,
+            "replan_needed": bool(execution.pending),
             "task_sha256": task_sha256(execution.task),
             "schedule": execution.schedule.as_json(),
         }
@@ -169,7 +168,6 @@ class Session:
         if not request.replan:
             return {"ok": True, **self._told(notes)}, None
         step = self.execution.replan()
-        self._unplanned = False
         told = {"ok": True, **self._told((*notes, *step.notes))}
         return {**told, "step": step.as_json()}, step
 
@@ -188,16 +186,16 @@ class Session:
 
     def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
         task = self.execution.task
-        happened = {
-            key: time_of(request, key, task)
+        started, finished = (
+            None if request.raw.get(key) is None else time_of(request, key, task)
             for key in ("started", "finished")
-            if request.raw.get(key) is not None
-        }
+        )
         try:
-            report = self.execution.observe(request.raw["action"], **happened)
+            report = self.execution.observe(
+                request.raw["action"], started=started, finished=finished
+            )
         except InputError as error:
             raise InputError(_placed(error.report, request)) from None
-        self._unplanned = True
         return tuple(_placed(report, request).located())
 
     def _apply(self, request: Request) -> tuple[Diagnostic, ...]:
@@ -208,7 +206,6 @@ class Session:
             report = execution.apply(event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
-        self._unplanned = True
         return tuple(placed.anchored(report).located())
 
     def _record(self, request: str, step: Step | None) -> None:
@@ -221,14 +218,11 @@ class Session:
         request = to_request(entry["request"], read_value("{}", "<journal>")[1])
         self._change(request)
         if request.replan:
-            self._adopt(schedule_from_json(entry["step"]["schedule"]))
+            schedule = schedule_from_json(entry["step"]["schedule"])
+            if schedule.answered:
+                self.execution.adopt(schedule)
         self.recovered += 1
         self.last_id = request.id
-
-    def _adopt(self, schedule: Schedule) -> None:
-        """Takes the schedule of an earlier replanning as this one's result."""
-        self.execution.adopt(schedule)
-        self._unplanned = False
 
 
 _CHANGES: Mapping[str, Callable[[Session, Request], tuple[Diagnostic, ...]]] = MappingProxyType(
