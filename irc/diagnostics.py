@@ -104,6 +104,8 @@ class Code(Enum):
     BAD_ANSWER = ("IRC602", Severity.ERROR, "an engine's answer that cannot be used")
     DAMAGED = ("IRC603", Severity.WARNING, "damaged lines in an engine's answer")
     NO_ANSWER = ("IRC604", Severity.NOTE, "an engine that found nothing within its limits")
+    BAD_JOURNAL = ("IRC605", Severity.ERROR, "a journal that cannot be continued")
+    TORN_JOURNAL = ("IRC606", Severity.NOTE, "a journal whose last line was cut off")
 
     TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
     OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")

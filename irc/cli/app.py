@@ -9,6 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.online import replan, run, simulate
+from irc.cli.options import (
+    EngineOption,
+    FileArgument,
+    FormatOption,
+    MemoryLimitOption,
+    OutOption,
+    SeedOption,
+    TargetOption,
+    TimeLimitOption,
+    WorkersOption,
+)
 from irc.cli.output import (
     CheckFormat,
     Format,
@@ -24,12 +36,6 @@ if TYPE_CHECKING:
     from irc.backend import Program
     from irc.compiler import Answer
     from irc.frontends.files import Reading
-
-FileArgument = Annotated[
-    str, typer.Argument(help="A task: JSON, the DSL, or English; '-' is standard input.")
-]
-FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")]
-OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]
 
 
 def build_app(only: str | None = None) -> typer.Typer:
@@ -147,18 +153,12 @@ def _tell_reading(reading: Reading, format: Format) -> None:
 
 def solve(
     file: FileArgument,
-    target: Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")] = "cpsat",
-    engine: Annotated[str, typer.Option("--engine", "-e", help="One of the target's.")] = "auto",
-    time_limit: Annotated[
-        float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds, all engines together.")
-    ] = 60.0,
-    memory_limit: Annotated[
-        int | None, typer.Option(min=16, max=2**30, help="MB for the engine.")
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="For engines that draw.")] = 0,
-    workers: Annotated[
-        int | None, typer.Option(min=1, max=10_000, help="Threads of the engine.")
-    ] = None,
+    target: TargetOption = "cpsat",
+    engine: EngineOption = "auto",
+    time_limit: TimeLimitOption = 60.0,
+    memory_limit: MemoryLimitOption = None,
+    seed: SeedOption = 0,
+    workers: WorkersOption = None,
     shortcut: Annotated[
         bool,
         typer.Option(
@@ -221,7 +221,8 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     if format is Format.json:
         put_json(schedule.as_json())
     else:
-        from irc.cli.render import answer_console, print_answer
+        from irc.cli.page import answer_console
+        from irc.cli.render import print_answer
 
         print_answer(answer, answer_console())
         if output is not None:
@@ -380,6 +381,9 @@ _COMMANDS = (
     explain,
     extract,
     validate,
+    replan,
+    simulate,
+    run,
     convert,
     fmt,
     explain_code,

@@ -1,41 +1,53 @@
 """What `irc solve` shows a person: a headline, a table of the actions, and a Gantt chart in text.
 
 Everything is laid out here in terminal cells, so that no line is wider than the console and the
-same text is good in a pipe. Names are shown as data: never read as markup, control characters
-made visible, and what the console's encoding lacks written as escapes.
+same text is good in a pipe.
 """
 
 from __future__ import annotations
 
-import re
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from heapq import heappop, heappush
 from itertools import pairwise
-from os import environ
 from typing import TYPE_CHECKING, NamedTuple
 
-from rich.cells import cell_len, set_cell_size
+from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
 from irc.cli.absent import in_words, left_out
+from irc.cli.page import (
+    UNITS,
+    Kind,
+    Page,
+    grouped,
+    natural,
+    print_lines,
+    seconds_in,
+    time_in_words,
+    with_unit,
+)
+from irc.cli.table import (
+    LEAST_FLEXIBLE,
+    Column,
+    aligned,
+    counted,
+    entry_resources,
+    entry_title,
+    middle_cut,
+    rank_text,
+    table_lines,
+)
 from irc.problem import Problem
 from irc.retime import AnswerError
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.slack import slacks, to_ticks
-from irc.times import Number, exact, format_number, unit_seconds
+from irc.times import Number, exact
 
 if TYPE_CHECKING:
     from irc.compiler import Answer
-
-PIPED_WIDTH = 100
-"""Columns where standard output is no terminal and nothing else says how many."""
-
-TABLE_ROWS = 60
-"""A longer table is cut in the middle."""
 
 CHART_ROWS = 40
 """A chart with more rows is cut; every resource keeps its fair share."""
@@ -47,20 +59,13 @@ _WIDEST_NAME = 28
 """Cells for a name beside the chart or beside a bar."""
 
 
-def answer_console() -> Console:
-    """The console for standard output: a terminal's own width, else `COLUMNS`, else 100."""
-    if sys.stdout.isatty() or "COLUMNS" in environ:
-        return Console()
-    return Console(width=PIPED_WIDTH)
-
-
 def print_answer(answer: Answer, console: Console) -> None:
     """Prints an answer for people: what was found and proved, every action, and the chart.
 
     Lines are at most as wide as the console. Colours appear on terminals only; where its encoding
     has no box and block characters, ASCII takes their place.
     """
-    page = _Page(console)
+    page = Page(console)
     schedule, problem = answer.schedule, answer.problem
     told = [*_headline(page, problem, schedule)]
     try:
@@ -68,136 +73,12 @@ def print_answer(answer: Answer, console: Console) -> None:
     except AnswerError as error:
         slack = None
         told.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
-    _print(page, console, (line for text in told for line in text.wrap(console, page.width)))
+    print_lines(page, console, (line for text in told for line in text.wrap(console, page.width)))
     if not schedule.entries:
         return
     for block in (_table, _chart):
         console.print()
-        _print(page, console, block(page, problem, schedule, slack))
-
-
-def _print(page: _Page, console: Console, lines: Iterable[Text]) -> None:
-    for line in lines:
-        line.truncate(page.width, overflow="crop")
-        line.rstrip()
-        console.print(line, soft_wrap=True)
-
-
-# --- characters ---------------------------------------------------------------------------------
-
-
-class _Kind(NamedTuple):
-    """How bars of one kind look; each character is one cell wide."""
-
-    fill: str
-    edge: str
-    short: str
-    milestone: str
-    style: str
-    label_style: str
-
-
-class _Glyphs(NamedTuple):
-    """The characters of a drawing; those of the chart are one cell wide each."""
-
-    critical: _Kind
-    slack: _Kind
-    crowd: str
-    rule: str
-    tick: str
-    first_tick: str
-    grid: str
-    times: str
-    more: str
-    about: str
-    good: str
-    bad: str
-
-
-_RED, _CYAN = ("red", "bold white on red"), ("cyan", "bold cyan")
-_BLOCKS = _Glyphs(
-    critical=_Kind("█", "▐", "▐", "◆", *_RED),
-    slack=_Kind("░", "▕", "▒", "◇", *_CYAN),
-    crowd="▓",
-    rule="─",
-    tick="┼",
-    first_tick="├",
-    grid="┊",
-    times="×",
-    more="…",
-    about="≈",
-    good="✔",
-    bad="✘",
-)
-_ASCII = _Glyphs(
-    critical=_Kind("#", "[", "[", "*", *_RED),
-    slack=_Kind("=", "(", "(", "o", *_CYAN),
-    crowd="%",
-    rule="-",
-    tick="+",
-    first_tick="+",
-    grid=":",
-    times="x",
-    more="...",
-    about="about ",
-    good="",
-    bad="",
-)
-
-
-class _Page:
-    """Where an answer is shown: how wide it is and which characters it can take."""
-
-    def __init__(self, console: Console) -> None:
-        self.width = console.width
-        self.encoding = console.encoding
-        drawing = str(_BLOCKS)  # has every one of its characters
-        self.glyphs = _BLOCKS if self._encodable(drawing) == drawing else _ASCII
-
-    def _encodable(self, text: str) -> str:
-        return text.encode(self.encoding, "backslashreplace").decode(self.encoding)
-
-    def visible(self, name: str) -> str:
-        """A name on one line: nothing in it moves the cursor, is unseen or cannot be written."""
-        if name.isascii() and name.isprintable() and name == name.strip():
-            return name
-        shown = self._encodable(
-            "".join(c if c.isprintable() else _escape(c) for c in name if c not in _JOINERS)
-        )
-        return shown if shown == shown.strip() else f'"{shown}"'
-
-    def fit(self, text: str, width: int) -> str:
-        """At most `width` cells of a text: its two ends, where names differ, and a mark between."""
-        if cell_len(text) <= width:
-            return text
-        room = width - len(self.glyphs.more)
-        if room < 2:
-            return set_cell_size(text, max(width, 0))
-        last = room // 3
-        tail = ""
-        for character in reversed(text):
-            if cell_len(character + tail) > last:
-                break
-            tail = character + tail
-        return set_cell_size(text, room - cell_len(tail)).rstrip() + self.glyphs.more + tail
-
-
-_JOINERS = frozenset("\u200d\ufe0e\ufe0f")
-"""They ask for one glyph in place of two, and terminals do not agree on how wide that is."""
-
-
-def _escape(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
-
-
-_DIGITS = re.compile(r"(\d+)")
-
-
-def _natural(name: str) -> tuple[tuple[int, str], ...]:
-    """A sort key that puts robot2 before robot10."""
-    parts = _DIGITS.split(name)
-    parts[1::2] = (digits.lstrip("0") for digits in parts[1::2])
-    return tuple((len(part) if k % 2 else 0, part) for k, part in enumerate(parts))
+        print_lines(page, console, block(page, problem, schedule, slack))
 
 
 # --- headline -----------------------------------------------------------------------------------
@@ -211,7 +92,7 @@ _STATUS_STYLES = {
 }
 
 
-def _headline(page: _Page, problem: Problem, schedule: Schedule) -> Iterator[Text]:
+def _headline(page: Page, problem: Problem, schedule: Schedule) -> Iterator[Text]:
     yield Text.assemble(
         (page.visible(schedule.task or "unnamed task"), "bold"),
         "  ",
@@ -237,7 +118,7 @@ def _headline(page: _Page, problem: Problem, schedule: Schedule) -> Iterator[Tex
         yield Text(", ".join(made), "dim")
 
 
-def _status(page: _Page, schedule: Schedule) -> str:
+def _status(page: Page, schedule: Schedule) -> str:
     glyphs, status = page.glyphs, schedule.status
     mark = {Status.OPTIMAL: glyphs.good, Status.INFEASIBLE: glyphs.bad}.get(status, "")
     gap = _gap(schedule) if status is Status.FEASIBLE else ""
@@ -256,25 +137,23 @@ def _gap(schedule: Schedule) -> str:
     return ""
 
 
-def _objective_line(
-    page: _Page, problem: Problem, schedule: Schedule, value: ObjectiveValue
-) -> str:
+def _objective_line(page: Page, problem: Problem, schedule: Schedule, value: ObjectiveValue) -> str:
     if value.name != "makespan":
-        bound = "" if value.bound is None else f", bound {_grouped(value.bound)}"
-        return f"{value.name} {_grouped(value.value)}{bound}"
-    makespan = f"makespan {_in_words(page, value.value, problem.time_unit)}"
+        bound = "" if value.bound is None else f", bound {grouped(value.bound)}"
+        return f"{value.name} {grouped(value.value)}{bound}"
+    makespan = f"makespan {time_in_words(page, value.value, problem.time_unit)}"
     if value.bound is None:
         return makespan
     if value.bound == problem.to_units(problem.bound.value):
         reason = page.visible(problem.bound.reason)
     else:
         reason = page.visible(f"proved by {schedule.engine or 'the engine'}")
-    return f"{makespan}, bound {_with_unit(value.bound, problem.time_unit)}: {reason}"
+    return f"{makespan}, bound {with_unit(value.bound, problem.time_unit)}: {reason}"
 
 
 def _why_nothing(problem: Problem, status: Status) -> str:
     least, unit, reason = problem.bound.value, problem.time_unit, problem.bound.reason
-    needed = f"; at least {_with_unit(problem.to_units(least), unit)} are needed: {reason}"
+    needed = f"; at least {with_unit(problem.to_units(least), unit)} are needed: {reason}"
     if status is Status.UNKNOWN:
         return f"no schedule was found within the limits{needed if least else ''}"
     if status is Status.FAILED:
@@ -284,192 +163,57 @@ def _why_nothing(problem: Problem, status: Status) -> str:
     if status is not Status.INFEASIBLE:
         return "the schedule is empty"
     if problem.deadline is not None and least > problem.deadline:
-        deadline = _with_unit(problem.to_units(problem.deadline), unit)
+        deadline = with_unit(problem.to_units(problem.deadline), unit)
         return f"no schedule meets the deadline of {deadline}{needed}"
     return "no schedule keeps all precedences, lags, windows and capacities at once"
-
-
-# --- times --------------------------------------------------------------------------------------
-
-
-def _grouped(value: Number) -> str:
-    """Exact text with thousands set apart: "58,000,000", "1,000.5", "1/3"."""
-    sign, digits, rest = re.fullmatch(r"(-?)(\d+)(.*)", format_number(value)).groups()  # type: ignore[union-attr]
-    return f"{sign}{int(digits):,}{rest}"
-
-
-def _with_unit(value: Number, unit: str) -> str:
-    return f"{_grouped(value)} {unit}"
-
-
-_UNITS = (("d", 86_400), ("h", 3600), ("min", 60), ("s", 1))
-_SECONDS = dict(_UNITS)
-
-
-def _seconds_in(unit: str) -> Fraction | None:
-    """None where it is not known for certain: a month has as many days as its task says."""
-    fewest, most = unit_seconds(unit, 28), unit_seconds(unit, 31)
-    return fewest if fewest == most else None
-
-
-def _in_words(page: _Page, value: Number, unit: str) -> str:
-    """The exact value, and the same in greater units where they make it easier to grasp."""
-    shown, seconds = _with_unit(value, unit), _seconds_in(unit)
-    if seconds is None:
-        return shown
-    rest: Number = value * seconds
-    parts: list[tuple[int, str]] = []
-    for name, length in _UNITS:
-        if parts or rest >= length:
-            parts.append((int(rest // length), name))
-            rest %= length
-    if not parts or seconds >= _SECONDS[parts[0][1]]:
-        return shown
-    told = [f"{number} {name}" for number, name in parts if number]
-    if rest or len(told) > 3:
-        return f"{shown} ({page.glyphs.about}{' '.join(told[:2])})"
-    return f"{shown} ({' '.join(told)})"
 
 
 # --- table --------------------------------------------------------------------------------------
 
 
-class _Column(NamedTuple):
-    title: str
-    cells: list[str]
-    to_the_right: bool = False
-    flexible: bool = False
-
-
-_LEAST_FLEXIBLE = 8
-_FIRST_TO_GO = ("status", "resources", "rank", "mode", "duration")
 _MARKED = ("action", "slack")
-_GAP = "  "
 
 
 def _table(
-    page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
+    page: Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> Iterator[Text]:
-    entries, hidden = schedule.entries, 0
-    if len(entries) > TABLE_ROWS:
-        half = TABLE_ROWS // 2
-        hidden = len(entries) - 2 * half
-        entries = (*entries[:half], *entries[-half:])
-    columns = _fitting(page, _columns(page, problem, entries, slack))
-    widths = _widths(page, columns)
-    yield Text(_GAP.join(_padded(page, [c.title for c in columns], columns, widths)), "bold")
-    yield Text(_GAP.join(page.glyphs.rule * width for width in widths), "dim")
-    for k, entry in enumerate(entries):
-        if hidden and k == len(entries) // 2:
-            more = f"{page.glyphs.more} {hidden:,} more rows (use -o or --format json for all)"
-            yield Text(more, "dim italic")
-        critical = slack is not None and slack[entry.id] == 0
-        cells = _padded(page, [column.cells[k] for column in columns], columns, widths)
-        yield Text(_GAP).join(
-            Text(cell, "red" if critical and column.title in _MARKED else "")
-            for cell, column in zip(cells, columns, strict=True)
-        )
+    entries, hidden = middle_cut(schedule.entries)
+
+    def style(k: int, title: str) -> str:
+        critical = slack is not None and slack[entries[k].id] == 0
+        return "red" if critical and title in _MARKED else ""
+
+    yield from table_lines(page, _columns(page, problem, entries, slack), hidden, style)
 
 
 def _columns(
-    page: _Page, problem: Problem, entries: Sequence[Entry], slack: dict[str, int] | None
-) -> list[_Column]:
+    page: Page, problem: Problem, entries: Sequence[Entry], slack: dict[str, int] | None
+) -> list[Column]:
     unit = problem.time_unit
     columns = [
-        _Column("action", [_title(page, entry) for entry in entries], flexible=True),
-        _Column(f"start ({page.visible(unit)})", _aligned(e.start for e in entries), True),
-        _Column("end", _aligned(e.end for e in entries), True),
-        _Column("duration", _aligned(exact(Fraction(e.end - e.start)) for e in entries), True),
+        Column("action", [entry_title(page, entry) for entry in entries], flexible=True),
+        Column(f"start ({page.visible(unit)})", aligned(e.start for e in entries), True),
+        Column("end", aligned(e.end for e in entries), True),
+        Column("duration", aligned(exact(Fraction(e.end - e.start)) for e in entries), True),
     ]
     texts: list[tuple[str, Callable[[Entry], str]]] = [
         ("mode", lambda entry: page.visible(entry.mode or "")),
-        ("rank", _rank),
-        ("resources", lambda entry: _resources(page, entry)),
+        ("rank", rank_text),
+        ("resources", lambda entry: entry_resources(page, entry)),
         ("status", lambda entry: page.visible(entry.status or "")),
     ]
     for title, text in texts:
         cells = [text(entry) for entry in entries]
         if any(cells):
-            columns.append(_Column(title, cells, flexible=title not in ("status", "rank")))
+            columns.append(Column(title, cells, flexible=title not in ("status", "rank")))
     if slack is not None:
-        free = _aligned(problem.to_units(slack[entry.id]) for entry in entries)
+        free = aligned(problem.to_units(slack[entry.id]) for entry in entries)
         marked = [
             shown if slack[entry.id] else "critical"
             for entry, shown in zip(entries, free, strict=True)
         ]
-        columns.append(_Column("slack", marked, True))
+        columns.append(Column("slack", marked, True))
     return columns
-
-
-def _title(page: _Page, entry: Entry) -> str:
-    name = page.visible(entry.id)
-    return name if entry.occurrence == 1 else f"{name} #{entry.occurrence}"
-
-
-def _rank(entry: Entry) -> str:
-    """The place within its instant: "1"; "0, 1" where the end has one of its own."""
-    if entry.end_rank is None or entry.end_rank == entry.rank:
-        return str(entry.rank) if entry.rank else ""
-    return f"{entry.rank}, {entry.end_rank}"
-
-
-def _resources(page: _Page, entry: Entry) -> str:
-    held = sorted(entry.resources.items(), key=lambda item: _natural(item[0]))
-    return ", ".join(_counted(page, name, amount) for name, amount in held)
-
-
-def _counted(page: _Page, name: str, amount: int) -> str:
-    shown = page.visible(name)
-    return shown if amount == 1 else f"{shown} {page.glyphs.times}{amount}"
-
-
-def _aligned(values: Iterable[Number]) -> list[str]:
-    """Numbers whose points stand under each other once they are set to the right."""
-    parts = [_grouped(value).partition(".") for value in values]
-    places = max((len(point + digits) for _, point, digits in parts), default=0)
-    return [whole + (point + digits).ljust(places) for whole, point, digits in parts]
-
-
-def _natural_width(column: _Column) -> int:
-    return max(map(cell_len, (column.title, *column.cells)))
-
-
-def _fitting(page: _Page, columns: list[_Column]) -> list[_Column]:
-    """The columns without those that a narrow console has no room for."""
-    for title in _FIRST_TO_GO:
-        least = [
-            min(_natural_width(column), _LEAST_FLEXIBLE)
-            if column.flexible
-            else _natural_width(column)
-            for column in columns
-        ]
-        if sum(least) + len(_GAP) * (len(least) - 1) <= page.width:
-            return columns
-        columns = [column for column in columns if column.title != title]
-    return columns
-
-
-def _widths(page: _Page, columns: list[_Column]) -> list[int]:
-    """As wide as the contents; where that is too wide, the widest flexible ones give way."""
-    widths = [_natural_width(column) for column in columns]
-    flexible = [k for k, column in enumerate(columns) if column.flexible]
-    spare = page.width - sum(widths) - len(_GAP) * (len(widths) - 1)
-    while spare < 0:
-        widest = max(flexible, key=widths.__getitem__)
-        if widths[widest] <= _LEAST_FLEXIBLE:
-            break
-        widths[widest] -= 1
-        spare += 1
-    return widths
-
-
-def _padded(page: _Page, cells: list[str], columns: list[_Column], widths: list[int]) -> list[str]:
-    padded = []
-    for cell, column, width in zip(cells, columns, widths, strict=True):
-        text = page.fit(cell, width)
-        padding = " " * (width - cell_len(text))
-        padded.append(padding + text if column.to_the_right else text + padding)
-    return padded
 
 
 # --- chart --------------------------------------------------------------------------------------
@@ -491,14 +235,14 @@ _Lanes = list[list[_Bar]]
 
 
 def _chart(
-    page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
+    page: Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> Iterator[Text]:
     """A row for each resource, more where its users overlap, and rows for what needs none."""
     held, free = _bars(page, problem, schedule, slack)
-    names = sorted(held, key=_natural)
+    names = sorted(held, key=natural)
     capacity = {resource.id: resource.capacity for resource in problem.resources}
     widest = min(_WIDEST_NAME, page.width // 3)
-    titles = [page.fit(_counted(page, name, capacity.get(name, 1)), widest) for name in names]
+    titles = [page.fit(counted(page, name, capacity.get(name, 1)), widest) for name in names]
     blocks = [_lanes_by_time(held[name]) for name in names]
     if free:
         titles.append("no resource" if names else "")
@@ -520,20 +264,20 @@ def _chart(
         yield Text(f"{page.glyphs.more} {hidden:,} more rows", "dim italic")
     if legend := _legend(page, drawn):
         yield legend
-    idle = [page.visible(name) for name in sorted(capacity, key=_natural) if name not in held]
+    idle = [page.visible(name) for name in sorted(capacity, key=natural) if name not in held]
     if idle:
         yield Text(page.fit(f"idle: {', '.join(idle)}", page.width), "dim")
 
 
 def _bars(
-    page: _Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
+    page: Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> tuple[dict[str, list[_Bar]], list[_Bar]]:
     """The bars of each resource, and those that hold none; both by start."""
     held: dict[str, list[_Bar]] = {}
     free: list[_Bar] = []
     for entry in schedule.entries:
         critical = None if slack is None else slack[entry.id] == 0
-        title = _title(page, entry)
+        title = entry_title(page, entry)
         start, end = to_ticks(problem, entry.start), to_ticks(problem, entry.end)
         bar = _Bar(start, end, (title,), critical)
         if not entry.resources or entry.start == entry.end:
@@ -592,7 +336,7 @@ class _Axis(NamedTuple):
         return range(first, max(self.column(bar.end), first + 1))
 
 
-def _lanes_with_labels(page: _Page, bars: list[_Bar], axis: _Axis, rows: int) -> _Lanes:
+def _lanes_with_labels(page: Page, bars: list[_Bar], axis: _Axis, rows: int) -> _Lanes:
     """Lanes with room for every label inside or beside its bar, if there are rows for that."""
     if len(bars) > rows * axis.width:
         return _lanes_by_time(bars)
@@ -636,7 +380,7 @@ class _Row:
     A cell into which several bars fall says so.
     """
 
-    def __init__(self, page: _Page, axis: _Axis, lane: list[_Bar]) -> None:
+    def __init__(self, page: Page, axis: _Axis, lane: list[_Bar]) -> None:
         self.page = page
         self.width = axis.width
         self.shown = [" "] * axis.width
@@ -676,7 +420,7 @@ class _Row:
         if len(span) == 1:
             self.shown[span.start] = kind.milestone if bar.start == bar.end else kind.short
 
-    def _kind(self, bar: _Bar) -> _Kind:
+    def _kind(self, bar: _Bar) -> Kind:
         return self.page.glyphs.critical if bar.critical else self.page.glyphs.slack
 
     def _label(self, bar: _Bar, span: range) -> None:
@@ -692,7 +436,7 @@ class _Row:
                 if self._is_free(first, length):
                     self._write(first, beside, "")
                     return
-        if len(span) >= _LEAST_FLEXIBLE - 1:
+        if len(span) >= LEAST_FLEXIBLE - 1:
             self._inside(bar, span, self.page.fit(bar.labels[-1], len(span) - 2))
 
     def _inside(self, bar: _Bar, span: range, label: str) -> None:
@@ -720,7 +464,7 @@ class _Row:
         self.shown[first] = text
 
 
-def _legend(page: _Page, rows: list[_Row]) -> Text:
+def _legend(page: Page, rows: list[_Row]) -> Text:
     """What the marks stand for, of those that were used."""
     kinds = {kind for row in rows for kind in row.kinds}
     critical, slack = page.glyphs.critical, page.glyphs.slack
@@ -746,7 +490,7 @@ _CLOCK_STEPS = {60: (1, 2, 5, 10, 15, 30, 60, 120, 240), 3600: (1, 2, 3, 6, 12, 
 _LEAST_APART = 8
 
 
-def _axis(page: _Page, problem: Problem, span: Number, width: int) -> _Axis:
+def _axis(page: Page, problem: Problem, span: Number, width: int) -> _Axis:
     """An axis from 0 to the makespan; its labels stand at round numbers and do not touch."""
     makespan = exact(Fraction(span * problem.tick))
     unit, length = _axis_unit(problem.time_unit, makespan)
@@ -770,9 +514,9 @@ def _evened(axis: _Axis, ticks: Fraction, step: Number) -> _Axis:
 
 def _axis_unit(unit: str, span: Number) -> tuple[str, Number]:
     """What the axis counts in, and how many of the task's units that is."""
-    seconds = _seconds_in(unit)
+    seconds = seconds_in(unit)
     if seconds is not None and span >= HUMAN_SPAN:
-        for name, length in _UNITS:
+        for name, length in UNITS:
             if length > seconds and span * seconds >= 5 * length:
                 return name, exact(length / seconds)
     return unit, 1
@@ -786,7 +530,7 @@ def _steps(unit: str, span: Fraction) -> Iterator[Number]:
     while 100 * scale > span:
         scale /= 10
     steps = {digit * scale * 10**power for digit in (1, 2, 5) for power in range(4)}
-    seconds = _seconds_in(unit)
+    seconds = seconds_in(unit)
     if seconds in _CLOCK_STEPS:
         clock = _CLOCK_STEPS[int(seconds)]
         steps = {s for s in steps if s < clock[0] or s > clock[-1]} | set(map(Fraction, clock))
@@ -798,7 +542,7 @@ def _labels(axis: _Axis, ticks: Fraction, step: Number) -> list[tuple[int, str]]
     number = int(axis.span // (step * ticks)) + 1
     if number > axis.width:
         return []
-    texts = (_grouped(exact(Fraction(k * step))) for k in range(1, number))
+    texts = (grouped(exact(Fraction(k * step))) for k in range(1, number))
     columns = (axis.column(k * step * ticks) for k in range(1, number))
     return [*axis.labels[:1], *zip(columns, texts, strict=True)]
 
@@ -810,7 +554,7 @@ def _apart(labels: list[tuple[int, str]]) -> bool:
     )
 
 
-def _axis_lines(page: _Page, axis: _Axis, gutter: int) -> Iterator[Text]:
+def _axis_lines(page: Page, axis: _Axis, gutter: int) -> Iterator[Text]:
     """The labels, each beginning at its place, and the line with a mark for each.
 
     The last label moves to the left, or goes, rather than stick out.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from fractions import Fraction
 
@@ -64,6 +65,13 @@ class Execution:
         self._schedule = schedule
         self._history = History.of(schedule)
         self._events: list[Event] = []
+
+    def copy(self) -> Execution:
+        """Another execution that stands where this one does; neither sees what the other does."""
+        other = copy.copy(self)
+        other._history = self._history.copy()
+        other._events = list(self._events)
+        return other
 
     @property
     def schedule(self) -> Schedule:

@@ -17,13 +17,9 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from irc.backend import Outcome
-from irc.cli.render import (
-    CHART_ROWS,
-    PIPED_WIDTH,
-    TABLE_ROWS,
-    answer_console,
-    print_answer,
-)
+from irc.cli.page import PIPED_WIDTH, answer_console
+from irc.cli.render import CHART_ROWS, print_answer
+from irc.cli.table import TABLE_ROWS
 from irc.compiler import Answer, finish, schedule_of
 from irc.list_schedule import list_schedule
 from irc.lower import lower

@@ -1,0 +1,130 @@
+"""Events in words: what each change says, in a line a person reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from irc.model import Event
+from irc.model.base import write_time
+from irc.model.events import (
+    AddActions,
+    AddGroups,
+    AddPrecedence,
+    AddResources,
+    AddState,
+    CancelActions,
+    CancelGroups,
+    Observe,
+    RemovePrecedence,
+    SetCapacity,
+    SetDeadline,
+    SetDuration,
+    SetGoals,
+    SetObjective,
+    SetRelease,
+    SetState,
+)
+from irc.times import Instant, format_number
+
+NAMES_SHOWN = 8
+"""Of more names the first ones are told, and how many there are besides."""
+
+
+def changes_in_words(event: Event, unit: str) -> Iterator[str]:
+    """A line for each change of an event; `unit` is the task's."""
+    for change in event.changes:
+        yield _WORDS[type(change)](change, unit)
+
+
+def listed(names: Iterable[str]) -> str:
+    """ "a, b, c and 7 more"."""
+    found = list(names)
+    more = len(found) - NAMES_SHOWN
+    return ", ".join(found[:NAMES_SHOWN]) + (f" and {more:,} more" if more > 0 else "")
+
+
+def _time(value: Any, unit: str) -> str:
+    """A time as it was written, with the task's unit where it has none of its own."""
+    written = write_time(value)
+    if isinstance(written, str) and not hasattr(value, "numerator"):
+        return written
+    return f"{format_number(value)} {unit}"
+
+
+def _duration(value: Any, unit: str) -> str:
+    if hasattr(value, "min"):
+        return f"from {_time(value.min, unit)} to {_time(value.max, unit)}"
+    return _time(value, unit)
+
+
+def _ids(elements: Iterable[Any]) -> str:
+    return listed(element.id for element in elements)
+
+
+def _set_capacity(change: SetCapacity, unit: str) -> str:
+    begin = "" if change.from_ is None else f" from {_time(change.from_, unit)}"
+    end = "" if change.to is None else f" until {_time(change.to, unit)}"
+    return f"{change.resource} has a capacity of {change.capacity}{begin}{end}"
+
+
+def _set_deadline(change: SetDeadline, unit: str) -> str:
+    of = change.action or change.group
+    whose = "the deadline" if of is None else f"the deadline of {of}"
+    return f"{whose} is {'gone' if change.deadline is None else _time(change.deadline, unit)}"
+
+
+def _add_groups(change: AddGroups, _unit: str) -> str:
+    groups = [f"{group.id} ({listed(group.actions)})" for group in change.groups]
+    return f"new group{'s' if len(groups) > 1 else ''}: {listed(groups)}"
+
+
+def _set_goals(change: SetGoals, _unit: str) -> str:
+    goals = [g if isinstance(g, str) else f"{g.var} = {_value(g.value)}" for g in change.goals]
+    return f"the goals are now {listed(goals)}" if goals else "there are no goals any more"
+
+
+def _value(value: bool | str) -> str:
+    return value if isinstance(value, str) else str(value).lower()
+
+
+def _pairs(edges: Iterable[Any]) -> str:
+    return listed(f"{edge.before} before {edge.after}" for edge in edges)
+
+
+def _observe(change: Observe, unit: str) -> str:
+    happened: list[tuple[str, Instant | None]] = [
+        ("started", change.started),
+        ("finished", change.finished),
+    ]
+    told = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
+    return f"{change.action} {' and '.join(told)}"
+
+
+_WORDS: Mapping[type, Callable[[Any, str], str]] = MappingProxyType(
+    {
+        AddActions: lambda change, _: f"new: {_ids(change.actions)}",
+        CancelActions: lambda change, _: f"cancelled: {listed(change.actions)}",
+        SetDuration: lambda change, unit: (
+            f"{change.action} takes {_duration(change.duration, unit)}"
+        ),
+        AddPrecedence: lambda change, _: f"new order: {_pairs(change.precedence)}",
+        RemovePrecedence: lambda change, _: f"no longer: {_pairs(change.precedence)}",
+        AddResources: lambda change, _: f"new resources: {_ids(change.resources)}",
+        SetCapacity: _set_capacity,
+        SetDeadline: _set_deadline,
+        SetRelease: lambda change, unit: (
+            f"{change.action} may start from {_time(change.release, unit)} on"
+        ),
+        AddGroups: _add_groups,
+        CancelGroups: lambda change, _: f"taken back: {listed(change.groups)}",
+        SetGoals: _set_goals,
+        SetState: lambda change, _: f"{change.var} has become {_value(change.value)}",
+        AddState: lambda change, _: f"new state variables: {_ids(change.state)}",
+        SetObjective: lambda change, _: (
+            f"the objective is now {', then '.join(change.objective).replace('_', ' ')}"
+        ),
+        Observe: _observe,
+    }
+)

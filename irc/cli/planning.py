@@ -1,0 +1,130 @@
+"""What the online commands share: how to plan, and what they read beside the task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from irc.backend import Limits
+from irc.canonical import task_sha256
+from irc.checks import run_checks
+from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.output import Format, fail
+from irc.compiler import solve_task
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.frontends.files import STANDARD_INPUT, read_text
+from irc.frontends.json_document import read_document
+from irc.model import Task
+from irc.online.execution import Execution
+from irc.schedule import Schedule, Status, schedule_from_json
+from irc.source import Source
+from irc.times import Number
+
+
+@dataclass(frozen=True)
+class Planning:
+    """The options that say how the rest of a task is planned, each time that it is."""
+
+    target: str
+    engine: str
+    time_limit: float
+    memory_limit: int | None
+    seed: int
+    workers: int | None
+    stability: float
+
+    @property
+    def limits(self) -> Limits:
+        """Those of one planning."""
+        return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
+
+    def execution(
+        self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None
+    ) -> Execution:
+        """The task in execution by a schedule (read from `source`, if it was), as of `at`.
+
+        Raises `InputError` where the schedule does not fit the task.
+        """
+        try:
+            return Execution(
+                task,
+                schedule,
+                at,
+                target=self.target,
+                engine=self.engine,
+                limits=self.limits,
+                stability=Fraction(str(self.stability)),
+            )
+        except InputError as error:
+            raise InputError(Report(error.report.diagnostics, source)) from None
+
+    def first_schedule(self, task: Task) -> Schedule:
+        """The best schedule of a task of which nothing has run yet, and no event is known."""
+        return solve_task(task, self.target, self.engine, self.limits).schedule
+
+
+def one_standard_input(format: Format, *names: str | None) -> None:
+    """Ends with wrong use where more than one of the inputs is standard input."""
+    if sum(name == STANDARD_INPUT for name in names) > 1:
+        fail(EXIT_USE, "only one of the inputs can be standard input", format)
+
+
+def read_schedule(path: str) -> tuple[Schedule, Source]:
+    """The schedule in a file, and its text. Raises `InputError`, also where it holds no plan."""
+    document = read_document(*read_text(path))
+    schedule = schedule_from_json(document.content, document.source)
+    if not schedule.answered:
+        raise _unsuited(
+            f"there is no plan in this schedule: its status is {schedule.status}",
+            "status",
+            "give the schedule that was in force before",
+            document.source,
+        )
+    return schedule, document.source
+
+
+def require_task(schedule: Schedule, source: Source, task: Task) -> None:
+    """Raises `InputError` where a schedule says that it is of another task."""
+    if schedule.task_sha256 in (None, task_sha256(task)):
+        return
+    raise _unsuited(
+        "this schedule was made for another task, or the task has changed since",
+        "task_sha256",
+        "give the task it was made for (`irc replan --task-output` writes the one in force), "
+        "or remove 'task_sha256' from the schedule to go on all the same",
+        source,
+    )
+
+
+def _unsuited(message: str, field: str, hint: str, source: Source) -> InputError:
+    return InputError(Report((Diagnostic(Code.BAD_SCHEDULE, message, (field,), hint),), source))
+
+
+def schedule_to_begin_with(path: str, task: Task) -> tuple[Schedule, Source]:
+    """The schedule in a file, which must be one of the task. Raises `InputError`."""
+    schedule, source = read_schedule(path)
+    require_task(schedule, source, task)
+    return schedule, source
+
+
+def require_sound(task: Task) -> None:
+    """Raises `InputError` where a task or one of its events has faults of structure.
+
+    Whether what is left of it can still be scheduled is not judged: that is what planning finds.
+    """
+    report = run_checks(task, lint=False).report
+    if any(not d.code.id.startswith("IRC3") for d in report.errors):
+        raise InputError(report)
+
+
+def end_with(statuses: Sequence[Status]) -> None:
+    """Ends the process where a planning found no schedule: the first one that did not counts."""
+    import sys
+
+    for status in statuses:
+        if status is Status.INFEASIBLE:
+            sys.exit(EXIT_INPUT)
+        if status in (Status.UNKNOWN, Status.FAILED):
+            sys.exit(EXIT_NO_ANSWER)
+    return None

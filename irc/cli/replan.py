@@ -1,0 +1,185 @@
+"""`irc replan`: one step of a running schedule, and the task as it is from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from irc.canonical import task_sha256
+from irc.cli import EXIT_USE
+from irc.cli.output import Format, errors_told, fail, put_json, say, tell_notes
+from irc.cli.planning import (
+    Planning,
+    end_with,
+    one_standard_input,
+    read_schedule,
+    require_sound,
+    require_task,
+)
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.files import write_whole
+from irc.frontends.convert import written_as
+from irc.frontends.events import PlacedEvent, read_events, wrong_time
+from irc.frontends.files import read_task
+from irc.model import Task
+from irc.online import apply
+from irc.online.execution import Execution
+from irc.online.protocol import own_event
+from irc.online.replanning import Step
+from irc.online.simulation import in_order
+from irc.schedule import Schedule, dump_json
+from irc.source import Source
+from irc.suggest import closest
+from irc.times import Number, TimeError, format_number, json_number, parse_instant
+
+STEP_VERSION = "1"
+
+
+def replan_file(
+    file: str,
+    schedule: str,
+    at: str,
+    named: Sequence[str],
+    planning: Planning,
+    output: Path | None,
+    task_output: Path | None,
+    format: Format,
+) -> None:
+    """Replans a task's schedule as of a time, shows the step and writes what was asked for."""
+    with errors_told(format):
+        one_standard_input(format, file, schedule, *named)
+        task = read_task(file).task
+        require_sound(task)
+        moment = _moment(task, at, format)
+        before, source = read_schedule(schedule)
+        events = _events(task, named, moment)
+        step = _step(_running(task, before, source, moment, planning), events)
+        _write(step, output, task_output)
+        if format is Format.json:
+            put_json({"irc_step": STEP_VERSION, **step.as_json()})
+        else:
+            from irc.cli.page import answer_console
+            from irc.cli.step_text import print_history, print_step
+
+            tell_notes(step.notes)
+            print_step(step, before, answer_console())
+            print_history(step, before, answer_console())
+            for path in filter(None, (output if step.schedule.answered else None, task_output)):
+                say(f"wrote {path}")
+        end_with([step.schedule.status])
+
+
+def _moment(task: Task, at: str, format: Format) -> Number:
+    """The time that --at names, in the task's unit; ends with wrong use where it names none."""
+    try:
+        moment = task.number(parse_instant(at))
+    except TimeError as error:
+        fail(EXIT_USE, f"--at {at}: {error}", format)
+    if moment < 0:
+        fail(EXIT_USE, f"--at {at}: the task begins at 0, so nothing can happen before", format)
+    return moment
+
+
+def _events(task: Task, named: Sequence[str], at: Number) -> list[PlacedEvent]:
+    """The events that are named, or else the task's own at the time. Raises `InputError`."""
+    if not named:
+        own = enumerate(task.events)
+        return [_own(task, i) for i, event in own if task.number(event.at) == at]
+    events: list[PlacedEvent] = []
+    for name in named:
+        found = [_named(task, name)] if name.startswith("#") else _from_file(name, at)
+        for placed in found:
+            _require_time(task, placed, at)
+        events += found
+    return events
+
+
+def _own(task: Task, index: int) -> PlacedEvent:
+    return PlacedEvent(task.events[index], ("events", index), task.source)
+
+
+def _named(task: Task, name: str) -> PlacedEvent:
+    event = own_event(task, name.removeprefix("#"))
+    if event is not None:
+        return _own(task, task.events.index(event))
+    ids = [f"#{e.id}" for e in task.events if e.id is not None]
+    close = closest(name, ids)
+    hint = f"its events are {', '.join(ids)}" if ids else "it has no events with an id"
+    finding = Diagnostic(
+        Code.UNKNOWN_NAME,
+        f"the task has no event {name!r}",
+        hint=f"did you mean `{close}`?" if close else hint,
+    )
+    raise InputError(Report((finding,)))
+
+
+def _from_file(path: str, at: Number) -> list[PlacedEvent]:
+    return read_events(path, json_number(at))
+
+
+def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
+    """Raises `InputError` where an event does not come at the time of the step."""
+    try:
+        comes = task.number(placed.event.at)
+    except TimeError:
+        return  # Told when the event is checked.
+    if comes == at:
+        return
+    name = "this event" if placed.event.id is None else f"event {placed.event.id!r}"
+    when, now = format_number(comes), format_number(at)
+    if comes < at:
+        raise wrong_time(
+            placed,
+            f"{name} comes at {when}, before the time of this step, {now}",
+            f"replan first at {when}, and then go on from its schedule and its --task-output",
+        )
+    raise wrong_time(
+        placed,
+        f"{name} comes at {when}, which is later than the time of this step, {now}",
+        f"leave it out until then, or replan with --at {when}",
+    )
+
+
+def _running(
+    task: Task, schedule: Schedule, source: Source, at: Number, planning: Planning
+) -> Execution:
+    """The task in execution at `at` by a schedule, its own events before then known.
+
+    To a schedule of the task as they revise it they are nothing new; where it says that it is of
+    the task before any event, they have happened since. Raises `InputError`.
+    """
+    earlier = [_own(task, task.events.index(e)) for e in in_order(task) if task.number(e.at) < at]
+    if earlier and schedule.task_sha256 == task_sha256(task):
+        execution = planning.execution(task, schedule, source=source)
+        _apply(execution, earlier)
+        execution.advance(at)
+        return execution
+    starts = {entry.id: entry.start for entry in schedule.entries}
+    for placed in earlier:
+        try:
+            task = apply(task, placed.event, starts)
+        except InputError as error:
+            raise InputError(placed.anchored(error.report)) from None
+    require_task(schedule, source, task)
+    return planning.execution(task, schedule, at, source)
+
+
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
+    for placed in events:
+        try:
+            execution.apply(placed.event)
+        except InputError as error:
+            raise InputError(placed.anchored(error.report)) from None
+
+
+def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
+    _apply(execution, events)
+    return execution.replan()
+
+
+def _write(step: Step, output: Path | None, task_output: Path | None) -> None:
+    """Writes the schedule, where there is one, and the task in force."""
+    if output is not None and step.schedule.answered:
+        write_whole(output, dump_json(step.schedule.as_json()))
+    if task_output is not None:
+        write_whole(task_output, written_as(task_output, step.task))

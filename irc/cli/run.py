@@ -1,0 +1,123 @@
+"""`irc run --stdio`: JSON lines in, JSON lines out, one process for a whole execution."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from types import FrameType
+from typing import IO, NoReturn
+
+from irc.cli import EXIT_DONE, EXIT_USE
+from irc.cli.output import Format, errors_told, fail, say, tell_notes
+from irc.cli.planning import (
+    Planning,
+    end_with,
+    require_sound,
+    schedule_to_begin_with,
+)
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.frontends.files import STANDARD_INPUT, read_task
+from irc.model import Task
+from irc.online.journal import Journal, JournalError
+from irc.online.protocol import MAX_LINE
+from irc.online.session import Session, first_schedule
+from irc.schedule import Schedule
+
+
+def run_file(
+    file: str, stdio: bool, schedule: str | None, journal: Path | None, planning: Planning
+) -> None:
+    """Serves one execution until its requests end or one of them says so."""
+    if not stdio:
+        fail(EXIT_USE, "say where requests come from: --stdio", Format.text)
+    if STANDARD_INPUT in (file, schedule):
+        fail(EXIT_USE, "standard input carries the requests: name a file", Format.text)
+    signal.signal(signal.SIGTERM, _ended)
+    with errors_told(Format.text), ExitStack() as open_files:
+        task = read_task(file).task
+        require_sound(task)
+        try:
+            session = _session(task, schedule, journal, planning, open_files)
+            _serve(session, sys.stdin.buffer)
+        except JournalError as error:
+            fail(EXIT_USE, str(error), Format.text)
+
+
+def _ended(_number: int, _frame: FrameType | None) -> NoReturn:
+    """Being told to end is an orderly end: what was acknowledged is on disk."""
+    sys.exit(EXIT_DONE)
+
+
+def _session(
+    task: Task,
+    schedule: str | None,
+    path: Path | None,
+    planning: Planning,
+    open_files: ExitStack,
+) -> Session:
+    given, source = (None, None) if schedule is None else schedule_to_begin_with(schedule, task)
+    if path is None:
+        first = given or _planned(task, planning)
+        return Session.start(planning.execution(task, first, source=source))
+    journal, found = Journal.open(path)
+    open_files.enter_context(journal)
+    if found is None:
+        first = given or _planned(task, planning)
+        return Session.start(planning.execution(task, first, source=source), journal)
+    begun = first_schedule(task, found)
+    if given is not None and given.entries != begun.entries:
+        raise InputError(Report((_other_schedule(),)))
+    return Session.resume(lambda first: planning.execution(task, first), task, journal, found)
+
+
+def _planned(task: Task, planning: Planning) -> Schedule:
+    schedule = planning.first_schedule(task)
+    if not schedule.answered:
+        say(f"error: there is no schedule to begin with: {schedule.status}")
+        end_with([schedule.status])
+    return schedule
+
+
+def _other_schedule() -> Diagnostic:
+    return Diagnostic(
+        Code.BAD_JOURNAL,
+        "the execution in the journal began with another schedule",
+        hint="leave --schedule out to continue it, or start another journal",
+    )
+
+
+def _serve(session: Session, requests: IO[bytes]) -> None:
+    if session.notes:
+        tell_notes(session.notes)
+    _send(json.dumps(session.greeting(), ensure_ascii=False, allow_nan=False))
+    for line in _lines(requests):
+        if len(line) > MAX_LINE:
+            _send(session.too_long().line())
+            continue
+        try:
+            answer = session.answer(line)
+        except JournalError as error:
+            _send(session.broken(str(error)).line())
+            raise
+        _send(answer.line())
+        if answer.last:
+            return
+
+
+def _lines(requests: IO[bytes]) -> Iterator[bytes]:
+    """Lines that are not blank; of one that is too long only so much that this is seen."""
+    while line := requests.readline(MAX_LINE + 1):
+        rest = line
+        while len(rest) > MAX_LINE and not rest.endswith(b"\n"):
+            rest = requests.readline(MAX_LINE + 1)
+        if line.strip():
+            yield line
+
+
+def _send(line: str) -> None:
+    sys.stdout.buffer.write(line.encode() + b"\n")
+    sys.stdout.buffer.flush()

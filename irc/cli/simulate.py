@@ -1,0 +1,99 @@
+"""`irc simulate`: a task through all of its own events, a step at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from irc.cli.output import Format, errors_told, put, put_json, say, tell_notes
+from irc.cli.planning import (
+    Planning,
+    end_with,
+    one_standard_input,
+    require_sound,
+    schedule_to_begin_with,
+)
+from irc.cli.replan import STEP_VERSION
+from irc.diagnostics import Code
+from irc.files import write_folder, write_whole
+from irc.frontends.files import read_task
+from irc.online.replanning import Step
+from irc.online.simulation import Simulation, simulate
+from irc.schedule import Schedule, dump_json
+from irc.validation import validate
+
+
+def simulate_file(
+    file: str,
+    schedule: str | None,
+    planning: Planning,
+    output: Path | None,
+    steps: Path | None,
+    format: Format,
+) -> None:
+    """Simulates a task, shows every step as it comes, and writes what was asked for."""
+    with errors_told(format):
+        one_standard_input(format, file, schedule)
+        task = read_task(file).task
+        require_sound(task)
+        given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
+        told = _Steps(steps, format)
+        simulation = simulate(
+            task,
+            schedule=given,
+            target=planning.target,
+            engine=planning.engine,
+            limits=planning.limits,
+            stability=Fraction(str(planning.stability)),
+            on_step=told.tell,
+        )
+        if output is not None and simulation.final.answered:
+            write_whole(output, dump_json(simulation.final.as_json()))
+        if format is Format.json:
+            put_json(simulation.as_json())
+        else:
+            _print_end(simulation)
+            if output is not None and simulation.final.answered:
+                say(f"wrote {output}")
+        end_with([step.schedule.status for step in simulation.steps])
+
+
+@dataclass
+class _Steps:
+    """Tells the steps of a simulation as they come, and writes them."""
+
+    folder: Path | None
+    format: Format
+    count: int = 0
+    before: Schedule | None = None
+
+    def tell(self, step: Step) -> None:
+        """Shows a step to people, and writes its document where that is wanted."""
+        if self.folder is not None:
+            document = {"irc_step": STEP_VERSION, **step.as_json()}
+            write_folder(self.folder, {f"step_{self.count:03}.json": dump_json(document)})
+        if self.format is Format.text:
+            from irc.cli.page import answer_console
+            from irc.cli.step_text import print_step
+
+            if self.count:
+                put("")
+            tell_notes(d for d in step.notes if d.code is not Code.LATER_EVENTS)
+            print_step(step, self.before, answer_console())
+        self.count += 1
+        if step.schedule.answered:
+            self.before = step.schedule
+
+
+def _print_end(simulation: Simulation) -> None:
+    """The whole history and what it came to."""
+    from irc.cli.page import answer_console
+    from irc.cli.step_text import print_end
+
+    answered = [step for step in simulation.steps if step.schedule.answered]
+    if not answered:
+        return
+    last = answered[-1]
+    print_end(simulation, last, answer_console())
+    put(str(validate(last.task, last.schedule)))

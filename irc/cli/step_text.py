@@ -1,0 +1,204 @@
+"""What a person sees of a step: what happened, what is settled by it, and what moved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from rich.console import Console
+from rich.text import Text
+
+from irc.cli.event_text import changes_in_words, listed
+from irc.cli.page import Page, grouped, print_lines, time_in_words, with_unit
+from irc.cli.table import (
+    Column,
+    aligned,
+    entry_resources,
+    entry_title,
+    middle_cut,
+    rank_text,
+    table_lines,
+)
+from irc.online.replanning import Step
+from irc.online.simulation import Simulation
+from irc.schedule import Entry, Schedule, Status
+
+_STYLES = {
+    Status.OPTIMAL: "bold green",
+    Status.FEASIBLE: "bold yellow",
+    Status.INFEASIBLE: "bold red",
+    Status.UNKNOWN: "bold yellow",
+    Status.FAILED: "bold red",
+}
+_NOTE_STYLES = {"done": "dim", "running": "bold", "new": "green"}
+
+_Key = tuple[str, int]
+
+
+def print_step(step: Step, before: Schedule | None, console: Console) -> None:
+    """What happened at a step and what came of it; `before` is the schedule it replaces."""
+    page = Page(console)
+    unit = step.task.time_unit
+    _print_wrapped(page, console, _heading(page, step, unit))
+    if not step.schedule.answered:
+        return
+    if before is not None:
+        _print_wrapped(page, console, _movements(page, step, before, unit))
+    _print_wrapped(page, console, [_worth(page, step.schedule, unit)])
+
+
+def print_history(step: Step, before: Schedule | None, console: Console) -> None:
+    """The table of a step's schedule: what is done, what runs, and where the rest was before."""
+    if not step.schedule.entries:
+        return
+    page = Page(console)
+    entries, hidden = middle_cut(step.schedule.entries)
+    notes = [_note(entry, step, before) for entry in entries]
+
+    def style(k: int, title: str) -> str:
+        return _NOTE_STYLES.get(notes[k], "") if title in ("action", "note") else ""
+
+    columns = _columns(page, entries, step.task.time_unit, notes)
+    console.print()
+    print_lines(page, console, table_lines(page, columns, hidden, style))
+
+
+def print_end(simulation: Simulation, last: Step, console: Console) -> None:
+    """The table of the whole history, and what it came to."""
+    print_history(replace(last, completed=(), running=()), None, console)
+    page, unit = Page(console), last.task.time_unit
+    steps = len(simulation.steps)
+    told = [
+        f"{steps:,} step{'s' if steps != 1 else ''}",
+        f"moved {simulation.moved:,} in all",
+    ]
+    console.print()
+    _print_wrapped(page, console, [Text(", ".join(told)), _worth(page, simulation.final, unit)])
+
+
+def _print_wrapped(page: Page, console: Console, texts: Iterator[Text] | list[Text]) -> None:
+    lines = (line for text in texts for line in text.wrap(console, page.width))
+    print_lines(page, console, lines)
+
+
+def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
+    names = [page.visible(event.id) for event in step.events if event.id is not None]
+    what = ", ".join(names) or ("an event" if step.events else "the plan")
+    yield Text.assemble(
+        (f"at {time_in_words(page, step.at, unit)}: {what}", "bold"),
+        "  ",
+        (str(step.schedule.status), _STYLES[step.schedule.status]),
+    )
+    for event in step.events:
+        for line in changes_in_words(event, unit):
+            yield Text(f"  {page.visible(line)}")
+    for title, ids in (("done", step.completed), ("running", step.running)):
+        if ids:
+            yield Text(f"{title} {len(ids):,}: {listed(map(page.visible, ids))}")
+    if step.abandoned:
+        yield Text(f"abandoned half-done: {listed(map(page.visible, step.abandoned))}", "yellow")
+    if step.schedule.status is Status.INFEASIBLE:
+        yield Text("no schedule continues what has run; the plan of before stays on record", "red")
+    elif not step.schedule.answered:
+        yield Text("no schedule was found within the limits", "yellow")
+
+
+def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[Text]:
+    """What became of the plan: what moved, and what is new or no longer planned."""
+    old = {_key(entry): entry for entry in before.entries}
+    now = {_key(entry): entry for entry in step.schedule.entries}
+    moved = [
+        f"{entry_title(page, entry)} {_difference(page, old[key], entry)}"
+        for key, entry in now.items()
+        if key in old and _difference(page, old[key], entry) and not _is_frozen(entry, step)
+    ]
+    added = [entry_title(page, entry) for key, entry in now.items() if key not in old]
+    gone = [entry_title(page, entry) for key, entry in old.items() if key not in now]
+    if step.events or step.moved:
+        told = f": {listed(moved)}" if moved else ""
+        yield Text(f"moved {step.moved:,}{told}")
+    if added:
+        yield Text(f"new in the plan: {listed(added)}")
+    if gone:
+        yield Text(f"no longer planned: {listed(gone)}")
+
+
+def _difference(page: Page, old: Entry, new: Entry) -> str:
+    """How an entry differs from what it was: "10 → 14", "on robot2"; empty where not at all."""
+    told = []
+    if old.start != new.start:
+        told.append(f"{grouped(old.start)} {page.glyphs.arrow} {grouped(new.start)}")
+    elif old.end != new.end:
+        told.append(f"ends {grouped(old.end)} {page.glyphs.arrow} {grouped(new.end)}")
+    if old.resources != new.resources and new.resources:
+        told.append(f"on {entry_resources(page, new)}")
+    if old.mode != new.mode and new.mode is not None:
+        told.append(f"as {page.visible(new.mode)}")
+    return ", ".join(told)
+
+
+def _worth(page: Page, schedule: Schedule, unit: str) -> Text:
+    told = [f"makespan {time_in_words(page, schedule.makespan, unit)}"]
+    for value in schedule.objective:
+        if value.name == "makespan":
+            continue
+        shown = grouped(value.value)
+        told.append(
+            f"{value.name} {with_unit(value.value, unit) if _is_time(value.name) else shown}"
+        )
+    return Text(", ".join(told))
+
+
+def _is_time(objective: str) -> bool:
+    return objective == "tardiness"
+
+
+def _is_frozen(entry: Entry, step: Step) -> bool:
+    """Whether an occurrence had begun by the step; of what it was before, nothing was moved."""
+    if entry.id in step.completed:
+        return entry.end <= step.at
+    return entry.id in step.running and entry.start <= step.at
+
+
+def _key(entry: Entry) -> _Key:
+    return entry.id, entry.occurrence
+
+
+def _note(entry: Entry, step: Step, before: Schedule | None) -> str:
+    """What there is to know of an entry: its status, whether it has run, or where it was."""
+    if entry.status is not None:
+        return entry.status
+    if _is_frozen(entry, step):
+        return "done" if entry.end <= step.at else "running"
+    if before is None:
+        return ""
+    old = {_key(e): e for e in before.entries}.get(_key(entry))
+    return "new" if old is None else _was(old, entry)
+
+
+def _was(old: Entry, new: Entry) -> str:
+    if old.start != new.start:
+        return f"was {grouped(old.start)}"
+    if old.resources != new.resources:
+        return f"was on {', '.join(sorted(old.resources)) or 'nothing'}"
+    return "" if old.mode == new.mode else f"was {old.mode}"
+
+
+def _columns(page: Page, entries: Sequence[Entry], unit: str, notes: list[str]) -> list[Column]:
+    columns = [
+        Column("action", [entry_title(page, entry) for entry in entries], flexible=True),
+        Column(f"start ({page.visible(unit)})", aligned(e.start for e in entries), True),
+        Column("end", aligned(e.end for e in entries), True),
+    ]
+    optional: Mapping[str, list[str]] = {
+        "mode": [page.visible(entry.mode or "") for entry in entries],
+        "rank": [rank_text(entry) for entry in entries],
+        "resources": [entry_resources(page, entry) for entry in entries],
+        "note": [page.visible(note) for note in notes],
+    }
+    columns += [
+        Column(title, cells, flexible=title != "rank")
+        for title, cells in optional.items()
+        if any(cells)
+    ]
+    return columns

@@ -1,0 +1,93 @@
+"""Event documents → events: one event or a list of them, beside the task that they revise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.frontends.files import read_text
+from irc.frontends.json_value import read_value
+from irc.frontends.shape import to_task
+from irc.model import Event
+from irc.source import Pointer, Source
+
+_EXPECTED = 'an event such as {"changes": [{"op": "cancel_actions", "actions": ["a"]}]}, or a list'
+
+
+@dataclass(frozen=True)
+class PlacedEvent:
+    """An event, and where it stands in the text that it was read from."""
+
+    event: Event
+    pointer: Pointer = ()
+    source: Source | None = None
+
+    def anchored(self, report: Report) -> Report:
+        """A report on the event alone, placed in the text that the event stands in."""
+        if report.source is not None or self.source is None:
+            return report
+        moved = (
+            replace(d, pointer=(*self.pointer, *d.pointer), fix=()) if d.offset is None else d
+            for d in report
+        )
+        return Report(tuple(moved), self.source)
+
+
+def read_events(path: str, at: int | float | str) -> list[PlacedEvent]:
+    """The events in a file ("-": standard input); those without a time come at `at`.
+
+    Raises `InputError` with every fault of syntax and shape.
+    """
+    raw, source = read_value(*read_text(path), _EXPECTED)
+    elements = raw if isinstance(raw, list) else [raw]
+
+    def place(i: int) -> Pointer:
+        return (i,) if isinstance(raw, list) else ()
+
+    events = to_events(elements, place, at, source)
+    return [PlacedEvent(event, place(i), source) for i, event in enumerate(events)]
+
+
+def to_events(
+    elements: Sequence[Any],
+    place: Callable[[int], Pointer],
+    at: int | float | str,
+    source: Source | None,
+) -> tuple[Event, ...]:
+    """Typed events; those without a time come at `at`. `place` says where the i-th one stands.
+
+    Raises `InputError` with every fault of shape.
+    """
+    timed = [
+        {"at": at, **element} if isinstance(element, dict) else element for element in elements
+    ]
+    findings = Findings()
+    # The words for faults of shape are those for a whole task.
+    task = to_task({"actions": (), "events": timed}, findings)
+    if task is not None:
+        return task.events
+    moved = tuple(_moved(d, place) for d in findings.items)
+    raise InputError(Report(moved, source))
+
+
+def _moved(finding: Diagnostic, place: Callable[[int], Pointer]) -> Diagnostic:
+    """A finding about the events of a task, as one about the document they stand in."""
+
+    def there(pointer: Pointer) -> Pointer:
+        if len(pointer) < 2 or not isinstance(pointer[1], int):
+            return ()
+        return (*place(pointer[1]), *pointer[2:])
+
+    fix = tuple(
+        replace(o, path=there(o.path), origin=None if o.origin is None else there(o.origin))
+        for o in finding.fix
+    )
+    return replace(finding, pointer=there(finding.pointer), fix=fix)
+
+
+def wrong_time(placed: PlacedEvent, message: str, hint: str) -> InputError:
+    """An event whose time does not fit."""
+    finding = Diagnostic(Code.EVENT_TIME, message, (*placed.pointer, "at"), hint)
+    return InputError(Report((finding,), placed.source))
