@@ -74,26 +74,21 @@ def _look_for_ranks(subject: Subject, violations: Violations) -> None:
     if _is_clean(subject, story):
         return
     failure = _search(subject, story)
-    if failure and not _is_carried(subject, story, violations):
+    if failure and _history_is_at_fault(subject):
+        _follow(subject, story, [0] * story.node_count, violations)
+    else:
         violations.merge(failure)
 
 
-def _is_carried(subject: Subject, story: Story, violations: Violations) -> bool:
-    """Whether the history alone is at fault; if so, adds what is carried."""
+def _history_is_at_fault(subject: Subject) -> bool:
+    """Whether no ranks suit what began before, alone and without goals."""
     if subject.at is None:
         return False
     entries = tuple(o.entry for o in subject.occurrences if o.past)
     without_goals = subject.task.model_copy(update={"goals": ()})
     history = resolve(without_goals, replace(subject.schedule, entries=entries))
-    own_failure = _search(history, tell(history, ()))
-    if not own_failure or own_failure.only_undecided:
-        return False
-    as_given = Violations(subject.task.time_unit)
-    _follow(subject, story, [0] * story.node_count, as_given)
-    if as_given.found:
-        return False
-    violations.merge(as_given)
-    return True
+    failure = _search(history, tell(history, ()))
+    return bool(failure) and not failure.only_undecided
 
 
 def _search(subject: Subject, story: Story) -> Violations:
