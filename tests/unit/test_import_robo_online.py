@@ -59,6 +59,7 @@ def faults(raw: Raw) -> dict[str, str]:
     with pytest.raises(InputError) as error:
         list(import_robo_online(text, "lunch.json"))
     found = error.value.report.located()
+    assert len(list(found)) == len({d.pointer for d in found}), "a fault is told twice"
     assert {(d.code, d.line is not None) for d in found} == {(Code.NOT_AN_IMPORT, True)}
     return {d.as_json()["pointer"]: d.message for d in found}
 
@@ -277,7 +278,7 @@ def test_a_choice_may_take_an_obligation_further() -> None:
 
 ADDED = "/events/0/delta"
 LAG = {
-    "before": {"action": "fry", "item": "okra"},
+    "before": {"action": "cut", "item": "okra"},
     "after": {"action": "cut", "item": "leek"},
 }
 
@@ -364,6 +365,19 @@ LAG = {
             f"{ADDED}/add_temporal_constraints/0",
             "no goal needs the action",
         ),
+        (
+            episode(
+                delta(add_temporal_constraints=[{"before": LAG["before"], "after": LAG["before"]}])
+            ),
+            f"{ADDED}/add_temporal_constraints/0",
+            "the action 'cut_okra' cannot be timed after itself",
+        ),
+        (
+            episode(delta(add_candidate_goals=[candidate("c", "leek", "fried")])),
+            f"{ADDED}/add_candidate_goals/0",
+            "it cannot be fried",
+        ),
+        (episode(delta(add_items={"": OKRA})), f"{ADDED}/add_items/", "must not be empty"),
         (
             episode(delta(add_candidate_goals=[candidate("c", "leek", "cut", root=1)])),
             f"{ADDED}/add_candidate_goals/0",
