@@ -56,7 +56,6 @@ GIVEN_UP_TRIED = 200
 """So many choices of orders to give up are tried at most, smaller ones first."""
 
 _PASSES = (
-    order_from_state,
     reduce_transitively,
     drop_uncontended,
     heads_and_tails,
@@ -211,7 +210,7 @@ class _Solver:
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers."""
-        frozen = with_groups(self.frozen, given_up)
+        frozen = order_from_state(with_groups(self.frozen, given_up))
         whole, impossible = _passed(frozen)
         if impossible is not None:
             return impossible, whole
@@ -246,6 +245,8 @@ class _Solver:
         left, impossible = _passed(rebased.problem)
         if impossible is not None:
             return impossible
+        if whole.bound.value - now > left.bound.value:
+            left = replace(left, bound=replace(whole.bound, value=whole.bound.value - now))
 
         def judge(schedule: Schedule) -> str | None:
             """What the validator says of a plan with the history before it."""
