@@ -279,6 +279,18 @@ def test_an_open_effect_that_breaks_what_runs_is_a_violation(ranks: dict[str, in
 
 
 @RANKS
+def test_what_runs_and_breaks_what_is_planned_is_a_violation(ranks: dict[str, int]) -> None:
+    task = lamp(
+        act("runs", 9, effects=[on("end", False)]),
+        act("plan", 4, conditions=[on("all")]),
+        initial=True,
+    )
+    runs = Entry("runs", 0, 9)
+    assert judged(task, 3, runs, Entry("plan", 7, 11, **ranks)) == (["state"], [])
+    assert judged(task, 3, runs, Entry("plan", 4, 8, **ranks)) == ([], [])
+
+
+@RANKS
 def test_what_history_broke_and_mended_is_not_to_be_broken_again(ranks: dict[str, int]) -> None:
     task = lamp(
         act("runs", 9, conditions=[on("all")]),
