@@ -366,6 +366,19 @@ def test_history_keeps_the_ranks_that_it_was_given() -> None:
     assert judged(task, 4, light, Entry("need", 1, 6), ranked) == ([], ["state", "interference"])
 
 
+def test_what_has_ended_keeps_the_rank_of_its_end_when_an_observation_fixes_its_duration() -> None:
+    task = lamp(
+        act("light", 5, effects=[on("end")]),
+        act("watch", {"min": 1, "max": 9}, conditions=[on("end")]),
+        act("plan", 1),
+    )
+    entries = Entry("light", 0, 5), Entry("watch", 0, 5, end_rank=1), Entry("plan", 6, 7)
+    assert judged(task, 6, *entries) == ([], [])
+    change = {"op": "observe", "action": "watch", "started": 0, "finished": 5}
+    observed = apply(task, Event(at=6, changes=[change]))
+    assert judged(observed, 6, *entries) == ([], ["rank"])
+
+
 def test_a_history_that_some_ranks_explain_is_not_to_blame() -> None:
     task = lamp(
         act("light", 5, effects=[on("start")]),
