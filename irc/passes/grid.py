@@ -45,14 +45,18 @@ class Grid:
 
 
 def grid_of(problem: Problem) -> Grid:
-    """The grid of the makespans of best schedules."""
+    """The grid of the makespans of best schedules.
+
+    Where heads are known they are the floors: they are implied, and on the grid themselves.
+    """
     step = 0
     floors = {0}
-    for activity in problem.activities:
+    for i, activity in enumerate(problem.activities):
         if activity.start is not None and activity.is_fixed:
             floors.update((activity.start, activity.start + activity.duration_min))
             continue
-        floors.add(activity.release if activity.start is None else activity.start)
+        head = problem.heads[i] if problem.heads else activity.release
+        floors.add(head if activity.start is None else activity.start)
         step = gcd(step, activity.duration_min, activity.duration_max)
         for mode in activity.details.modes:
             step = gcd(step, mode.duration_min, mode.duration_max)
