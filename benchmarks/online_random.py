@@ -16,9 +16,11 @@ with status 1 on any fault; each is told with the operation and the seed that re
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,35 @@ from oracles.online_judge import judge_step
 from oracles.online_random import OPERATIONS, Played, play
 
 MIXED = "mixed"
+
+
+class HangError(Exception):
+    """A repair took far longer than it was allowed."""
+
+
+_KINDS: dict[type[Exception], str] = {
+    InputError: "refused",
+    EngineFailed: "failed",
+    HangError: "hangs",
+}
+
+
+@contextmanager
+def _at_most(seconds: float) -> Iterator[None]:
+    """Ends what does not end by itself, where the platform can."""
+
+    def ring(*_: object) -> None:
+        raise HangError(f"no end after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, ring) if hasattr(signal, "SIGALRM") else None
+    if before is not None:
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        if before is not None:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
 
 
 @dataclass
@@ -75,15 +106,16 @@ class Run:
 
     def replan(self, task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
         self.now[:] = [(task, schedule, at, events)]
-        return replan(
-            task,
-            schedule,
-            at,
-            events,
-            target=self.target,
-            engine=self.engine,
-            limits=self.limits,
-        )
+        with _at_most(2 * (self.limits.seconds or 60) + 10):
+            return replan(
+                task,
+                schedule,
+                at,
+                events,
+                target=self.target,
+                engine=self.engine,
+                limits=self.limits,
+            )
 
     def execution(self, seed: int, operation: str, figures: Figures) -> None:
         """Plays one execution and judges each of its steps."""
@@ -105,10 +137,9 @@ class Run:
                     figures.counts["infeasible" if judged.infeasible else "valid"] -= 1
                     self.fault(figures, operation, seed, judged.faults, one.step)
                     return
-        except (InputError, EngineFailed) as error:
+        except (InputError, EngineFailed, HangError) as error:
             figures.counts["steps"] += 1
-            said = f"refused: {error}" if isinstance(error, InputError) else f"failed: {error}"
-            self.fault(figures, operation, seed, [said], None)
+            self.fault(figures, operation, seed, [f"{_KINDS[type(error)]}: {error}"], None)
             return
         if self.whole and played:
             for fault in self.again(played):

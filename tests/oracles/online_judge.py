@@ -144,7 +144,7 @@ def _snapshot(
 
 def _verdict(task: Task, schedule: Schedule, at: Number) -> list[str]:
     """What the validator has against a schedule, but for what history alone is to blame for."""
-    verdict = irc.validate(task, schedule, at=at)  # type: ignore[call-arg]
+    verdict = irc.validate(task, schedule, at=at)
     return [] if verdict.valid else [f"{v.rule}: {v.message}" for v in verdict.violations]
 
 
