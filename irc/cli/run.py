@@ -36,8 +36,9 @@ def run_file(
         fail(EXIT_USE, "say where requests come from: --stdio", Format.text)
     if STANDARD_INPUT in (file, schedule):
         fail(EXIT_USE, "standard input carries the requests: name a file", Format.text)
-    signal.signal(signal.SIGTERM, _ended)
     with errors_told(Format.text), ExitStack() as open_files:
+        before = signal.signal(signal.SIGTERM, _ended)
+        open_files.callback(signal.signal, signal.SIGTERM, before)
         task = read_task(file).task
         require_sound(task)
         try:

@@ -81,6 +81,8 @@ class Journal:
         After a `JournalError` nothing can be appended any more: what a disk has kept of a failed
         write is known only once the journal is opened again.
         """
+        if self._file.closed:
+            raise JournalError(f"the journal {str(self._path)!r} cannot be written any more")
         line = _line(self._lines, entry.encode())
         end = self._file.tell()
         try:
