@@ -187,6 +187,10 @@ class Backend(ABC):
     name: ClassVar[str]
     supports: ClassVar[frozenset[Feature]]
 
+    begins_now: ClassVar[bool] = False
+    """Whether, when a running task is planned anew, its engines are better given what is left of
+    it, with the present as time 0, than the whole history with what has begun fixed."""
+
     @abstractmethod
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
         """The files (name → text) and what the names and numbers in them stand for.

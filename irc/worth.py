@@ -11,6 +11,9 @@ from irc.times import Number
 TIMES = frozenset(["makespan", "tardiness"])
 """Objectives whose values are times; the others are plain numbers."""
 
+CANCELLED = "cancelled"
+"""The status of an entry that was ended before it was done."""
+
 
 def in_units(problem: Problem, objective: str, value: int) -> Number:
     """The value of an objective, which engines count in ticks where it is a time."""
@@ -18,16 +21,22 @@ def in_units(problem: Problem, objective: str, value: int) -> Number:
 
 
 def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
-    """The objectives' values, in the task's unit; each occurrence counts."""
-    activities = {a.id: a for a in problem.activities if a.details.occurrence == 1}
+    """The objectives' values, in the task's unit; each occurrence counts.
+
+    What was cancelled has its cost alone: it earns nothing and is never late.
+    """
+    # (Of an action with several occurrences the first activity stands for all.)
+    activities = {a.id: a for a in reversed(problem.activities)}
     tardiness: Number = 0
     reward = cost = 0
     by_id: dict[str, list[Entry]] = {}
     for entry in schedule.entries:
-        by_id.setdefault(entry.id, []).append(entry)
         details = activities[entry.id].details
-        reward += details.reward
         cost += details.cost
+        if entry.status == CANCELLED:
+            continue
+        by_id.setdefault(entry.id, []).append(entry)
+        reward += details.reward
         if details.due is not None:
             tardiness += details.weight * _late(problem, entry.end, details.due)
     for group in problem.groups:

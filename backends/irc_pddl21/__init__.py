@@ -17,6 +17,7 @@ class Pddl21(Backend):
     """Target "pddl21"."""
 
     name: ClassVar[str] = "pddl21"
+    begins_now: ClassVar[bool] = True
     supports: ClassVar[frozenset[Feature]] = frozenset(
         {
             Feature.DURATION_RANGE,

@@ -292,7 +292,8 @@ def convert(
     source: Annotated[
         str,
         typer.Option(
-            "--from", help="The format of the input: irc, asyncplan, robo, robotouille, pddl."
+            "--from",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl.",
         ),
     ] = "irc",
     problem: Annotated[

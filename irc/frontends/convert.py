@@ -21,6 +21,7 @@ Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
 IMPORTERS: Mapping[str, str] = {
     "asyncplan": "irc.frontends.importers.asyncplan:import_asyncplan",
     "robo": "irc.frontends.importers.robo:import_robo",
+    "robo-online": "irc.frontends.importers.robo_online:import_robo_online",
     "robotouille": "irc.frontends.importers.robotouille:import_robotouille",
 }
 """Formats with many instances in a file, and where their `Importer` is; loaded when asked for."""

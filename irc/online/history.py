@@ -261,11 +261,13 @@ def _contradicts(
 ) -> bool:
     """Whether an earlier observation said something else; tells so."""
     seen = False
+    if entry is None:
+        return False
     for field_name, told, observed, planned in (
-        ("started", started, step.history.started, entry and entry.start),
-        ("finished", finished, step.history.finished, entry and entry.end),
+        ("started", started, step.history.started, entry.start),
+        ("finished", finished, step.history.finished, entry.end),
     ):
-        if told is not None and key in observed and planned is not None and told != planned:
+        if told is not None and key in observed and told != planned:
             step.tell(
                 Code.OBSERVED,
                 f"action {key[0]!r} was already observed to have {field_name} at "

@@ -18,6 +18,7 @@ from irc.backend import (
     EngineFailed,
     EngineMissing,
     Limits,
+    ObjectiveLevel,
     OnProgress,
     Outcome,
     Program,
@@ -32,21 +33,19 @@ from irc.model import Event, Task
 from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze, with_groups
 from irc.online.history import ABANDONED, History, ids
+from irc.online.rebase import PastError, rebase
+from irc.online.settle import settled
 from irc.online.state import Key, key_of
-from irc.passes import (
-    drop_uncontended,
-    heads_and_tails,
-    merge_pools,
-    order_from_state,
-    reduce_transitively,
-    resource_bounds,
-    run_passes,
-)
+from irc.passes import order_from_state, resource_bounds, run_passes
+from irc.passes.contention import drop_uncontended, merge_pools
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.reduction import reduce_transitively
 from irc.pipeline import refusals_told
 from irc.problem import Problem
 from irc.retime import AnswerError, earliest_schedule
 from irc.schedule import Entry, Schedule, Status
 from irc.times import Number, json_number
+from irc.worth import worth
 
 if TYPE_CHECKING:
     from irc.backend import Engine
@@ -205,28 +204,84 @@ class _Solver:
         return *first, ()
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
-        """The outcome where these groups are given up."""
-        problem = with_groups(self.frozen, given_up)
-        try:
-            problem = run_passes(problem, _PASSES)
-        except ValueError:
-            return _impossible("what has begun and the lags of the task contradict each other"), (
-                problem
-            )
-        if problem.deadline is not None and problem.bound.value > problem.deadline:
-            bound = f"no continuation ends before {problem.time_text(problem.bound.value)}"
-            return _impossible(f"{bound} ({problem.bound.reason})"), problem
-        if not problem.has_contention and not any(problem.earlier):
-            try:
-                schedule = schedule_of(problem, earliest_schedule(problem))
-            except AnswerError as error:
-                return _impossible(str(error)), problem
-            return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value), problem
+        """The outcome where these groups are given up, and the problem it answers."""
+        frozen = with_groups(self.frozen, given_up)
+        whole, impossible = _passed(frozen)
+        if impossible is not None:
+            return impossible, whole
+        if not whole.has_contention and not any(whole.earlier):
+            return _by_critical_path(whole), whole
         missing = self.engine.missing()
         if missing is not None:
             raise EngineMissing(missing)
+        if self.backend.begins_now:
+            return self._from_now(frozen, whole), whole
+        return self._solved(whole), whole
+
+    def _solved(self, problem: Problem) -> Outcome:
         program = Program(self.backend, self.task, problem)
-        return self.engine.solve(program, self.means.limits, self.means.on_progress), problem
+        return self.engine.solve(program, self.means.limits, self.means.on_progress)
+
+    def _from_now(self, frozen: Problem, whole: Problem) -> Outcome:
+        """The outcome of what is left, with the history before it."""
+        now = self.frozen.now
+        try:
+            rebased = rebase(frozen, self.frozen.facts, now)
+        except PastError as error:
+            return _impossible(str(error))
+        left, impossible = _passed(rebased.problem)
+        if impossible is not None:
+            return impossible
+        found = self._solved(left) if left.has_contention else _by_critical_path(left)
+        if found.schedule is None:
+            return found
+        try:
+            schedule = rebased.merged(whole, found.schedule)
+        except AnswerError as error:
+            raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
+        schedule = settled(whole, schedule, self.means.stability)
+        return _of_whole(found, left, whole, schedule, now)
+
+
+def _passed(problem: Problem) -> tuple[Problem, Outcome | None]:
+    """The problem after the passes; an outcome where they show that it has no schedule."""
+    try:
+        problem = run_passes(problem, _PASSES)
+    except ValueError:
+        return problem, _impossible("what has begun and the lags of the task contradict each other")
+    if problem.deadline is not None and problem.bound.value > problem.deadline:
+        bound = f"no continuation ends before {problem.time_text(problem.bound.value)}"
+        return problem, _impossible(f"{bound} ({problem.bound.reason})")
+    return problem, None
+
+
+def _by_critical_path(problem: Problem) -> Outcome:
+    try:
+        schedule = schedule_of(problem, earliest_schedule(problem))
+    except AnswerError as error:
+        return _impossible(str(error))
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
+
+
+def _of_whole(
+    found: Outcome, left: Problem, whole: Problem, schedule: Schedule, now: int
+) -> Outcome:
+    """An outcome of what is left as one of the whole: each value is off by what history adds."""
+    assert found.schedule is not None
+    part, all_of_it = worth(left, found.schedule), worth(whole, schedule)
+    levels = []
+    for level in found.levels:
+        bound = level.bound
+        if bound is not None and level.name == "makespan":
+            bound = whole.to_units(now) + bound if bound else None
+        elif bound is not None:
+            bound += all_of_it[level.name] - part[level.name]
+        levels.append(ObjectiveLevel(level.name, all_of_it[level.name], bound))
+    bound_now = now + found.bound if found.bound else 0
+    status = found.status
+    if status is Status.OPTIMAL and whole.stability:
+        status = Status.FEASIBLE
+    return replace(found, status=status, schedule=schedule, bound=bound_now, levels=tuple(levels))
 
 
 def _impossible(why: str) -> Outcome:
@@ -236,8 +291,6 @@ def _impossible(why: str) -> Outcome:
 
 def _value(problem: Problem, outcome: Outcome) -> tuple[Number, ...]:
     """The objectives in their order; less is better."""
-    from irc.worth import worth
-
     assert outcome.schedule is not None
     values = worth(problem, outcome.schedule)
     return tuple(-values[n] if n == "reward" else values[n] for n in problem.levels)

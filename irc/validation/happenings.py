@@ -95,19 +95,23 @@ def tell(subject: Subject, drawn_out: Collection[int]) -> Story:
 
 
 def _tell_occurrence(story: Story, occurrence: Occurrence, nodes: tuple[int, int]) -> None:
+    """What was cancelled held its conditions until then; nothing of its end has happened."""
     start = Happening(occurrence.start, nodes[0], occurrence, False)
     end = Happening(occurrence.end, nodes[1], occurrence, True)
     if start.time == end.time and start.node == end.node:
         end = start
     for condition in occurrence.action.conditions:
         timeline, value = story.timelines[condition.var], condition.value
-        if condition.at == "start" or end is start:
+        if condition.at == "start" or (end is start and not occurrence.cancelled):
             timeline.reads.append(Access(start, value))
         elif condition.at == "end":
-            timeline.reads.append(Access(end, value))
-        elif start.time <= end.time:
+            if not occurrence.cancelled:
+                timeline.reads.append(Access(end, value))
+        elif end is not start and start.time <= end.time:
             timeline.holds.append(Hold(start, end, value))
     for effect in occurrence.action.effects:
+        if effect.at == "end" and occurrence.cancelled:
+            continue
         happening = start if effect.at == "start" else end
         story.timelines[effect.var].writes.append(Access(happening, effect.value))
 

@@ -14,9 +14,12 @@ _UNKNOWABLE = "changes"
 
 
 def objective_values(subject: Subject) -> MappingProxyType[str, Number]:
-    """Makespan, tardiness, reward and cost of the entries, repeated occurrences each counted."""
+    """Makespan, tardiness, reward and cost of the entries, repeated occurrences each counted.
+
+    What was cancelled has cost what it costs, but earns nothing and keeps no due date waiting.
+    """
     present = [group for group in subject.groups.values() if subject.is_present(group)]
-    reward = sum(o.action.reward or 0 for o in subject.occurrences)
+    reward = sum(o.action.reward or 0 for o in subject.occurrences if not o.cancelled)
     reward += sum(group.reward or 0 for group in present)
     return MappingProxyType(
         {
@@ -33,7 +36,7 @@ def _tardiness(subject: Subject) -> Number:
     total: Number = 0
     for occurrence in subject.occurrences:
         action = occurrence.action
-        if action.due is not None:
+        if action.due is not None and not occurrence.cancelled:
             late = max(0, occurrence.end - subject.clock.number(action.due))
             total += late * (1 if action.weight is None else action.weight)
     for group in subject.groups.values():

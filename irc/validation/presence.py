@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from itertools import pairwise
 
-from irc.validation.subject import Occurrence, Subject
+from irc.validation.history import check_statuses, given_up, is_abandoned
+from irc.validation.subject import ABANDONED, Occurrence, Subject
 from irc.validation.verdict import Violations, listed
 
 
 def check_presence(subject: Subject, violations: Violations) -> None:
-    """Occurrence bounds, groups, unknown and repeated entries, numbering, overlap."""
-    _check_entries(subject, violations)
+    """Occurrence bounds, groups, unknown and repeated entries, statuses, numbering, overlap."""
+    _check_unknown(subject, violations)
+    check_statuses(subject, violations)
     _check_bounds(subject, violations)
     for occurrences in subject.by_action.values():
         if len(occurrences) > 1 or occurrences[0].entry.occurrence != 1:
@@ -20,19 +22,10 @@ def check_presence(subject: Subject, violations: Violations) -> None:
     _check_groups(subject, violations)
 
 
-def _check_entries(subject: Subject, violations: Violations) -> None:
+def _check_unknown(subject: Subject, violations: Violations) -> None:
     for entry in subject.unknown:
         times = (entry.start, entry.end)
         violations.add("unknown", f"the task has no action {entry.id!r}", [entry.id], times)
-    for entry in subject.schedule.entries:
-        if entry.status is not None:
-            violations.add(
-                "status",
-                f"the entry of {entry.id!r} has the status {entry.status!r}, "
-                "which only a schedule that is being carried out may have",
-                [entry.id],
-                (entry.start, entry.end),
-            )
 
 
 def _check_bounds(subject: Subject, violations: Violations) -> None:
@@ -103,13 +96,17 @@ def _check_overlap(occurrences: list[Occurrence], violations: Violations) -> Non
 
 
 def _check_groups(subject: Subject, violations: Violations) -> None:
+    without_blame = given_up(subject)
     for group in subject.groups.values():
-        missing = [name for name in group.actions if name not in subject.by_action]
+        missing = [name for name in group.actions if name not in subject.done]
         if not missing or (len(missing) == len(group.actions) and not group.required):
             continue
+        if group.id in without_blame:
+            continue
         rule = "is required" if group.required else "is all or none"
-        violations.add(
-            "group",
-            f"the group {group.id!r} {rule}; missing: {listed(missing, len(missing))}",
-            missing,
-        )
+        message = f"the group {group.id!r} {rule}; missing: {listed(missing, len(missing))}"
+        there = [name for name in group.actions if name in subject.done]
+        unmarked = [name for name in there if not is_abandoned(subject, name)]
+        if not group.required and len(unmarked) < len(there):
+            message += f"; there and not {ABANDONED}: {listed(unmarked, len(unmarked))}"
+        violations.add("group", message, missing)

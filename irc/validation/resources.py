@@ -131,11 +131,17 @@ def check_reservoirs(subject: Subject, violations: Violations) -> None:
     for occurrence in subject.occurrences:
         action = occurrence.action
         for change in action.consumes:
-            time = _time(occurrence, change.at or "start")
+            at = change.at or "start"
+            if at == "end" and occurrence.cancelled:
+                continue
+            time = _time(occurrence, at)
             step = (time, -change.amount, occurrence.number)
             changes.setdefault(change.resource, []).append(step)
         for change in action.produces:
-            time = _time(occurrence, change.at or "end")
+            at = change.at or "end"
+            if at == "end" and occurrence.cancelled:
+                continue
+            time = _time(occurrence, at)
             step = (time, change.amount, occurrence.number)
             changes.setdefault(change.resource, []).append(step)
     # What no action changes at t = 0 has its initial level there.

@@ -39,7 +39,7 @@ _READING_COST = 50
 def check_goals(subject: Subject, violations: Violations) -> None:
     """Rule 7 for goals that name an action."""
     for goal in dict.fromkeys(subject.task.goals):
-        if not isinstance(goal, StateGoal) and goal not in subject.by_action:
+        if not isinstance(goal, StateGoal) and goal not in subject.done:
             violations.add("goal", f"the goal {goal!r} is not there", [goal])
 
 

@@ -22,6 +22,9 @@ from irc.model import (
 from irc.schedule import Entry, Schedule
 from irc.times import Clock, Number
 
+CANCELLED, ABANDONED = "cancelled", "abandoned"
+"""What an entry of a schedule that is being carried out may say of itself."""
+
 
 class UncheckedTaskError(ValueError):
     """The task itself is at fault, so no schedule of it can be judged; `irc check` says how."""
@@ -34,7 +37,8 @@ class InexactTimeError(ValueError):
 class Occurrence(NamedTuple):
     """An entry of the schedule with the action it is an occurrence of.
 
-    `shortest` and `longest` bound its duration; both are None where the mode is not known.
+    `shortest` and `longest` bound its duration; both are None where the mode is not known. What was
+    cancelled could end at any time.
     `number` is its place in `Subject.occurrences`.
     """
 
@@ -67,6 +71,11 @@ class Occurrence(NamedTuple):
         """Whether its duration was chosen, so that its end has a rank of its own."""
         return self.shortest != self.longest
 
+    @property
+    def cancelled(self) -> bool:
+        """Whether it was ended before it was done: nothing that its end does has happened."""
+        return self.entry.status == CANCELLED
+
 
 @dataclass(frozen=True)
 class Subject:
@@ -81,6 +90,8 @@ class Subject:
     groups: dict[str, Group]
     occurrences: tuple[Occurrence, ...]
     by_action: dict[str, list[Occurrence]]
+    done: frozenset[str]
+    """The actions that are there, and not merely as what was cancelled."""
     unknown: tuple[Entry, ...]
     """Entries that name no action of the task."""
 
@@ -90,8 +101,8 @@ class Subject:
         return any(e.rank or e.end_rank not in (None, 0) for e in self.schedule.entries)
 
     def is_present(self, group: Group) -> bool:
-        """Whether all actions of a group are there."""
-        return bool(group.actions) and all(name in self.by_action for name in group.actions)
+        """Whether all actions of a group are there; what was cancelled is not."""
+        return bool(group.actions) and self.done.issuperset(group.actions)
 
 
 def resolve(task: Task, schedule: Schedule) -> Subject:
@@ -128,6 +139,7 @@ def resolve(task: Task, schedule: Schedule) -> Subject:
         groups,
         tuple(occurrences),
         by_action,
+        frozenset(o.entry.id for o in occurrences if not o.cancelled),
         tuple(unknown),
     )
 
@@ -143,6 +155,8 @@ def _occurrence(number: int, entry: Entry, action: Action, clock: Clock) -> Occu
         shortest, longest = clock.number(duration.min), clock.number(duration.max)
     else:
         shortest = longest = None if duration is None else clock.number(duration)
+    if entry.status == CANCELLED and longest is not None:
+        shortest = 0
     end_rank = entry.rank if entry.end_rank is None or shortest == longest else entry.end_rank
     return Occurrence(
         number,

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from types import MappingProxyType
 
 from irc.times import Number, format_number
+from irc.validation.history import given_up
 from irc.validation.subject import Occurrence, Subject
 from irc.validation.verdict import Violations
 
@@ -50,8 +51,9 @@ def check_windows(subject: Subject, violations: Violations) -> None:
 
 def _group_deadlines(subject: Subject) -> dict[str, list[tuple[Number, str]]]:
     limits: dict[str, list[tuple[Number, str]]] = {}
+    no_longer = given_up(subject)
     for group in subject.groups.values():
-        if group.deadline is not None:
+        if group.deadline is not None and group.id not in no_longer:
             limit = (subject.clock.number(group.deadline), f"the deadline of group {group.id!r}")
             for name in group.actions:
                 limits.setdefault(name, []).append(limit)
@@ -118,7 +120,8 @@ def _check_start(subject: Subject, occurrence: Occurrence, violations: Violation
 
 
 def check_precedence(subject: Subject, violations: Violations) -> None:
-    """Rule 3: every precedence between present actions, at both its lags.
+    """Rule 3: every precedence between present actions, at both its lags; none binds what was
+    cancelled.
 
     A minimum is compared with ranks, lexicographically; a maximum by time alone.
     """
@@ -127,6 +130,8 @@ def check_precedence(subject: Subject, violations: Violations) -> None:
         if precedence.before not in present or precedence.after not in present:
             continue
         before, after = present[precedence.before][0], present[precedence.after][0]
+        if before.cancelled or after.cancelled:
+            continue
         from_end, to_end = AT_END[precedence.type]
         base = before.end if from_end else before.start
         time = after.end if to_end else after.start
@@ -149,6 +154,8 @@ def tight_precedences(subject: Subject) -> Iterator[tuple[Occurrence, bool, Occu
         if precedence.before not in present or precedence.after not in present:
             continue
         before, after = present[precedence.before][0], present[precedence.after][0]
+        if before.cancelled or after.cancelled:
+            continue
         from_end, to_end = AT_END[precedence.type]
         base = before.end if from_end else before.start
         time = after.end if to_end else after.start

@@ -105,11 +105,11 @@ def read_robo_task(instance: Part) -> RoboTask | None:
         read_kitchen(fields),
         items,
         read_states(goal.get("required_states"), items),
-        _stack_order(goal.get("stack_order"), items),
+        read_stack_order(goal.get("stack_order"), items),
         read_lags(fields.get("temporal_constraints"), items),
         fields["deadline"].time() if "deadline" in fields else None,
         read_candidates(fields.get("candidate_goals"), items),
-        _counts(fields.get("inventory_limits")),
+        read_counts(fields.get("inventory_limits")),
         {key: fields[key].value for key in _KEPT if key in fields},
         instance,
     )
@@ -165,7 +165,8 @@ def read_states(part: Part | None, items: Mapping[str, Item]) -> dict[str, str]:
     }
 
 
-def _stack_order(part: Part | None, items: Mapping[str, Item]) -> tuple[str, ...]:
+def read_stack_order(part: Part | None, items: Mapping[str, Item]) -> tuple[str, ...]:
+    """The items of a dish, from below."""
     order: dict[str, None] = {}
     for inner in part.items() if part is not None else ():
         name = inner.one_of(items, "item")
@@ -227,7 +228,7 @@ def _candidate(part: Part, items: Mapping[str, Item]) -> Candidate | None:
     item = fields["item"].one_of(items, "item") if "item" in fields else None
     state = fields["state"].one_of(STATES, "state") if "state" in fields else None
     reward = fields["reward"].whole() if "reward" in fields else None
-    cost = _counts(fields.get("cost"))
+    cost = read_counts(fields.get("cost"))
     if name is None or item is None or state is None or reward is None:
         return None
     return Candidate(name, item, state, reward, cost, part)
@@ -243,7 +244,8 @@ def _check_objective(task: RoboTask, fields: Mapping[str, Part]) -> None:
         fields["candidate_goals"].fault(f"candidate goals need the objective {REWARD!r}")
 
 
-def _counts(part: Part | None) -> dict[str, int]:
+def read_counts(part: Part | None) -> dict[str, int]:
+    """How much there is, or is taken, of each stock."""
     return {name: count for name, inner in _members(part) if (count := inner.whole()) is not None}
 
 

@@ -107,6 +107,20 @@ def steps_to(item: Item, wanted: str) -> tuple[Step, ...]:
     return tuple(reversed(steps))
 
 
+def states_of(item: Item) -> tuple[str, ...]:
+    """Every state that some processing can lead the item to, its first one before all."""
+    found = dict.fromkeys([item.state])
+    while True:
+        more = {
+            process.result
+            for process in PROCESSES
+            if process.result not in found and _starts_from(process.action, item) in found
+        }
+        if not more:
+            return tuple(found)
+        found.update((process.result, None) for process in PROCESSES if process.result in more)
+
+
 def _starts_from(action: str, item: Item) -> str | None:
     """The state in which a process may start; None where the item does not admit it."""
     has = item.predicates

@@ -117,35 +117,43 @@ def state_variable(work: Work) -> dict[str, Any]:
 
 def actions(work: Work, kitchen: Kitchen, candidate: Candidate | None) -> list[dict[str, Any]]:
     """The actions of an item. Those of a candidate goal are optional, as their group decides."""
-    item = work.item.name
-    made = [
-        {
-            "id": action_id(step.action, item),
-            "duration": kitchen.durations[step.action],
-            "uses": [{"resource": step.station}, *_robot(kitchen)],
-            "conditions": [{"at": "start", "var": item, "value": step.before}],
-            "effects": [{"at": "end", "var": item, "value": step.after}],
-        }
-        for step in work.steps
-    ]
+    made = [processing(step, kitchen) for step in work.steps]
     if work.stacked:
-        stack: dict[str, Any] = {
-            "id": action_id(STACK, item),
-            "duration": kitchen.durations[STACK],
-        }
-        if kitchen.robots:
-            stack["uses"] = _robot(kitchen)
-        if work.steps:
-            after = work.steps[-1].after
-            stack["conditions"] = [{"at": "start", "var": item, "value": after}]
-        made.append(stack)
-    cost = {} if candidate is None else {k: n for k, n in candidate.cost.items() if n}
-    if cost:
-        made[0]["consumes"] = [{"resource": name, "amount": n} for name, n in cost.items()]
+        made.append(stacking(work.item.name, work.steps[-1].after if work.steps else None, kitchen))
+    if candidate is not None:
+        take(candidate.cost, made[0])
     return made
 
 
-def _robot(kitchen: Kitchen) -> list[dict[str, Any]]:
+def processing(step: Step, kitchen: Kitchen) -> dict[str, Any]:
+    """The action of a step: it needs the state before it, and makes the state after it."""
+    return {
+        "id": action_id(step.action, step.item),
+        "duration": kitchen.durations[step.action],
+        "uses": [{"resource": step.station}, *robot_use(kitchen)],
+        "conditions": [{"at": "start", "var": step.item, "value": step.before}],
+        "effects": [{"at": "end", "var": step.item, "value": step.after}],
+    }
+
+
+def stacking(item: str, state: str | None, kitchen: Kitchen) -> dict[str, Any]:
+    """The action that puts an item upon a dish, once it is in its state if it has several."""
+    stack: dict[str, Any] = {"id": action_id(STACK, item), "duration": kitchen.durations[STACK]}
+    if kitchen.robots:
+        stack["uses"] = robot_use(kitchen)
+    if state is not None:
+        stack["conditions"] = [{"at": "start", "var": item, "value": state}]
+    return stack
+
+
+def take(cost: Mapping[str, int], action: dict[str, Any]) -> None:
+    """Lets an action take what a goal costs out of the stock."""
+    if any(cost.values()):
+        action["consumes"] = [{"resource": name, "amount": n} for name, n in cost.items() if n]
+
+
+def robot_use(kitchen: Kitchen) -> list[dict[str, Any]]:
+    """What every action holds besides its station: one of the robots, where there are any."""
     if not kitchen.robots:
         return []
     if len(kitchen.robots) == 1:
