@@ -19,6 +19,7 @@ from irc.frontends.files import parse_task, read_task
 from irc.frontends.shape import to_task
 from irc.model import Task
 from irc.schedule import Schedule
+from irc.times import Number, parse_instant
 from irc.validation import Verdict
 
 if TYPE_CHECKING:
@@ -131,9 +132,18 @@ def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:
     return extract_answer(document, answer).schedule
 
 
-def validate(task: Task | str | Path | Mapping[str, Any], schedule: Schedule) -> Verdict:
+def validate(
+    task: Task | str | Path | Mapping[str, Any],
+    schedule: Schedule,
+    at: Number | str | None = None,
+) -> Verdict:
     """The independent verdict: `valid`, and every violation with its rule, actions and times.
 
-    Raises `InputError` where the task is faulty or the schedule says it is of another task.
+    `at` is a time of the task, as a number of its unit or a text such as "5 min": what began
+    before is history, and what it alone causes is `carried`, not held against the schedule.
+    Raises `InputError` where the task is faulty or the schedule says it is of another task, and
+    `irc.times.TimeError` where `at` is no time of it.
     """
-    return validate_schedule(_task(task), schedule)
+    known = _task(task)
+    moment = None if at is None else known.number(parse_instant(at))
+    return validate_schedule(known, schedule, at=moment)

@@ -30,6 +30,7 @@ from irc.problem import Problem
 from irc.retime import AnswerError, Placed, earliest_schedule
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.source import Source
+from irc.times import Number
 from irc.worth import worth
 
 if TYPE_CHECKING:
@@ -206,9 +207,12 @@ def _approved(task: Task, schedule: Schedule) -> Schedule:
     return schedule
 
 
-def validate_schedule(task: Task, schedule: Schedule, source: Source | None = None) -> Verdict:
+def validate_schedule(
+    task: Task, schedule: Schedule, source: Source | None = None, *, at: Number | None = None
+) -> Verdict:
     """The independent verdict on a schedule, once the task itself has been checked.
 
+    `at`, in the task's unit: what began before is history, and what it alone causes is carried.
     Raises `InputError` for a faulty task, or a schedule (read from `source`, if it was) that
     says it is of another task.
     """
@@ -226,7 +230,7 @@ def validate_schedule(task: Task, schedule: Schedule, source: Source | None = No
         raise InputError(Report((diagnostic,), source))
     from irc.validation import validate
 
-    return validate(task, schedule)
+    return validate(task, schedule, at)
 
 
 def _engine(backend: Backend, name: str) -> Engine:

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from irc.backend import Program
     from irc.compiler import Answer
     from irc.frontends.files import Reading
+    from irc.model import Task
+    from irc.times import Number
 
 
 def build_app(only: str | None = None) -> typer.Typer:
@@ -261,6 +263,10 @@ def extract(
 def validate(
     file: FileArgument,
     schedule: Annotated[str, typer.Argument(help="A schedule as JSON; '-': standard input.")],
+    at: Annotated[
+        str | None,
+        typer.Option("--at", help="What began before this time is history, such as 5 or '2 min'."),
+    ] = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Judge a schedule by the rules alone, with reasons; knows no backend."""
@@ -275,13 +281,23 @@ def validate(
         reading = _read(file)
         document = read_document(*read_text(schedule))
         answer = schedule_from_json(document.content, document.source)
-        verdict = validate_schedule(reading.task, answer, document.source)
+        moment = None if at is None else _moment(reading.task, at, format)
+        verdict = validate_schedule(reading.task, answer, document.source, at=moment)
         if format is Format.json:
             put_json(verdict.as_json())
         else:
             put(str(verdict))
         if not verdict.valid:
             sys.exit(EXIT_INPUT)
+
+
+def _moment(task: Task, text: str, format: Format) -> Number:
+    from irc.times import TimeError, parse_instant
+
+    try:
+        return task.number(parse_instant(text))
+    except TimeError as error:
+        fail(EXIT_USE, f"--at: {error}", format)
 
 
 def convert(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from irc.model import Task
 from irc.schedule import Schedule
-from irc.times import TimeError
+from irc.times import Number, TimeError
 from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.presence import check_presence
@@ -43,12 +43,16 @@ _CHECKS = (
 """In the order of the rules."""
 
 
-def validate(task: Task, schedule: Schedule) -> Verdict:
+def validate(task: Task, schedule: Schedule, at: Number | None = None) -> Verdict:
     """Judges `schedule` as an answer to `task`, as of t = 0: the task's events are not applied.
 
     All violations are found, not only the first. The task must have been checked: one that refers
-    to what it does not have raises `UncheckedTaskError`. A time in the schedule that is not an
-    `int` or a `Fraction` raises `InexactTimeError`.
+    to what it does not have raises `UncheckedTaskError`. A time in the schedule, or `at`, that is
+    not an `int` or a `Fraction` raises `InexactTimeError`.
+
+    With `at`, in the task's unit, what began before is history. A violation that the history alone
+    has as well is not held against the schedule, but told as `Verdict.carried`
+    (`irc.validation.history`).
 
     >>> from irc.schedule import Entry
     >>> task = Task(actions=[{"id": "cut", "duration": 3}, {"id": "stack", "duration": 1}],
@@ -60,16 +64,24 @@ def validate(task: Task, schedule: Schedule) -> Verdict:
       rule 3, precedence: 'stack' starts at 2 s, before the end of 'cut' (3 s) allows it
     """
     try:
-        return _validate(task, schedule)
+        return _validate(task, schedule, at)
     except TimeError as error:
         raise UncheckedTaskError(f"the task has a time that cannot be used: {error}") from error
 
 
-def _validate(task: Task, schedule: Schedule) -> Verdict:
-    subject = resolve(task, schedule)
+def _validate(task: Task, schedule: Schedule, at: Number | None) -> Verdict:
+    subject = resolve(task, schedule, at)
     violations = Violations(task.time_unit)
     for check in _CHECKS:
         check(subject, violations)
     values = objective_values(subject)
     check_stated(subject, values, violations)
-    return Verdict(violations.found, values, violations.omitted, task.time_unit)
+    return Verdict(
+        violations.found,
+        values,
+        violations.omitted,
+        task.time_unit,
+        at,
+        violations.carried,
+        violations.carried_omitted,
+    )

@@ -30,6 +30,7 @@ def check_choices(subject: Subject, violations: Violations) -> None:
                 "resources",
                 f"{occurrence.name} names the resource {names}, which the task does not have",
                 [occurrence.entry.id],
+                carried=occurrence.past is not None,
             )
             continue
         explained = is_explained(uses, named)
@@ -44,7 +45,8 @@ def check_choices(subject: Subject, violations: Violations) -> None:
         else:
             message = f"{occurrence.name} names {{{shown}}}, but uses {_uses_text(uses)}"
         rule = "resources" if explained is False else "undecided"
-        violations.add(rule, message, [occurrence.entry.id])
+        carried = occurrence.past is not None
+        violations.add(rule, message, [occurrence.entry.id], carried=carried)
 
 
 def _uses_text(uses: Sequence[Use]) -> str:

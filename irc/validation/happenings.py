@@ -59,6 +59,15 @@ class Timeline:
     writes: list[Access] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
 
+    @property
+    def past(self) -> Timeline:
+        """What of it is history."""
+        return Timeline(
+            [read for read in self.reads if read.happening.occurrence.past],
+            [write for write in self.writes if write.happening.occurrence.past],
+            [hold for hold in self.holds if hold.opening.occurrence.past],
+        )
+
 
 @dataclass
 class Story:

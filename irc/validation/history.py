@@ -5,10 +5,18 @@ whatever had begun of it stays in the schedule, as an entry that ended then.
 
 A group that need not be there is given up where some of its actions ran and others never will. What
 ran stays, with all that it used and did, and is marked as abandoned unless another group has it.
+
+Where a schedule is judged as of a time, what began before is history (`Occurrence.past`), and a
+violation that the history alone has as well is *carried*. Each rule decides that where it is
+checked: by who takes part (durations, precedence, capacity), or by comparing with the history alone
+(reservoirs, state). A running action whose duration is a range has its end still to choose: what a
+better choice of it avoids is not carried. Missing actions, groups and goals are never carried, nor
+is what the document says of itself: unknown actions, statuses, objectives.
 """
 
 from __future__ import annotations
 
+from irc.times import Number
 from irc.validation.subject import ABANDONED, CANCELLED, Occurrence, Subject
 from irc.validation.verdict import Violations
 
@@ -29,6 +37,8 @@ def check_statuses(subject: Subject, violations: Violations) -> None:
         return
     in_part = _present_in_part(subject)
     for occurrence in marked:
+        if subject.at is not None:
+            _check_begun(subject.at, occurrence, violations)
         if occurrence.cancelled:
             _check_cancelled(subject, occurrence, violations)
         elif occurrence.entry.id not in in_part:
@@ -59,6 +69,15 @@ def _check_cancelled(subject: Subject, occurrence: Occurrence, violations: Viola
             f"is {CANCELLED!r} at {at}, but the task has no deadline by which it is over then",
             violations,
         )
+
+
+def _check_begun(at: Number, occurrence: Occurrence, violations: Violations) -> None:
+    """Only what has begun is abandoned, and only what ended by now was cancelled."""
+    now = violations.time(at)
+    if occurrence.past is None:
+        _add(occurrence, f"is {occurrence.entry.status!r} and has not begun at {now}", violations)
+    elif occurrence.cancelled and occurrence.end > at:
+        _add(occurrence, f"is {CANCELLED!r}, but ends after {now}", violations)
 
 
 def _add(occurrence: Occurrence, what: str, violations: Violations) -> None:

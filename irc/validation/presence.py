@@ -57,7 +57,10 @@ def _check_numbers(occurrences: list[Occurrence], violations: Violations) -> Non
     for number, count in given.items():
         if count > 1:
             violations.add(
-                "occurrence", f"occurrence {number} of {name!r} is given {count} times", [name]
+                "occurrence",
+                f"occurrence {number} of {name!r} is given {count} times",
+                [name],
+                carried=all(o.past for o in occurrences if o.entry.occurrence == number),
             )
     if set(given) != set(range(1, len(given) + 1)):
         numbers = ", ".join(str(n) for n in sorted(given)[:10])
@@ -65,6 +68,7 @@ def _check_numbers(occurrences: list[Occurrence], violations: Violations) -> Non
             "occurrence",
             f"the occurrences of {name!r} are not numbered from 1 on without a gap: {numbers}",
             [name],
+            carried=all(o.past for o in occurrences),
         )
     for one, two in pairwise(sorted(occurrences, key=lambda o: o.entry.occurrence)):
         if two.start < one.start:
@@ -75,6 +79,7 @@ def _check_numbers(occurrences: list[Occurrence], violations: Violations) -> Non
                 f"number {one.entry.occurrence} at {violations.time(one.start)}",
                 [name],
                 (one.start, two.start),
+                carried=bool(one.past and two.past),
             )
 
 
@@ -90,6 +95,7 @@ def _check_overlap(occurrences: list[Occurrence], violations: Violations) -> Non
                 f"{violations.time(later.start)}",
                 [running.entry.id],
                 (later.start, running.end),
+                carried=bool(running.past and later.past),
             )
         if later.end > running.end:
             running = later

@@ -114,14 +114,15 @@ def _add_overload(
     holding: dict[int, int],
     violations: Violations,
 ) -> None:
-    users = (subject.occurrences[number] for number in holding)
+    users = [subject.occurrences[number] for number in holding]
     named = listed((user.entry.id for user in users), len(holding))
     violations.add(
         "capacity",
         f"{in_use} of {name!r} are in use at {violations.time(time)}, "
         f"its capacity then is {capacity} (used by {named})",
-        (subject.occurrences[number].entry.id for number in holding),
+        (user.entry.id for user in users),
         (time,),
+        carried=all(user.past for user in users),
     )
 
 
@@ -164,22 +165,36 @@ def _check_reservoir(
     instants: _Instants,
     violations: Violations,
 ) -> None:
-    level, was_within = resource.initial, True
+    level, was_within, was_carried = resource.initial, True, False
+    by_history, has_history = resource.initial, False
     steps.append((instants.place[0], 0, -1))
     for place, group in groupby(sorted(steps), key=itemgetter(0)):
         members = list(group)
         net = sum(amount for _, amount, _ in members)
+        past = [amount for _, amount, n in members if n >= 0 and subject.occurrences[n].past]
         level += net
+        by_history += sum(past)
+        has_history = has_history or bool(past)
         within = resource.min <= level and (resource.max is None or level <= resource.max)
-        worse = net < 0 if level < resource.min else net > 0
-        if not within and (was_within or worse):
+        if level < resource.min:
+            worse, mended_by = net < 0, min(level - by_history, net - sum(past))
+        else:
+            worse, mended_by = net > 0, min(by_history - level, sum(past) - net)
+        # What is open makes it no worse, neither by now nor at this instant.
+        carried = has_history and mended_by >= 0
+        if not within and (was_within or worse or (was_carried and not carried)):
             doers = [subject.occurrences[n].entry.id for _, _, n in members if n >= 0]
-            _add_level(resource, instants.times[place], level, doers, violations)
-        was_within = within
+            _add_level(resource, instants.times[place], level, doers, carried, violations)
+        was_within, was_carried = within, not within and carried
 
 
 def _add_level(
-    resource: Resource, time: Number, level: int, doers: list[str], violations: Violations
+    resource: Resource,
+    time: Number,
+    level: int,
+    doers: list[str],
+    carried: bool,
+    violations: Violations,
 ) -> None:
     if level < resource.min:
         limit = f"below its minimum {resource.min}"
@@ -191,4 +206,5 @@ def _add_level(
         f"the level of {resource.id!r} is {level} at {violations.time(time)}, {limit}{by}",
         doers,
         (time,),
+        carried=carried,
     )

@@ -3,33 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from itertools import combinations
 
 from irc.model import StateGoal, StateVariable
-from irc.times import Number
-from irc.validation.happenings import (
-    Access,
-    Happening,
-    Hold,
-    Story,
-    Timeline,
-    Value,
-    given_ranks,
-    tell,
-    timing_edges,
-    value_text,
-)
+from irc.validation.happenings import Story, Timeline, Value, given_ranks, tell, timing_edges
+from irc.validation.player import Demand, Player
 from irc.validation.rank_graph import Budget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
-from irc.validation.state_messages import (
-    add_broken,
-    add_contradiction,
-    add_unheld,
-    add_unmet,
-    add_unmet_goal,
-)
-from irc.validation.subject import Occurrence, Subject
+from irc.validation.state_messages import add_unmet_goal
+from irc.validation.subject import Occurrence, Subject, resolve
 from irc.validation.verdict import Violations, listed
 
 _READING_COST = 50
@@ -78,17 +61,41 @@ def _check_duration_in_ranks(occurrence: Occurrence, violations: Violations) -> 
         f"{wanted}",
         [entry.id],
         (occurrence.start, occurrence.end),
+        carried=occurrence.past is not None and occurrence.past.over,
     )
 
 
 def _look_for_ranks(subject: Subject, violations: Violations) -> None:
     """All ranks 0 first, which most schedules want; then a search.
 
-    What lasts no time though it could last has two readings, one happening or two; all are tried.
+    Where the history alone has no ranks either, all are taken to be 0, as they were given.
     """
     story = tell(subject, ())
     if _is_clean(subject, story):
         return
+    failure = _search(subject, story)
+    if failure and _history_is_at_fault(subject):
+        _follow(subject, story, [0] * story.node_count, violations)
+    else:
+        violations.merge(failure)
+
+
+def _history_is_at_fault(subject: Subject) -> bool:
+    """Whether no ranks suit what began before, alone and without goals."""
+    if subject.at is None:
+        return False
+    entries = tuple(o.entry for o in subject.occurrences if o.past)
+    without_goals = subject.task.model_copy(update={"goals": ()})
+    history = resolve(without_goals, replace(subject.schedule, entries=entries))
+    failure = _search(history, tell(history, ()))
+    return bool(failure) and not failure.only_undecided
+
+
+def _search(subject: Subject, story: Story) -> Violations:
+    """What is wrong under all ranks; nothing where some will do.
+
+    What lasts no time though it could last has two readings, one happening or two; all are tried.
+    """
     zero_length = [
         o.number
         for o in subject.occurrences
@@ -104,16 +111,15 @@ def _look_for_ranks(subject: Subject, violations: Violations) -> None:
             story = tell(subject, drawn_out)
         failure = _try_reading(subject, story, budget)
         if not failure:
-            return
+            return failure
         failures.append(failure)
         budget.charge(_READING_COST * (10 + len(subject.occurrences)))
         if budget.is_spent:
             break
     refuted = sum(not failure.only_undecided for failure in failures)
     if not zero_length or refuted == 2 ** len(zero_length):
-        violations.merge(failures[0])
-    else:
-        _add_too_many_readings(subject, zero_length, violations)
+        return failures[0]
+    return _too_many_readings(subject, zero_length)
 
 
 def _is_clean(subject: Subject, story: Story) -> bool:
@@ -122,7 +128,7 @@ def _is_clean(subject: Subject, story: Story) -> bool:
     attempt = Violations(subject.task.time_unit)
     final: dict[str, Value] = {}
     for name, variable in subject.variables.items():
-        final[name] = _Player(variable, attempt).play(story.timelines[name], ranks)
+        final[name] = Player(variable, attempt).play(story.timelines[name], ranks)
         if attempt:
             return False
     _check_state_goals(subject, final, attempt)
@@ -146,9 +152,8 @@ def _try_reading(subject: Subject, story: Story, budget: Budget) -> Violations:
     return violations
 
 
-def _add_too_many_readings(
-    subject: Subject, zero_length: list[int], violations: Violations
-) -> None:
+def _too_many_readings(subject: Subject, zero_length: list[int]) -> Violations:
+    violations = Violations(subject.task.time_unit)
     names = [subject.occurrences[number].entry.id for number in zero_length]
     violations.add(
         "undecided",
@@ -156,14 +161,26 @@ def _add_too_many_readings(
         "though each could last; give the schedule's ranks",
         names,
     )
+    return violations
 
 
 def _follow(subject: Subject, story: Story, ranks: Sequence[int], violations: Violations) -> None:
     """Plays every variable through in the order of (time, rank): O(n log n)."""
     final: dict[str, Value] = {}
     for name, variable in subject.variables.items():
-        final[name] = _Player(variable, violations).play(story.timelines[name], ranks)
+        timeline = story.timelines[name]
+        lost = frozenset() if subject.at is None else _lost_to_history(variable, timeline, ranks)
+        final[name] = Player(variable, violations, lost).play(timeline, ranks)
     _check_state_goals(subject, final, violations)
+
+
+def _lost_to_history(
+    variable: StateVariable, timeline: Timeline, ranks: Sequence[int]
+) -> frozenset[Demand]:
+    """What the history alone, with the ranks that it has, does not give itself."""
+    history = Player(variable, Violations(""))
+    history.play(timeline.past, ranks)
+    return frozenset(history.failed)
 
 
 def _check_state_goals(
@@ -172,93 +189,3 @@ def _check_state_goals(
     for goal in dict.fromkeys(subject.task.goals):
         if isinstance(goal, StateGoal) and final[goal.var] != goal.value:
             add_unmet_goal(goal.var, goal.value, final[goal.var], violations)
-
-
-@dataclass
-class _Moment:
-    """What concerns one variable at one (time, rank)."""
-
-    reads: list[Access] = field(default_factory=list)
-    writes: list[Access] = field(default_factory=list)
-    opening: list[tuple[int, Hold]] = field(default_factory=list)
-    closing: list[tuple[int, Hold]] = field(default_factory=list)
-
-
-class _Player:
-    """Plays one variable through."""
-
-    def __init__(self, variable: StateVariable, violations: Violations) -> None:
-        self.name = variable.id
-        self.value: Value = variable.start_value
-        self.violations = violations
-        self.held: dict[Value, dict[int, Hold]] = {}
-
-    def play(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
-        """Checks all that happens to it and returns its last value."""
-        moments: dict[tuple[Number, int], _Moment] = {}
-
-        def moment(happening: Happening) -> _Moment:
-            return moments.setdefault((happening.time, ranks[happening.node]), _Moment())
-
-        for access in timeline.reads:
-            moment(access.happening).reads.append(access)
-        for access in timeline.writes:
-            moment(access.happening).writes.append(access)
-        for number, hold in enumerate(timeline.holds):
-            first = (hold.opening.time, ranks[hold.opening.node])
-            last = (hold.closing.time, ranks[hold.closing.node])
-            if first < last:
-                moments.setdefault(first, _Moment()).opening.append((number, hold))
-                moments.setdefault(last, _Moment()).closing.append((number, hold))
-        for (_, rank), current in sorted(moments.items(), key=lambda item: item[0]):
-            self._pass(current, rank)
-        return self.value
-
-    def _pass(self, moment: _Moment, rank: int) -> None:
-        for access in moment.reads:
-            if access.value != self.value:
-                add_unmet(self.name, access, value_text(self.value), self.violations)
-        for number, hold in moment.closing:
-            self.held.get(hold.value, {}).pop(number, None)
-        if moment.writes:
-            self._check_interference(moment, rank)
-            self._write(moment.writes)
-        for number, hold in moment.opening:
-            if hold.value != self.value:
-                add_unheld(self.name, hold, value_text(self.value), self.violations)
-            else:
-                self.held.setdefault(hold.value, {})[number] = hold
-
-    def _write(self, writes: list[Access]) -> None:
-        for access in writes:
-            broken = [
-                hold
-                for value, holds in self.held.items()
-                if value != access.value
-                for hold in holds.values()
-            ]
-            if broken:
-                add_broken(self.name, access, broken, self.violations)
-                # Told once: what is broken here need not be told again at every later change.
-                self.held = {v: h for v, h in self.held.items() if v == access.value}
-            self.value = access.value
-
-    def _check_interference(self, moment: _Moment, rank: int) -> None:
-        writers = {access.happening.node: access for access in moment.writes}
-        for access in moment.writes:
-            if access.value != writers[access.happening.node].value:
-                add_contradiction(self.name, access, self.violations)
-        parties = writers | {access.happening.node: access for access in moment.reads}
-        if len(parties) < 2:
-            return
-        first = moment.writes[0].happening
-        others = [a.happening.occurrence.entry.id for n, a in parties.items() if n != first.node]
-        self.violations.add(
-            "interference",
-            f"{first.occurrence.name} changes {self.name!r} at "
-            f"{self.violations.time(first.time)} with rank {rank}, where "
-            f"{listed(others, len(others))} read or change it with the same rank; "
-            "what comes later needs a higher rank",
-            [first.occurrence.entry.id, *others],
-            (first.time,),
-        )

@@ -9,7 +9,9 @@ from irc.validation.happenings import Access, Hold, Value, moment_text, value_te
 from irc.validation.verdict import Violations, listed
 
 
-def add_unmet(variable: str, access: Access, found: str, violations: Violations) -> None:
+def add_unmet(
+    variable: str, access: Access, found: str, violations: Violations, *, carried: bool = False
+) -> None:
     """A condition that does not hold just before its happening."""
     happening = access.happening
     violations.add(
@@ -18,10 +20,13 @@ def add_unmet(variable: str, access: Access, found: str, violations: Violations)
         f"{moment_text(happening, violations.time(happening.time))}, but it is {found}",
         [happening.occurrence.entry.id],
         (happening.time,),
+        carried=carried,
     )
 
 
-def add_unheld(variable: str, hold: Hold, found: str, violations: Violations) -> None:
+def add_unheld(
+    variable: str, hold: Hold, found: str, violations: Violations, *, carried: bool = False
+) -> None:
     """A condition on the whole duration that does not hold when it begins."""
     occurrence = hold.opening.occurrence
     violations.add(
@@ -31,11 +36,17 @@ def add_unheld(variable: str, hold: Hold, found: str, violations: Violations) ->
         f"but just after its start it is {found}",
         [occurrence.entry.id],
         (hold.opening.time, hold.closing.time),
+        carried=carried,
     )
 
 
 def add_broken(
-    variable: str, access: Access, broken: Sequence[Hold], violations: Violations
+    variable: str,
+    access: Access,
+    broken: Sequence[Hold],
+    violations: Violations,
+    *,
+    carried: bool = False,
 ) -> None:
     """A change of what others need unchanged while they last."""
     happening = access.happening
@@ -48,10 +59,13 @@ def add_broken(
         f"{value_text(broken[0].value)}",
         [happening.occurrence.entry.id, *names],
         (happening.time,),
+        carried=carried,
     )
 
 
-def add_contradiction(variable: str, access: Access, violations: Violations) -> None:
+def add_contradiction(
+    variable: str, access: Access, violations: Violations, *, carried: bool = False
+) -> None:
     """One happening that gives a variable two values."""
     happening = access.happening
     violations.add(
@@ -60,6 +74,7 @@ def add_contradiction(variable: str, access: Access, violations: Violations) -> 
         f"{moment_text(happening, violations.time(happening.time))}",
         [happening.occurrence.entry.id],
         (happening.time,),
+        carried=carried,
     )
 
 

@@ -34,12 +34,28 @@ class InexactTimeError(ValueError):
     """A schedule holds a time that is not an exact number, such as a binary float."""
 
 
+class Past(NamedTuple):
+    """What is certain of an occurrence that began before the time as of which a schedule is judged:
+    its start, its resources, and that its end lies in a range, which is one time for all that has
+    ended or lasts a fixed time."""
+
+    over: bool
+    earliest_end: Number
+    latest_end: Number
+
+    @property
+    def end_is_certain(self) -> bool:
+        """Whether its end is not for anyone to choose any more."""
+        return self.earliest_end == self.latest_end
+
+
 class Occurrence(NamedTuple):
     """An entry of the schedule with the action it is an occurrence of.
 
     `shortest` and `longest` bound its duration; both are None where the mode is not known. What was
     cancelled could end at any time.
-    `number` is its place in `Subject.occurrences`.
+    `number` is its place in `Subject.occurrences`; `past` is None for what may still be planned
+    otherwise.
     """
 
     number: int
@@ -52,6 +68,7 @@ class Occurrence(NamedTuple):
     end: Number
     rank: int
     end_rank: int
+    past: Past | None
 
     @property
     def name(self) -> str:
@@ -94,6 +111,8 @@ class Subject:
     """The actions that are there, and not merely as what was cancelled."""
     unknown: tuple[Entry, ...]
     """Entries that name no action of the task."""
+    at: Number | None = None
+    """What began before is history; None: nothing is."""
 
     @property
     def ranked(self) -> bool:
@@ -105,12 +124,14 @@ class Subject:
         return bool(group.actions) and self.done.issuperset(group.actions)
 
 
-def resolve(task: Task, schedule: Schedule) -> Subject:
-    """Brings a task and a schedule together.
+def resolve(task: Task, schedule: Schedule, at: Number | None = None) -> Subject:
+    """Brings a task and a schedule together; what began before `at` is history.
 
     Raises `UncheckedTaskError` for a task whose references do not hold, and `InexactTimeError` for
     an entry whose times are not exact numbers.
     """
+    if at is not None and not isinstance(at, (int, Fraction)):
+        raise InexactTimeError(f"judged as of the time {at!r}; use an int or a Fraction")
     clock = task.clock
     actions = _by_id("action", task.actions)
     resources = _by_id("resource", task.resources)
@@ -126,7 +147,7 @@ def resolve(task: Task, schedule: Schedule) -> Subject:
         if action is None:
             unknown.append(entry)
             continue
-        occurrence = _occurrence(len(occurrences), entry, action, clock)
+        occurrence = _occurrence(len(occurrences), entry, action, clock, at)
         occurrences.append(occurrence)
         by_action.setdefault(entry.id, []).append(occurrence)
     return Subject(
@@ -141,10 +162,13 @@ def resolve(task: Task, schedule: Schedule) -> Subject:
         by_action,
         frozenset(o.entry.id for o in occurrences if not o.cancelled),
         tuple(unknown),
+        at,
     )
 
 
-def _occurrence(number: int, entry: Entry, action: Action, clock: Clock) -> Occurrence:
+def _occurrence(
+    number: int, entry: Entry, action: Action, clock: Clock, at: Number | None
+) -> Occurrence:
     mode = next((m for m in action.modes if m.id == entry.mode), None)
     duration = action.duration
     if action.modes:
@@ -169,7 +193,27 @@ def _occurrence(number: int, entry: Entry, action: Action, clock: Clock) -> Occu
         entry.end,
         entry.rank,
         end_rank,
+        None if at is None else _past(entry, action, (shortest, longest), clock, at),
     )
+
+
+def _past(
+    entry: Entry,
+    action: Action,
+    bounds: tuple[Number | None, Number | None],
+    clock: Clock,
+    at: Number,
+) -> Past | None:
+    """What begins at `at` itself is history where the task fixes that start: it was observed."""
+    observed = entry.start == at and action.start is not None and clock.number(action.start) == at
+    if not (entry.start < at or observed):
+        return None
+    shortest, longest = bounds
+    over = entry.end <= at
+    if over or shortest is None or longest is None or shortest == longest:
+        return Past(over, entry.end, entry.end)
+    earliest = max(at, entry.start + shortest)
+    return Past(over, earliest, max(earliest, entry.start + longest))
 
 
 def _check_exact(entry: Entry) -> None:

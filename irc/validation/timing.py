@@ -46,6 +46,7 @@ def check_windows(subject: Subject, violations: Violations) -> None:
                     f"after {whose} ({violations.time(limit)})",
                     [occurrence.entry.id],
                     (occurrence.end, limit),
+                    carried=occurrence.past is not None and occurrence.past.earliest_end > limit,
                 )
 
 
@@ -70,7 +71,8 @@ def _check_mode(occurrence: Occurrence, violations: Violations) -> None:
         known = ", ".join(repr(mode.id) for mode in action.modes[:10])
         fault = f"has no mode {given!r}" if given is not None else "is given no mode"
         message = f"{occurrence.name} {fault}; its modes are {known}"
-    violations.add("mode", message, [occurrence.entry.id])
+    carried = occurrence.past is not None
+    violations.add("mode", message, [occurrence.entry.id], carried=carried)
 
 
 def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
@@ -94,6 +96,8 @@ def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
         f"instead of {wanted}",
         [occurrence.entry.id],
         (occurrence.start, occurrence.end),
+        # The end of what still runs is no fact yet, and nothing ends before it starts.
+        carried=occurrence.past is not None and occurrence.past.over and lasts >= 0,
     )
 
 
@@ -108,6 +112,7 @@ def _check_start(subject: Subject, occurrence: Occurrence, violations: Violation
             f"{occurrence.name} starts at {violations.time(start)}, before {why}",
             [occurrence.entry.id],
             (start, limit),
+            carried=occurrence.past is not None,
         )
     if action.start is not None and start != (fixed := subject.clock.number(action.start)):
         violations.add(
@@ -116,6 +121,7 @@ def _check_start(subject: Subject, occurrence: Occurrence, violations: Violation
             f"its start is fixed at {violations.time(fixed)}",
             [occurrence.entry.id],
             (start, fixed),
+            carried=occurrence.past is not None,
         )
 
 
@@ -181,6 +187,7 @@ def _add_too_early(
         + (plus if lag else " allows it"),
         [before.entry.id, after.entry.id],
         (time, base + lag),
+        carried=_is_certain(before, from_end, after, to_end, least=lag),
     )
 
 
@@ -201,6 +208,7 @@ def _add_too_late(
         f"{violations.time(longest)} allows it ({violations.time(base + longest)})",
         [before.entry.id, after.entry.id],
         (time, base + longest),
+        carried=_is_certain(before, from_end, after, to_end, most=longest),
     )
 
 
@@ -219,7 +227,33 @@ def _check_rank(
         f"it needs rank {base_rank} at least",
         [before.entry.id, after.entry.id],
         (time,),
+        carried=all(
+            occurrence.past is not None and (occurrence.past.end_is_certain or not at_end)
+            for occurrence, at_end in ((before, from_end), (after, to_end))
+        ),
     )
+
+
+def _is_certain(
+    before: Occurrence,
+    from_end: bool,
+    after: Occurrence,
+    to_end: bool,
+    *,
+    least: Number | None = None,
+    most: Number | None = None,
+) -> bool:
+    """Whether what both did already breaks a lag, wherever they end from now on."""
+    if before.past is None or after.past is None:
+        return False
+    base, time = (before.start, before.start), (after.start, after.start)
+    if from_end:
+        base = (before.past.earliest_end, before.past.latest_end)
+    if to_end:
+        time = (after.past.earliest_end, after.past.latest_end)
+    if least is not None:
+        return time[1] < base[0] + least
+    return most is not None and time[0] > base[1] + most
 
 
 def _verb(at_end: bool) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from types import MappingProxyType
@@ -78,12 +78,18 @@ class Verdict:
 
     `objective` holds the values computed here from the entries: makespan, tardiness (in the task's
     unit), reward and cost. `omitted` counts the violations beyond `SHOWN_PER_RULE` of each rule.
+
+    As of a time `at`, `carried` holds what only the entries that began before it cause: nothing
+    that is still open can mend it, and the schedule is not invalid for it.
     """
 
     violations: tuple[Violation, ...]
     objective: Mapping[str, Number]
     omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
     time_unit: str = "s"
+    at: Number | None = None
+    carried: tuple[Violation, ...] = ()
+    carried_omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def valid(self) -> bool:
@@ -102,7 +108,7 @@ class Verdict:
 
     def as_json(self) -> dict[str, Any]:
         """The document that `irc validate --format json` prints."""
-        return {
+        document: dict[str, Any] = {
             "irc_verdict": "1",
             "valid": self.valid,
             "undecided": self.undecided,
@@ -111,15 +117,24 @@ class Verdict:
             "violations": [v.as_json() for v in self.violations],
             "omitted": dict(self.omitted),
         }
+        if self.at is not None:
+            document["at"] = json_number(self.at)
+            document["carried"] = [v.as_json() for v in self.carried]
+            document["carried_omitted"] = dict(self.carried_omitted)
+        return document
 
     def __str__(self) -> str:
         if self.valid:
-            return f"valid: {self._worth()}"
-        count = len(self.violations) + sum(self.omitted.values())
-        head = "undecided" if self.undecided else "not valid"
-        lines = [f"{head}, {count} violation{'s' if count > 1 else ''}:"]
-        lines += [f"  {violation}" for violation in self.violations]
-        lines += [f"  … and {more} more of rule {rule}" for rule, more in self.omitted.items()]
+            lines = [f"valid: {self._worth()}"]
+        else:
+            head = "undecided" if self.undecided else "not valid"
+            lines = [f"{head}, {_count(self.violations, self.omitted)}:"]
+            lines += _listing(self.violations, self.omitted)
+        if self.at is not None and self.carried:
+            began = f"what began before {format_number(self.at)} {self.time_unit}"
+            count = _count(self.carried, self.carried_omitted)
+            lines.append(f"note: {count} carried, which only {began} causes:")
+            lines += _listing(self.carried, self.carried_omitted)
         return "\n".join(lines)
 
     def _worth(self) -> str:
@@ -131,55 +146,106 @@ class Verdict:
         )
 
 
+def _count(told: Sequence[Violation], omitted: Mapping[str, int]) -> str:
+    count = len(told) + sum(omitted.values())
+    return f"{count} violation{'s' if count > 1 else ''}"
+
+
+def _listing(told: Sequence[Violation], omitted: Mapping[str, int]) -> list[str]:
+    lines = [f"  {violation}" for violation in told]
+    return lines + [f"  … and {more} more of rule {rule}" for rule, more in omitted.items()]
+
+
+class _Collection:
+    """What is told of violations, and how many of each rule there are."""
+
+    def __init__(self) -> None:
+        self.told: list[Violation] = []
+        self.count: Counter[str] = Counter()
+
+    def merge(self, other: _Collection) -> None:
+        for violation in other.told:
+            if sum(v.rule == violation.rule for v in self.told) < SHOWN_PER_RULE:
+                self.told.append(violation)
+        self.count.update(other.count)
+
+    @property
+    def in_order(self) -> tuple[Violation, ...]:
+        return tuple(sorted(self.told, key=lambda v: (v.number is None, v.number or 0)))
+
+    @property
+    def omitted(self) -> dict[str, int]:
+        return {
+            rule: count - SHOWN_PER_RULE
+            for rule, count in self.count.items()
+            if count > SHOWN_PER_RULE
+        }
+
+
 class Violations:
-    """Collects violations while the rules are checked, and phrases times in the task's unit."""
+    """Collects violations while the rules are checked, and phrases times in the task's unit.
+
+    Those that are carried are counted by themselves, so that they never crowd out the others.
+    """
 
     def __init__(self, time_unit: str) -> None:
         self.time_unit = time_unit
-        self._found: list[Violation] = []
-        self._count: Counter[str] = Counter()
+        self._found = _Collection()
+        self._carried = _Collection()
 
     def add(
-        self, rule: str, message: str, actions: Iterable[str] = (), times: Iterable[Number] = ()
+        self,
+        rule: str,
+        message: str,
+        actions: Iterable[str] = (),
+        times: Iterable[Number] = (),
+        *,
+        carried: bool = False,
     ) -> None:
         """Records a violation; `actions` and `times` are read only if it will be told."""
-        self._count[rule] += 1
-        if self._count[rule] <= SHOWN_PER_RULE:
+        collection = self._carried if carried else self._found
+        collection.count[rule] += 1
+        if collection.count[rule] <= SHOWN_PER_RULE:
             distinct = tuple(dict.fromkeys(actions))
-            self._found.append(Violation(rule, RULES[rule], message, distinct, tuple(times)))
+            collection.told.append(Violation(rule, RULES[rule], message, distinct, tuple(times)))
 
     def merge(self, other: Violations) -> None:
         """Takes over all that `other` collected."""
-        shown = Counter(violation.rule for violation in other._found)
-        for violation in other._found:
-            self.add(violation.rule, violation.message, violation.actions, violation.times)
-        self._count.update(other._count - shown)
+        self._found.merge(other._found)
+        self._carried.merge(other._carried)
 
     def time(self, value: Number) -> str:
         """ "3 s": a time with the task's unit."""
         return f"{format_number(value)} {self.time_unit}"
 
     def __bool__(self) -> bool:
-        return bool(self._count)
+        """Whether anything is wrong, carried or not."""
+        return bool(self._found.count or self._carried.count)
 
     @property
     def only_undecided(self) -> bool:
         """Whether all that was found is that a search gave up."""
-        return set(self._count) == {"undecided"}
+        return set(self._found.count) == {"undecided"}
 
     @property
     def found(self) -> tuple[Violation, ...]:
         """All that will be told, by the number of the rule, what has none last."""
-        return tuple(sorted(self._found, key=lambda v: (v.number is None, v.number or 0)))
+        return self._found.in_order
 
     @property
     def omitted(self) -> dict[str, int]:
         """How many more there are of each rule than are told."""
-        return {
-            rule: count - SHOWN_PER_RULE
-            for rule, count in self._count.items()
-            if count > SHOWN_PER_RULE
-        }
+        return self._found.omitted
+
+    @property
+    def carried(self) -> tuple[Violation, ...]:
+        """Like `found`, of what is carried."""
+        return self._carried.in_order
+
+    @property
+    def carried_omitted(self) -> dict[str, int]:
+        """Like `omitted`, of what is carried."""
+        return self._carried.omitted
 
 
 def listed(names: Iterable[str], count: int) -> str:
