@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from irc.canonical import task_sha256
-from irc.cli import EXIT_USE
-from irc.cli.output import Format, errors_told, fail, put_json, say, tell_notes
+from irc.cli.moments import moment_of
+from irc.cli.output import Format, errors_told, put_json, say, tell_notes
 from irc.cli.planning import (
     Planning,
     end_with,
@@ -30,7 +30,7 @@ from irc.online.simulation import in_order
 from irc.schedule import Schedule, dump_json
 from irc.source import Source
 from irc.suggest import closest
-from irc.times import Number, TimeError, format_number, json_number, parse_instant
+from irc.times import Number, TimeError, format_number, json_number
 
 STEP_VERSION = "1"
 
@@ -50,7 +50,7 @@ def replan_file(
         one_standard_input(format, file, schedule, *named)
         task = read_task(file).task
         require_sound(task)
-        moment = _moment(task, at, format)
+        moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
         events = _events(task, named, moment)
         step = _step(_running(task, before, source, moment, planning), events)
@@ -67,17 +67,6 @@ def replan_file(
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
                 say(f"wrote {path}")
         end_with([step.schedule.status])
-
-
-def _moment(task: Task, at: str, format: Format) -> Number:
-    """The time that --at names, in the task's unit; ends with wrong use where it names none."""
-    try:
-        moment = task.number(parse_instant(at))
-    except TimeError as error:
-        fail(EXIT_USE, f"--at {at}: {error}", format)
-    if moment < 0:
-        fail(EXIT_USE, f"--at {at}: the task begins at 0, so nothing can happen before", format)
-    return moment
 
 
 def _events(task: Task, named: Sequence[str], at: Number) -> list[PlacedEvent]:

@@ -96,4 +96,4 @@ def _print_end(simulation: Simulation) -> None:
         return
     last = answered[-1]
     print_end(simulation, last, answer_console())
-    put(str(validate(last.task, last.schedule)))
+    put(str(validate(last.task, last.schedule, last.at)))

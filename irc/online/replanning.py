@@ -324,7 +324,7 @@ def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
     """The conflicts that only history causes. Raises `EngineFailed` where there are others."""
     from irc.validation import validate
 
-    verdict = validate(task, schedule)
+    verdict = validate(task, schedule, at)
     if not verdict.valid:
         reasons = "; ".join(v.message for v in verdict.violations[:3])
         raise EngineFailed(f"the answer was rejected by the validator: {reasons}")
