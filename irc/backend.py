@@ -98,13 +98,16 @@ class EngineFailed(Exception):
 class Program:
     """A task in a target's own language, with the way back.
 
-    `notes` tell what of the task is not in it because it is not known as of t = 0.
+    `notes` tell what of the task is not in it because it is not known as of t = 0. `judge` says
+    what is wrong with a schedule of the problem (None: nothing); it is given where the problem is
+    only a part of the task, which the validator could not judge it by.
     """
 
     backend: Backend
     task: Task
     problem: Problem
     notes: tuple[Diagnostic, ...] = ()
+    judge: Callable[[Schedule], str | None] | None = None
 
     @property
     def target(self) -> str:

@@ -122,6 +122,8 @@ class _Watcher:
 
 def accepted_by(program: Program) -> Accept | None:
     """The validator's word on a schedule; None where re-timing already leaves nothing to judge."""
+    if program.judge is not None:
+        return program.judge
     problem = program.problem
     if problem.is_plain and not problem.has_calendars:
         return None

@@ -115,7 +115,7 @@ class Rebased:
 
 
 def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
-    """What is left of a frozen problem, before any pass but the merging of pools.
+    """What is left of a frozen problem, before the passes that say what need not be asked.
 
     Raises `PastError` where what is left had to happen before.
     """
@@ -154,6 +154,9 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
                 if (members := tuple(places[i] for i in g.members if i in places))
             ),
             wanted=tuple(places[i] for i in problem.wanted if i in places),
+            sequel=tuple(
+                (places[a], places[b]) for a, b in problem.sequel if a in places and b in places
+            ),
             earlier=_earlier(problem, kept, len(arcs.activities), now),
         ),
         places,

@@ -7,7 +7,7 @@ orders are given up, as few as possible: first it is found which can be finished
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import combinations
@@ -50,11 +50,12 @@ from irc.worth import worth
 if TYPE_CHECKING:
     from irc.backend import Engine
 
+Judge = Callable[[Schedule], str | None]
+
 GIVEN_UP_TRIED = 200
 """So many choices of orders to give up are tried at most, smaller ones first."""
 
 _PASSES = (
-    order_from_state,
     reduce_transitively,
     drop_uncontended,
     heads_and_tails,
@@ -123,10 +124,12 @@ def solve_step(
     problem = merge_pools(lower(task, instants))
     problem = replace(problem, stability=means.stability)
     frozen = _frozen(task, problem, history, at)
-    solver = _Solver(task, frozen, backend, engine, means)
+    solver = _Solver(task, frozen, history, at, backend, engine, means)
     with refusals_told(task):
         outcome, whole, given_up = solver.best()
-    outcome = _with_status(outcome, frozen, history, given_up)
+    if outcome.schedule is not None:
+        told = with_status(outcome.schedule, frozen, history, given_up)
+        outcome = replace(outcome, schedule=told)
     schedule = finish(task, whole, outcome, means.target, time.perf_counter() - began)
     notes = outcome.notes
     if schedule.answered:
@@ -174,6 +177,8 @@ class _Solver:
 
     task: Task
     frozen: Frozen
+    history: History
+    at: Number
     backend: Backend
     engine: Engine
     means: Means
@@ -205,7 +210,7 @@ class _Solver:
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers."""
-        frozen = with_groups(self.frozen, given_up)
+        frozen = order_from_state(with_groups(self.frozen, given_up))
         whole, impossible = _passed(frozen)
         if impossible is not None:
             return impossible, whole
@@ -215,14 +220,22 @@ class _Solver:
         if missing is not None:
             raise EngineMissing(missing)
         if self.backend.begins_now:
-            return self._from_now(frozen, whole), whole
+            return self._from_now(frozen, whole, given_up), whole
         return self._solved(whole), whole
 
-    def _solved(self, problem: Problem) -> Outcome:
-        program = Program(self.backend, self.task, problem)
+    def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
+        program = Program(self.backend, self.task, problem, judge=judge)
         return self.engine.solve(program, self.means.limits, self.means.on_progress)
 
-    def _from_now(self, frozen: Problem, whole: Problem) -> Outcome:
+    def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
+        """What the validator has against a whole history; None: nothing."""
+        from irc.validation import validate
+
+        told = with_status(schedule, self.frozen, self.history, given_up)
+        verdict = validate(self.task, told, self.at)
+        return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
+
+    def _from_now(self, frozen: Problem, whole: Problem, given_up: Sequence[int]) -> Outcome:
         """The outcome of what is left, with the history before it."""
         now = self.frozen.now
         try:
@@ -232,7 +245,18 @@ class _Solver:
         left, impossible = _passed(rebased.problem)
         if impossible is not None:
             return impossible
-        found = self._solved(left) if left.has_contention else _by_critical_path(left)
+        if whole.bound.value - now > left.bound.value:
+            left = replace(left, bound=replace(whole.bound, value=whole.bound.value - now))
+
+        def judge(schedule: Schedule) -> str | None:
+            """What the validator says of a plan with the history before it."""
+            try:
+                merged = rebased.merged(whole, schedule)
+            except AnswerError as error:
+                return str(error)
+            return self.judged(merged, given_up)
+
+        found = self._solved(left, judge) if left.has_contention else _by_critical_path(left)
         if found.schedule is None:
             return found
         try:
@@ -296,12 +320,10 @@ def _value(problem: Problem, outcome: Outcome) -> tuple[Number, ...]:
     return tuple(-values[n] if n == "reward" else values[n] for n in problem.levels)
 
 
-def _with_status(
-    outcome: Outcome, frozen: Frozen, history: History, given_up: Sequence[int]
-) -> Outcome:
+def with_status(
+    schedule: Schedule, frozen: Frozen, history: History, given_up: Sequence[int]
+) -> Schedule:
     """The entries of what was cancelled, or ran for an order that is given up, say so."""
-    if outcome.schedule is None:
-        return outcome
     groups = frozen.problem.groups
     kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
     lost = {
@@ -316,8 +338,7 @@ def _with_status(
         status = None if before is None else before.status
         return replace(entry, status=ABANDONED if entry.id in lost else status)
 
-    entries = tuple(told(entry) for entry in outcome.schedule.entries)
-    return replace(outcome, schedule=replace(outcome.schedule, entries=entries))
+    return replace(schedule, entries=tuple(told(entry) for entry in schedule.entries))
 
 
 def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:

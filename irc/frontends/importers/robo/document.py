@@ -193,6 +193,9 @@ def _lag(part: Part, items: Mapping[str, Item]) -> Lag | None:
     most = fields["max_lag"].time() if "max_lag" in fields else None
     if before is None or after is None or least is None:
         return None
+    if before == after:
+        part.fault(f"the action {before!r} cannot be timed after itself")
+        return None
     return Lag(before, after, least, most, part)
 
 
@@ -250,7 +253,11 @@ def read_counts(part: Part | None) -> dict[str, int]:
 
 
 def _members(part: Part | None) -> list[tuple[str, Part]]:
-    return [] if part is None else list(part.members().items())
+    """The members of an object by name, after a fault for a name that is empty."""
+    members = {} if part is None else part.members()
+    if "" in members:
+        members.pop("").fault("a name must not be empty", key=True)
+    return list(members.items())
 
 
 def _known(part: Part, name: str, known: Collection[str], what: str) -> bool:

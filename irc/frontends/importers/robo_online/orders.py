@@ -87,11 +87,15 @@ class _Progress:
 
 @dataclass
 class _Draft:
-    """An order that is being taken: its new actions, and all that must be done for it."""
+    """An order that is being taken: its new actions, and all that must be done for it.
+
+    `sound` says that all of it could be taken.
+    """
 
     order: Order
     own: list[Raw] = field(default_factory=list)
     all: list[str] = field(default_factory=list)
+    sound: bool = True
 
     @property
     def optional(self) -> bool:
@@ -154,7 +158,7 @@ class Book:
         drafts = [_Draft(order) for order in orders if self._is_new(order)]
         for draft in drafts:
             for wish in draft.order.wishes:
-                self._process(wish, draft, new)
+                draft.sound &= self._process(wish, draft, new)
         for draft in drafts:
             self._stack(draft, new)
             self._finish(draft, new)
@@ -172,21 +176,21 @@ class Book:
 
     # --- processing ---
 
-    def _process(self, wish: Wish, draft: _Draft, new: Additions) -> None:
-        """Takes an item on to the state that an order wants of it."""
+    def _process(self, wish: Wish, draft: _Draft, new: Additions) -> bool:
+        """Takes an item on to the state that an order wants of it; tells where it cannot."""
         progress = self.items[wish.item]
         try:
             steps = progress.steps_on_to(wish.state)
         except UnreachableError as error:
             wish.part.fault(str(error))
-            return
+            return False
         able = [self._able(step, wish.part) for step in steps]
-        if not all(able):
-            return
-        if draft.optional:
-            self._leave_open(wish, steps, draft)
-        else:
+        if not all(able) or (draft.optional and not self._may_choose(wish, steps, draft)):
+            return False
+        if not draft.optional:
             self._oblige(progress)
+        elif steps:  # It need no longer end where an obligation wants it to come to.
+            self._goals.pop(wish.item, None)
         draft.all += progress.actions
         for step in steps:
             self._declare(progress, new)
@@ -196,6 +200,7 @@ class Book:
             progress.chosen.update(action_id(step.action, step.item) for step in steps)
         elif progress.steps:
             self._goals[wish.item] = {"var": wish.item, "value": progress.state}
+        return True
 
     def _able(self, step: Step, part: Part) -> bool:
         """Whether the kitchen can take a step; tells where it cannot."""
@@ -217,18 +222,18 @@ class Book:
                 progress.chosen.discard(name)
                 self._goals[name] = name
 
-    def _leave_open(self, wish: Wish, steps: Sequence[Step], draft: _Draft) -> None:
-        """An order that may be left alone takes the item on; it need not end where it did."""
+    def _may_choose(self, wish: Wish, steps: Sequence[Step], draft: _Draft) -> bool:
+        """Whether an order that may be left alone has an action to say so by; tells where not."""
         progress = self.items[wish.item]
-        if steps:
-            self._goals.pop(wish.item, None)
-            return
-        tied = not progress.steps or wish.item in draft.order.stacked
-        if not tied and (progress.chosen or draft.order.deadline is not None):
-            wish.part.fault(
-                f"another goal makes {wish.item!r} {wish.state!r} already, so this order, "
-                "which may be left alone, has no say in whether or when"
-            )
+        if steps or not progress.steps or wish.item in draft.order.stacked:
+            return True
+        if not progress.chosen and draft.order.deadline is None:
+            return True
+        wish.part.fault(
+            f"another goal makes {wish.item!r} {wish.state!r} already, so this order, "
+            "which may be left alone, has no say in whether or when"
+        )
+        return False
 
     def _declare(self, progress: _Progress, new: Additions) -> None:
         """The state variable of an item that can be in several states, with its first action."""
@@ -262,7 +267,7 @@ class Book:
         if draft.own:
             take(order.cost, draft.own[0])
             self.consumed |= {name for name, amount in order.cost.items() if amount}
-        elif draft.optional:
+        elif draft.optional and draft.sound:
             order.part.fault("it holds already, so there is nothing to choose")
         new.actions += draft.own
         self._actions.update(action["id"] for action in draft.own)
