@@ -13,14 +13,13 @@ from irc.cli.planning import (
     end_with,
     one_standard_input,
     read_schedule,
-    require_sound,
+    read_sound_task,
     require_task,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.files import write_whole
 from irc.frontends.convert import written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
-from irc.frontends.files import read_task
 from irc.model import Task
 from irc.online import apply
 from irc.online.execution import Execution
@@ -48,8 +47,7 @@ def replan_file(
     """Replans a task's schedule as of a time, shows the step and writes what was asked for."""
     with errors_told(format):
         one_standard_input(format, file, schedule, *named)
-        task = read_task(file).task
-        require_sound(task)
+        task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
         events = _events(task, named, moment)
