@@ -50,7 +50,7 @@ def replan_file(
         task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
-        events = _events(task, named, moment)
+        events = _events(task, named, moment, format)
         step = _step(_running(task, before, source, moment, planning), events)
         _write(step, output, task_output)
         if format is Format.json:
@@ -67,14 +67,14 @@ def replan_file(
         end_with([step.schedule.status])
 
 
-def _events(task: Task, named: Sequence[str], at: Number) -> list[PlacedEvent]:
+def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
     """The events that are named, or else the task's own at the time. Raises `InputError`."""
     if not named:
         own = enumerate(task.events)
         return [_own(task, i) for i, event in own if task.number(event.at) == at]
     events: list[PlacedEvent] = []
     for name in named:
-        found = [_named(task, name)] if name.startswith("#") else _from_file(name, at)
+        found = [_named(task, name)] if name.startswith("#") else _from_file(name, at, format)
         for placed in found:
             _require_time(task, placed, at)
         events += found
@@ -100,8 +100,11 @@ def _named(task: Task, name: str) -> PlacedEvent:
     raise InputError(Report((finding,)))
 
 
-def _from_file(path: str, at: Number) -> list[PlacedEvent]:
-    return read_events(path, json_number(at))
+def _from_file(path: str, at: Number, format: Format) -> list[PlacedEvent]:
+    events, notes, source = read_events(path, json_number(at))
+    if format is Format.text:
+        tell_notes(notes, source)
+    return events
 
 
 def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:

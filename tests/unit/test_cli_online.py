@@ -67,6 +67,18 @@ def test_an_event_or_a_list_of_them_comes_from_standard_input(van: Path, documen
     assert starts(step["schedule"]) == {"ann": 0, "bob": 12}
 
 
+def test_events_are_found_in_a_language_models_answer(van: Path) -> None:
+    answer = f"Sure [1]:\n```json\n{json.dumps([{'changes': [LONGER]}], indent=1)}\n```\nDone."
+    result = replan("3", "--event", "-", input=answer)
+    assert result.exit_code == 0
+    assert "note[IRC003]: there is a code fence around the JSON document" in result.stderr
+    assert "moved 1: bob 10 → 12" in result.stdout
+    wrong = answer.replace("ann", "anne")
+    told = replan("3", "--event", "-", input=wrong).stderr
+    assert "<stdin>:8:15" in told
+    assert "did you mean `ann`?" in told
+
+
 def test_several_events_are_taken_in_their_order(van: Path) -> None:
     (van / "one.json").write_text(json.dumps([{"changes": [LONGER]}, {"changes": []}]))
     added = {"op": "add_actions", "actions": [{"id": "eve", "duration": 1}]}
