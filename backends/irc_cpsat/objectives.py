@@ -64,7 +64,7 @@ def values_of(builder: Builder, latest: cp_model.IntVar, literals: Claims) -> di
 
 def _changes(builder: Builder, literals: Claims) -> Expression:
     """How many activities are not where the earlier schedule has them."""
-    changed: list[Literal] = []
+    changed: list[Expression] = []
     for i, earlier in enumerate(builder.problem.earlier):
         if earlier is None:
             continue
