@@ -9,23 +9,29 @@ deadlines or fixed starts defeat it there simply is none.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from heapq import heappop, heappush
 
-from irc.problem import Activity, Problem
+from irc.problem import Activity, Claim, Earlier, Problem
 from irc.profile import NEVER, Profile
 from irc.retime import Decision
 
 Choice = tuple[int, ...]
 
+Found = tuple[list[Decision], list[Choice]]
+"""Starts and ends in ticks, and for each activity the shared resource of each claim."""
+
 
 def list_schedule(
-    problem: Problem, priorities: Sequence[int] | None = None
-) -> tuple[list[Decision], list[Choice]] | None:
+    problem: Problem,
+    priorities: Sequence[int] | None = None,
+    floors: Sequence[int] | None = None,
+) -> Found | None:
     """Starts and ends in ticks, and for each activity the shared resource of each claim.
 
     Whatever has the least of the `priorities` comes first where precedence leaves a choice; by
-    default what is fixed, and then what is most urgent. None where the rule finds no schedule that
-    keeps every window and lag.
+    default what is fixed, and then what is most urgent. Nothing starts before its floor. None where
+    the rule finds no schedule that keeps every window and lag.
     """
     if priorities is None:
         priorities = [
@@ -48,6 +54,8 @@ def list_schedule(
     for i in order:
         activity = problem.activities[i]
         start = _ready(problem, i, incoming[i], decisions)
+        if floors is not None:
+            start = max(start, floors[i])
         if activity.start is not None:
             start = max(start, activity.start)
         placed = _place(activity, start, profiles)
@@ -58,24 +66,51 @@ def list_schedule(
     return (decisions, choices) if _keeps_windows(problem, decisions) else None
 
 
-def quick_schedule(problem: Problem) -> tuple[list[Decision], list[Choice]] | None:
-    """The quick schedule; where there is an earlier one, the better of two: by the order of the
-    earlier one (what is fixed first, what is new last), and by the rule.
+def quick_schedule(problem: Problem) -> Found | None:
+    """The quick schedule. Where there is an earlier one, the best of three, and of equals the one
+    that moves least: by the rule, in the order of the earlier one, and with nothing sooner than in
+    that.
     """
     by_rule = list_schedule(problem)
     if not any(problem.earlier):
         return by_rule
-    as_before = list_schedule(problem, [_place_before(problem, i) for i in _all(problem)])
-    if by_rule is None or as_before is None:
-        return by_rule or as_before
-    return min(as_before, by_rule, key=lambda found: max(int(d.end) for d in found[0]))
+    as_before = _with_resources_of_before(problem)
+    order = [_place_before(problem, i) for i in range(len(problem.activities))]
+    floors = [0 if earlier is None else earlier.start for earlier in problem.earlier]
+    found = (list_schedule(as_before, order, floors), list_schedule(as_before, order), by_rule)
+    return min((f for f in found if f), key=lambda f: _quality(problem, f), default=None)
 
 
-def _all(problem: Problem) -> range:
-    return range(len(problem.activities))
+def _quality(problem: Problem, found: Found) -> tuple[int, int]:
+    decisions, _ = found
+    moved = sum(
+        earlier is not None and decision.start != earlier.start
+        for earlier, decision in zip(problem.earlier, decisions, strict=True)
+    )
+    return max((int(d.end) for d in decisions), default=0), moved
+
+
+def _with_resources_of_before(problem: Problem) -> Problem:
+    """The problem in which each claim looks first at what the earlier schedule took for it."""
+    activities = list(problem.activities)
+    for i, earlier in enumerate(problem.earlier):
+        claims = activities[i].claims
+        if earlier is None or all(len(claim.alternatives) == 1 for claim in claims):
+            continue
+        activities[i] = replace(
+            activities[i], claims=tuple(_first_as_before(problem, c, earlier) for c in claims)
+        )
+    return replace(problem, activities=tuple(activities))
+
+
+def _first_as_before(problem: Problem, claim: Claim, earlier: Earlier) -> Claim:
+    taken = earlier.resources[claim.use]
+    order = sorted(claim.alternatives, key=lambda r: taken not in problem.shared[r].members)
+    return claim._replace(alternatives=tuple(order))
 
 
 def _place_before(problem: Problem, i: int) -> int:
+    """What is fixed comes first, then all in the order of before, then what is new."""
     earlier = problem.earlier[i]
     if earlier is not None:
         return earlier.start
