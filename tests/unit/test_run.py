@@ -253,6 +253,10 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     result = CliRunner().invoke(build_app(), ["run", str(file)])
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--stdio" in result.stderr
+    run(file, journal=True)
+    code, answers, errors = run(file, journal=True, engine="abacus")
+    assert (code, answers) == (2, [])
+    assert "there is no engine 'abacus'" in errors
     code, answers, errors = run(Path("-"))
     assert (code, answers) == (2, [])
     assert "standard input carries the requests" in errors
