@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from irc.backend import Limits
+from irc.backend import Limits, UnknownTarget, get_backend
 from irc.canonical import task_sha256
 from irc.checks import run_checks
 from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
@@ -38,6 +38,12 @@ class Planning:
     def limits(self) -> Limits:
         """Those of one planning."""
         return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
+
+    def require_engine(self) -> None:
+        """Raises `UnknownTarget` where there is no such target or engine, before it is needed."""
+        engines = get_backend(self.target).engines()
+        if self.engine not in engines:
+            raise UnknownTarget("engine", self.engine, list(engines))
 
     def execution(
         self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None

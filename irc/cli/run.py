@@ -39,6 +39,7 @@ def run_file(
     with errors_told(Format.text), ExitStack() as open_files:
         before = signal.signal(signal.SIGTERM, _ended)
         open_files.callback(signal.signal, signal.SIGTERM, before)
+        planning.require_engine()
         task = read_sound_task(file, Format.text)
         try:
             session = _session(task, schedule, journal, planning, open_files)

@@ -84,7 +84,8 @@ class _Steps:
 
             if self.count:
                 put("")
-            tell_notes(d for d in step.notes if d.code is not Code.LATER_EVENTS)
+            notes = (d for d in step.notes if d.code is not Code.LATER_EVENTS)
+            tell_notes(notes, step.task.source)
             print_step(step, self.before, answer_console())
         self.count += 1
         if step.schedule.answered:

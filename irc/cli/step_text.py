@@ -19,9 +19,11 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
+from irc.online.history import CANCELLED
 from irc.online.replanning import Step
 from irc.online.simulation import Simulation
 from irc.schedule import Entry, Schedule, Status
+from irc.times import Number
 
 _STYLES = {
     Status.OPTIMAL: "bold green",
@@ -93,7 +95,10 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
     for event in step.events:
         for line in changes_in_words(event, unit):
             yield Text(f"  {page.visible(line)}")
-    for title, ids in (("done", step.completed), ("running", step.running)):
+    stopped = {e.id for e in step.schedule.entries if e.status == CANCELLED and e.end == step.at}
+    done = [name for name in step.completed if name not in stopped]
+    running = [name for name in step.running if name not in stopped]
+    for title, ids in (("done", done), ("stopped", sorted(stopped)), ("running", running)):
         if ids:
             yield Text(f"{title} {len(ids):,}: {listed(map(page.visible, ids))}")
     if step.abandoned:
@@ -117,9 +122,16 @@ def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[
     ]
     added = [entry_title(page, entry) for key, entry in now.items() if key not in old]
     gone = [entry_title(page, entry) for key, entry in old.items() if key not in now]
+    ends = [
+        f"{entry_title(page, entry)} {_change(page, old[key].end, entry.end)}"
+        for key, entry in now.items()
+        if key in old and old[key].start == entry.start and old[key].end != entry.end
+    ]
     if step.events or step.moved:
         told = f": {listed(moved)}" if moved else ""
         yield Text(f"moved {step.moved:,}{told}")
+    if ends:
+        yield Text(f"other ends: {listed(ends)}")
     if added:
         yield Text(f"new in the plan: {listed(added)}")
     if gone:
@@ -130,14 +142,16 @@ def _difference(page: Page, old: Entry, new: Entry) -> str:
     """How an entry differs from what it was: "10 → 14", "on robot2"; empty where not at all."""
     told = []
     if old.start != new.start:
-        told.append(f"{grouped(old.start)} {page.glyphs.arrow} {grouped(new.start)}")
-    elif old.end != new.end:
-        told.append(f"ends {grouped(old.end)} {page.glyphs.arrow} {grouped(new.end)}")
+        told.append(_change(page, old.start, new.start))
     if old.resources != new.resources and new.resources:
         told.append(f"on {entry_resources(page, new)}")
     if old.mode != new.mode and new.mode is not None:
         told.append(f"as {page.visible(new.mode)}")
     return ", ".join(told)
+
+
+def _change(page: Page, old: Number, new: Number) -> str:
+    return f"{grouped(old)} {page.glyphs.arrow} {grouped(new)}"
 
 
 def _worth(page: Page, schedule: Schedule, unit: str) -> Text:

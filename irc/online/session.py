@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Self
 
-from irc.backend import EngineFailed, EngineMissing
+from irc.backend import EngineFailed, EngineMissing, UnknownTarget
 from irc.canonical import task_sha256
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.frontends.events import PlacedEvent
@@ -124,7 +124,7 @@ class Session:
             self.execution = before
             message = error.report.errors[0].message
             return Answer(_with_id(name, self._refused(message, error.report)))
-        except (EngineFailed, EngineMissing) as error:
+        except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
             return Answer(_with_id(name, self._refused(str(error))))
         self._record(source.text, step)

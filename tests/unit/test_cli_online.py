@@ -92,17 +92,26 @@ def test_several_events_are_taken_in_their_order(van: Path) -> None:
 def test_the_text_says_what_happened_what_is_settled_and_what_moved(van: Path) -> None:
     (van / "jam.json").write_text(json.dumps({"id": "jam", "changes": [LONGER]}))
     lines = replan("4", "--event", "jam.json", "-o", "new.json").stdout.splitlines()
-    assert lines[:5] == [
+    assert lines[:6] == [
         "at 4 min: jam  optimal",
         "  ann takes 12 min",
         "running 1: ann",
         "moved 1: bob 10 → 12",
+        "other ends: ann 10 → 12",
         "makespan 22 min, changes 1",
     ]
     assert [line.split() for line in lines[-2:]] == [
         ["ann", "0", "12", "van", "running"],
         ["bob", "12", "22", "van", "was", "10"],
     ]
+
+
+def test_what_is_stopped_while_it_runs_is_not_called_done(van: Path) -> None:
+    event = {"changes": [{"op": "cancel_actions", "actions": ["ann"]}]}
+    result = replan("4", "--event", "-", input=json.dumps(event))
+    lines = result.stdout.splitlines()
+    assert lines[1:4] == ["  cancelled: ann", "stopped 1: ann", "moved 1: bob 10 → 4"]
+    assert lines[-2].split() == ["ann", "0", "4", "van", "cancelled"]
 
 
 def test_the_next_step_goes_on_from_what_the_last_one_wrote(van: Path) -> None:

@@ -15,11 +15,14 @@ from typer.testing import CliRunner
 
 import irc
 from crash_runs import MODES, Kitchen
-from irc.backend import EngineFailed
+from irc.backend import EngineFailed, Limits
 from irc.cli.app import build_app
-from irc.online import Execution
+from irc.online import Execution, replan
+from irc.online.journal import Journal
 from irc.online.protocol import MAX_LINE
 from irc.online.session import Session
+from irc.schedule import Schedule
+from oracles.online_random import play
 
 VAN: dict[str, Any] = {
     "name": "van",
@@ -250,9 +253,42 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     result = CliRunner().invoke(build_app(), ["run", str(file)])
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--stdio" in result.stderr
+    run(file, journal=True)
+    code, answers, errors = run(file, journal=True, engine="abacus")
+    assert (code, answers) == (2, [])
+    assert "there is no engine 'abacus'" in errors
     code, answers, errors = run(Path("-"))
     assert (code, answers) == (2, [])
     assert "standard input carries the requests" in errors
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
+    seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limits = Limits(20.0, None, 1, 0)
+    first, *more = play(seed, None, lambda t, s, at, e: replan(t, s, at, e, limits=limits))
+    journal, _ = Journal.open(path := tmp_path / "run.journal")
+
+    def begun(schedule: Schedule) -> Execution:
+        return Execution(first.task, schedule, limits=limits)
+
+    held = Session.start(begun(first.schedule), journal)
+    states = [held.state()]
+    for event in (event for played in (first, *more) for event in played.events):
+        document = event.model_dump(mode="json", by_alias=True, exclude_unset=True)
+        assert told(held, json.dumps({"do": "apply", "event": document, "replan": True}))["ok"]
+        states.append(held.state())
+    journal.close()
+    monkeypatch.setattr("irc.online.execution.solve_step", None)
+    lines = path.read_bytes().splitlines(keepends=True)
+    for count, state in enumerate(states, 1):
+        path.write_bytes(b"".join(lines[:count]))
+        journal, found = Journal.open(path)
+        with journal:
+            assert found is not None
+            again = Session.resume(begun, first.task, journal, found)
+        assert again.state() == state
 
 
 # --- crashes ------------------------------------------------------------------------------------
