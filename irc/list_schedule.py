@@ -8,55 +8,14 @@ deadlines or fixed starts defeat it there simply is none.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Sequence
 from heapq import heappop, heappush
 
-from irc.problem import Activity, Problem, Shared
+from irc.problem import Activity, Problem
+from irc.profile import NEVER, Profile
 from irc.retime import Decision
 
 Choice = tuple[int, ...]
-
-_NEVER = 1 << 62
-"""Later than any time: what waits for it finds no place."""
-
-
-class _Profile:
-    """How much of one shared resource is in use, or never there: a step function of time."""
-
-    def __init__(self, shared: Shared) -> None:
-        self.capacity = shared.capacity
-        base = shared.capacity if shared.base is None else shared.base
-        self.times = [0]
-        self.used = [shared.capacity - base]
-        for window in shared.windows:
-            self.take(window.start, window.end, base - window.capacity)
-
-    def blocked_until(self, start: int, end: int, amount: int) -> int | None:
-        """None if `amount` more fits throughout [start, end), else the next time worth trying."""
-        k = bisect_right(self.times, start) - 1
-        limit = self.capacity - amount
-        while k < len(self.times) and self.times[k] < end:
-            if self.used[k] > limit:
-                while k < len(self.times) and self.used[k] > limit:
-                    k += 1
-                return self.times[k] if k < len(self.times) else _NEVER
-            k += 1
-        return None
-
-    def take(self, start: int, end: int, amount: int) -> None:
-        """Adds `amount` over [start, end)."""
-        first, last = self._split(start), self._split(end)
-        for k in range(first, last):
-            self.used[k] += amount
-
-    def _split(self, time: int) -> int:
-        k = bisect_right(self.times, time) - 1
-        if self.times[k] != time:
-            k += 1
-            self.times.insert(k, time)
-            self.used.insert(k, self.used[k - 1])
-        return k
 
 
 def list_schedule(
@@ -70,7 +29,7 @@ def list_schedule(
     """
     if priorities is None:
         priorities = [
-            -(a.duration_min + tail) if a.start is None else a.start - _NEVER
+            -(a.duration_min + tail) if a.start is None else a.start - NEVER
             for a, tail in zip(problem.activities, problem.tails, strict=True)
         ]
     order = _order(problem, priorities)
@@ -83,7 +42,7 @@ def list_schedule(
     incoming: list[list[int]] = [[] for _ in problem.activities]
     for k, arc in enumerate(problem.arcs):
         incoming[arc.after].append(k)
-    profiles = [_Profile(shared) for shared in problem.shared]
+    profiles = [Profile(shared) for shared in problem.shared]
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
     for i in order:
@@ -121,7 +80,7 @@ def _place_before(problem: Problem, i: int) -> int:
     if earlier is not None:
         return earlier.start
     fixed = problem.activities[i].start
-    return _NEVER if fixed is None else fixed - _NEVER
+    return NEVER if fixed is None else fixed - NEVER
 
 
 def quick_makespan(problem: Problem) -> int | None:
@@ -167,7 +126,7 @@ def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[De
     return start
 
 
-def _place(activity: Activity, start: int, profiles: list[_Profile]) -> tuple[int, Choice] | None:
+def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
     """The first time from `start` on at which every claim fits, and what it takes."""
     duration = activity.duration_min
     if not activity.claims or not duration:
@@ -193,7 +152,7 @@ def _place(activity: Activity, start: int, profiles: list[_Profile]) -> tuple[in
                     return None
                 later = soonest
                 break
-        if later == _NEVER:
+        if later == NEVER:
             return None
         if later is None:
             for r, amount in needed.items():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ortools.sat.python import cp_model
 
+from irc.passes.grid import grid_of
 from irc.problem import Activity
 from irc_cpsat.names import name_of
 
@@ -16,10 +17,19 @@ if TYPE_CHECKING:
     Claims = Sequence[Sequence[Sequence[tuple[int, Literal]]]]
 
 
+MAKESPANS = 5_000
+"""With more than so many possible ones the makespan is any number in between."""
+
+
 def makespan(builder: Builder) -> cp_model.IntVar:
-    """A variable that no end is behind."""
+    """A variable that no end is behind; with bounds one of the makespans of best schedules."""
     least = builder.problem.bound.value if builder.bounds else 0
-    latest = builder.model.new_int_var(least, builder.horizon, "makespan")
+    domain = cp_model.Domain(least, builder.horizon)
+    grid = grid_of(builder.problem)
+    if builder.bounds and 1 < grid.count(least, builder.horizon) <= MAKESPANS:
+        last = grid.up(builder.horizon)
+        domain = cp_model.Domain.from_values([*grid.between(least, last)])
+    latest = builder.model.new_int_var_from_domain(domain, "makespan")
     for i in range(len(builder.starts)):
         tail = builder.problem.tails[i] if builder.bounds else 0
         builder.enforced(builder.model.add(latest >= builder.end(i) + tail), i)
@@ -54,7 +64,7 @@ def values_of(builder: Builder, latest: cp_model.IntVar, literals: Claims) -> di
 
 def _changes(builder: Builder, literals: Claims) -> Expression:
     """How many activities are not where the earlier schedule has them."""
-    changed: list[Literal] = []
+    changed: list[Expression] = []
     for i, earlier in enumerate(builder.problem.earlier):
         if earlier is None:
             continue

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from irc.backend import Program
     from irc.compiler import Answer
     from irc.frontends.files import Reading
-    from irc.model import Task
-    from irc.times import Number
 
 
 def build_app(only: str | None = None) -> typer.Typer:
@@ -270,6 +268,7 @@ def validate(
     format: FormatOption = Format.text,
 ) -> None:
     """Judge a schedule by the rules alone, with reasons; knows no backend."""
+    from irc.cli.moments import moment_of
     from irc.compiler import validate_schedule
     from irc.frontends.files import read_text
     from irc.frontends.json_document import read_document
@@ -281,7 +280,7 @@ def validate(
         reading = _read(file)
         document = read_document(*read_text(schedule))
         answer = schedule_from_json(document.content, document.source)
-        moment = None if at is None else _moment(reading.task, at, format)
+        moment = None if at is None else moment_of(reading.task, at, format)
         verdict = validate_schedule(reading.task, answer, document.source, at=moment)
         if format is Format.json:
             put_json(verdict.as_json())
@@ -289,15 +288,6 @@ def validate(
             put(str(verdict))
         if not verdict.valid:
             sys.exit(EXIT_INPUT)
-
-
-def _moment(task: Task, text: str, format: Format) -> Number:
-    from irc.times import TimeError, parse_instant
-
-    try:
-        return task.number(parse_instant(text))
-    except TimeError as error:
-        fail(EXIT_USE, f"--at: {error}", format)
 
 
 def convert(

@@ -10,10 +10,10 @@ from irc.backend import Limits
 from irc.canonical import task_sha256
 from irc.checks import run_checks
 from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
-from irc.cli.output import Format, fail
+from irc.cli.output import Format, fail, tell_notes
 from irc.compiler import solve_task
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.frontends.files import STANDARD_INPUT, read_text
+from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json_document import read_document
 from irc.model import Task
 from irc.online.execution import Execution
@@ -108,14 +108,18 @@ def schedule_to_begin_with(path: str, task: Task) -> tuple[Schedule, Source]:
     return schedule, source
 
 
-def require_sound(task: Task) -> None:
-    """Raises `InputError` where a task or one of its events has faults of structure.
+def read_sound_task(file: str, format: Format) -> Task:
+    """The task in a file; notes on its text are told. Raises `InputError` for its faults.
 
-    Whether what is left of it can still be scheduled is not judged: that is what planning finds.
+    Whether all of it can still be scheduled is not judged: that is what planning finds.
     """
-    report = run_checks(task, lint=False).report
+    reading = read_task(file)
+    if format is Format.text:
+        tell_notes(reading.notes, reading.task.source)
+    report = run_checks(reading.task, lint=False).report
     if any(not d.code.id.startswith("IRC3") for d in report.errors):
         raise InputError(report)
+    return reading.task
 
 
 def end_with(statuses: Sequence[Status]) -> None:

@@ -6,21 +6,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from irc.canonical import task_sha256
-from irc.cli import EXIT_USE
-from irc.cli.output import Format, errors_told, fail, put_json, say, tell_notes
+from irc.cli.moments import moment_of
+from irc.cli.output import Format, errors_told, put_json, say, tell_notes
 from irc.cli.planning import (
     Planning,
     end_with,
     one_standard_input,
     read_schedule,
-    require_sound,
+    read_sound_task,
     require_task,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.files import write_whole
 from irc.frontends.convert import written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
-from irc.frontends.files import read_task
 from irc.model import Task
 from irc.online import apply
 from irc.online.execution import Execution
@@ -30,7 +29,7 @@ from irc.online.simulation import in_order
 from irc.schedule import Schedule, dump_json
 from irc.source import Source
 from irc.suggest import closest
-from irc.times import Number, TimeError, format_number, json_number, parse_instant
+from irc.times import Number, TimeError, format_number, json_number
 
 STEP_VERSION = "1"
 
@@ -48,11 +47,10 @@ def replan_file(
     """Replans a task's schedule as of a time, shows the step and writes what was asked for."""
     with errors_told(format):
         one_standard_input(format, file, schedule, *named)
-        task = read_task(file).task
-        require_sound(task)
-        moment = _moment(task, at, format)
+        task = read_sound_task(file, format)
+        moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
-        events = _events(task, named, moment)
+        events = _events(task, named, moment, format)
         step = _step(_running(task, before, source, moment, planning), events)
         _write(step, output, task_output)
         if format is Format.json:
@@ -69,25 +67,14 @@ def replan_file(
         end_with([step.schedule.status])
 
 
-def _moment(task: Task, at: str, format: Format) -> Number:
-    """The time that --at names, in the task's unit; ends with wrong use where it names none."""
-    try:
-        moment = task.number(parse_instant(at))
-    except TimeError as error:
-        fail(EXIT_USE, f"--at {at}: {error}", format)
-    if moment < 0:
-        fail(EXIT_USE, f"--at {at}: the task begins at 0, so nothing can happen before", format)
-    return moment
-
-
-def _events(task: Task, named: Sequence[str], at: Number) -> list[PlacedEvent]:
+def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
     """The events that are named, or else the task's own at the time. Raises `InputError`."""
     if not named:
         own = enumerate(task.events)
         return [_own(task, i) for i, event in own if task.number(event.at) == at]
     events: list[PlacedEvent] = []
     for name in named:
-        found = [_named(task, name)] if name.startswith("#") else _from_file(name, at)
+        found = [_named(task, name)] if name.startswith("#") else _from_file(name, at, format)
         for placed in found:
             _require_time(task, placed, at)
         events += found
@@ -113,8 +100,11 @@ def _named(task: Task, name: str) -> PlacedEvent:
     raise InputError(Report((finding,)))
 
 
-def _from_file(path: str, at: Number) -> list[PlacedEvent]:
-    return read_events(path, json_number(at))
+def _from_file(path: str, at: Number, format: Format) -> list[PlacedEvent]:
+    events, notes, source = read_events(path, json_number(at))
+    if format is Format.text:
+        tell_notes(notes, source)
+    return events
 
 
 def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:

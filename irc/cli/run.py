@@ -16,11 +16,11 @@ from irc.cli.output import Format, errors_told, fail, say, tell_notes
 from irc.cli.planning import (
     Planning,
     end_with,
-    require_sound,
+    read_sound_task,
     schedule_to_begin_with,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.frontends.files import STANDARD_INPUT, read_task
+from irc.frontends.files import STANDARD_INPUT
 from irc.model import Task
 from irc.online.journal import Journal, JournalError
 from irc.online.protocol import MAX_LINE
@@ -36,10 +36,10 @@ def run_file(
         fail(EXIT_USE, "say where requests come from: --stdio", Format.text)
     if STANDARD_INPUT in (file, schedule):
         fail(EXIT_USE, "standard input carries the requests: name a file", Format.text)
-    signal.signal(signal.SIGTERM, _ended)
     with errors_told(Format.text), ExitStack() as open_files:
-        task = read_task(file).task
-        require_sound(task)
+        before = signal.signal(signal.SIGTERM, _ended)
+        open_files.callback(signal.signal, signal.SIGTERM, before)
+        task = read_sound_task(file, Format.text)
         try:
             session = _session(task, schedule, journal, planning, open_files)
             _serve(session, sys.stdin.buffer)

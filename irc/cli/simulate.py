@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+from irc.cli import EXIT_INPUT
 from irc.cli.output import Format, errors_told, put, put_json, say, tell_notes
 from irc.cli.planning import (
     Planning,
     end_with,
     one_standard_input,
-    require_sound,
+    read_sound_task,
     schedule_to_begin_with,
 )
 from irc.cli.replan import STEP_VERSION
 from irc.diagnostics import Code
 from irc.files import write_folder, write_whole
-from irc.frontends.files import read_task
 from irc.online.replanning import Step
 from irc.online.simulation import Simulation, simulate
 from irc.schedule import Schedule, dump_json
-from irc.validation import validate
+from irc.validation import Verdict, validate
 
 
 def simulate_file(
@@ -35,8 +36,7 @@ def simulate_file(
     """Simulates a task, shows every step as it comes, and writes what was asked for."""
     with errors_told(format):
         one_standard_input(format, file, schedule)
-        task = read_task(file).task
-        require_sound(task)
+        task = read_sound_task(file, format)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
         told = _Steps(steps, format)
         simulation = simulate(
@@ -50,13 +50,18 @@ def simulate_file(
         )
         if output is not None and simulation.final.answered:
             write_whole(output, dump_json(simulation.final.as_json()))
+        verdict = _verdict(simulation)
         if format is Format.json:
-            put_json(simulation.as_json())
-        else:
+            judged = None if verdict is None else verdict.as_json()
+            put_json({**simulation.as_json(), "verdict": judged})
+        elif verdict is not None:
             _print_end(simulation)
+            put(str(verdict))
             if output is not None and simulation.final.answered:
                 say(f"wrote {output}")
         end_with([step.schedule.status for step in simulation.steps])
+        if verdict is not None and not verdict.valid:
+            sys.exit(EXIT_INPUT)
 
 
 @dataclass
@@ -86,14 +91,23 @@ class _Steps:
             self.before = step.schedule
 
 
+def _last(simulation: Simulation) -> Step | None:
+    """The last step that has a schedule."""
+    answered = [step for step in simulation.steps if step.schedule.answered]
+    return answered[-1] if answered else None
+
+
+def _verdict(simulation: Simulation) -> Verdict | None:
+    """What the validator says of the whole history, for the task as all events have revised it."""
+    last = _last(simulation)
+    return None if last is None else validate(last.task, last.schedule, last.at)
+
+
 def _print_end(simulation: Simulation) -> None:
     """The whole history and what it came to."""
     from irc.cli.page import answer_console
     from irc.cli.step_text import print_end
 
-    answered = [step for step in simulation.steps if step.schedule.answered]
-    if not answered:
-        return
-    last = answered[-1]
-    print_end(simulation, last, answer_console())
-    put(str(validate(last.task, last.schedule)))
+    last = _last(simulation)
+    if last is not None:
+        print_end(simulation, last, answer_console())

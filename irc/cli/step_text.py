@@ -44,7 +44,7 @@ def print_step(step: Step, before: Schedule | None, console: Console) -> None:
         return
     if before is not None:
         _print_wrapped(page, console, _movements(page, step, before, unit))
-    _print_wrapped(page, console, [_worth(page, step.schedule, unit)])
+    _print_wrapped(page, console, [_worth(page, step.schedule, unit), *_left_out(page, step)])
 
 
 def print_history(step: Step, before: Schedule | None, console: Console) -> None:
@@ -73,7 +73,8 @@ def print_end(simulation: Simulation, last: Step, console: Console) -> None:
         f"moved {simulation.moved:,} in all",
     ]
     console.print()
-    _print_wrapped(page, console, [Text(", ".join(told)), _worth(page, simulation.final, unit)])
+    _print_wrapped(page, console, [Text(", ".join(told)), _worth(page, last.schedule, unit)])
+    _print_wrapped(page, console, _left_out(page, last))
 
 
 def _print_wrapped(page: Page, console: Console, texts: Iterator[Text] | list[Text]) -> None:
@@ -97,7 +98,9 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
             yield Text(f"{title} {len(ids):,}: {listed(map(page.visible, ids))}")
     if step.abandoned:
         yield Text(f"abandoned half-done: {listed(map(page.visible, step.abandoned))}", "yellow")
-    if step.schedule.status is Status.INFEASIBLE:
+    if step.schedule.status is Status.INFEASIBLE and not step.at and not step.events:
+        yield Text("no schedule exists, events or not: `irc explain` says why", "red")
+    elif step.schedule.status is Status.INFEASIBLE:
         yield Text("no schedule continues what has run; the plan of before stays on record", "red")
     elif not step.schedule.answered:
         yield Text("no schedule was found within the limits", "yellow")
@@ -147,6 +150,14 @@ def _worth(page: Page, schedule: Schedule, unit: str) -> Text:
             f"{value.name} {with_unit(value.value, unit) if _is_time(value.name) else shown}"
         )
     return Text(", ".join(told))
+
+
+def _left_out(page: Page, step: Step) -> Iterator[Text]:
+    """The optional groups of which nothing is planned or has run."""
+    present = {entry.id for entry in step.schedule.entries}
+    groups = [g for g in step.task.groups if not g.required and present.isdisjoint(g.actions)]
+    if groups:
+        yield Text(f"left out: {listed(page.visible(group.id) for group in groups)}")
 
 
 def _is_time(objective: str) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.frontends.files import read_text
-from irc.frontends.json_value import read_value
+from irc.frontends.json_value import find_value
 from irc.frontends.shape import to_task
 from irc.model import Event
 from irc.source import Pointer, Source
@@ -35,19 +35,21 @@ class PlacedEvent:
         return Report(tuple(moved), self.source)
 
 
-def read_events(path: str, at: int | float | str) -> list[PlacedEvent]:
-    """The events in a file ("-": standard input); those without a time come at `at`.
+def read_events(
+    path: str, at: int | float | str
+) -> tuple[list[PlacedEvent], tuple[Diagnostic, ...], Source]:
+    """The events in a file ("-": standard input), notes on its text, and the text.
 
-    Raises `InputError` with every fault of syntax and shape.
+    Events without a time come at `at`. Raises `InputError` with every fault of syntax and shape.
     """
-    raw, source = read_value(*read_text(path), _EXPECTED)
+    raw, source, notes = find_value(*read_text(path), _EXPECTED)
     elements = raw if isinstance(raw, list) else [raw]
 
     def place(i: int) -> Pointer:
         return (i,) if isinstance(raw, list) else ()
 
     events = to_events(elements, place, at, source)
-    return [PlacedEvent(event, place(i), source) for i, event in enumerate(events)]
+    return [PlacedEvent(event, place(i), source) for i, event in enumerate(events)], notes, source
 
 
 def to_events(

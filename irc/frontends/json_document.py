@@ -142,7 +142,7 @@ def read_document(text: str, name: str) -> RawDocument:
         if not found:
             raise _faults(text, failed[-1] if failed else start, name, findings)
     start, end, content = _only(found, text, name, findings)
-    _note_surroundings(text, start, end, findings)
+    note_surroundings(text, start, end, findings)
     source = Source(name, text, _locator(start))
     if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
         raise _faults(text, start, name, findings)
@@ -209,9 +209,9 @@ def _locator(start: int) -> Any:
     return locate
 
 
-def json_source(name: str, text: str) -> Source:
-    """The source of a text that is one JSON value, whatever it stands for."""
-    return Source(name, text, _locator(0))
+def json_source(name: str, text: str, start: int = 0) -> Source:
+    """The source of a text that holds one JSON value from `start` on, whatever it stands for."""
+    return Source(name, text, _locator(start))
 
 
 _Found = tuple[int, int, dict[str, Any]]
@@ -264,7 +264,8 @@ def _only(found: list[_Found], text: str, name: str, findings: Findings) -> _Fou
     return first
 
 
-def _note_surroundings(text: str, start: int, end: int, findings: Findings) -> None:
+def note_surroundings(text: str, start: int, end: int, findings: Findings) -> None:
+    """Notes what stands around the JSON of a text, if anything does."""
     before, after = text[:start].strip(), text[end:].strip()
     if before or after:
         fenced = bool(_FENCE.search(text[:start]))

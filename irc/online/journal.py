@@ -81,6 +81,8 @@ class Journal:
         After a `JournalError` nothing can be appended any more: what a disk has kept of a failed
         write is known only once the journal is opened again.
         """
+        if self._file.closed:
+            raise JournalError(f"the journal {str(self._path)!r} cannot be written any more")
         line = _line(self._lines, entry.encode())
         end = self._file.tell()
         try:
@@ -142,7 +144,7 @@ class Journal:
         texts, kept = _sound_lines(data, str(self._path))
         notes: tuple[Diagnostic, ...] = ()
         if kept < len(data):
-            notes = (_torn(data[:kept].count(b"\n") + 1),)
+            notes = (_torn(data, kept, len(texts), str(self._path)),)
             self._file.truncate(kept)
             os.fsync(self._file.fileno())
         self._file.seek(kept)
@@ -170,8 +172,7 @@ def _sound_lines(data: bytes, name: str) -> tuple[list[str], int]:
         end = data.find(b"\n", kept)
         text = None if end < 0 else _entry(data[kept:end], len(texts))
         if text is None:
-            last = end < 0 or end + 1 == len(data)
-            if not last or (not texts and not _is_begun(data[kept:])):
+            if not _is_torn(data[kept:]) or (not texts and not _is_begun(data[kept:])):
                 raise _damaged(data, kept, len(texts), name)
             break
         texts.append(text)
@@ -192,6 +193,22 @@ def _entry(line: bytes, number: int) -> str | None:
         return None
 
 
+def _is_torn(rest: bytes) -> bool:
+    """Whether what is left of a journal is a last line that was never written to its end.
+
+    It has no line end, or it has and a block of it before is missing. What is whole and only
+    wrong was acknowledged: that is damage.
+    """
+    if b"\n" not in rest:
+        return True
+    line, _, more = rest.partition(b"\n")
+    try:
+        json.loads(line)
+    except (ValueError, RecursionError):
+        return not more
+    return False
+
+
 def _is_begun(line: bytes) -> bool:
     """Whether a torn first line is that of a journal: no other file is ever cut."""
     return line.startswith(_BEGINNING) or _BEGINNING.startswith(line)
@@ -200,7 +217,7 @@ def _is_begun(line: bytes) -> bool:
 def _damaged(data: bytes, at: int, number: int, name: str) -> InputError:
     text = data.decode("utf-8", "replace")
     offset = len(data[:at].decode("utf-8", "replace"))
-    if number:
+    if number or _is_begun(data):
         message = f"line {number + 1} of the journal is damaged: {_reason(data[at:], number)}"
         hint = (
             "nothing can be told of what came from there on; keep the file, and restore it from a "
@@ -222,11 +239,16 @@ def _reason(rest: bytes, number: int) -> str:
     return "its contents do not match its checksum"
 
 
-def _torn(line: int) -> Diagnostic:
+def _torn(data: bytes, at: int, number: int, name: str) -> Diagnostic:
+    text = data.decode("utf-8", "replace")
     return Diagnostic(
         Code.TORN_JOURNAL,
-        f"line {line}, the last of the journal, was cut off and has been dropped",
+        f"line {number + 1}, the last of the journal, was cut off and has been dropped",
         hint="nothing need be done: it was never acknowledged; send that request again",
+        offset=len(data[:at].decode("utf-8", "replace")),
+        line=number + 1,
+        column=1,
+        within=Source(name, text),
     )
 
 

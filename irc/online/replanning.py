@@ -39,6 +39,7 @@ from irc.online.state import Key, key_of
 from irc.passes import order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
+from irc.passes.grid import bound_on_grid
 from irc.passes.reduction import reduce_transitively
 from irc.pipeline import refusals_told
 from irc.problem import Problem
@@ -60,6 +61,7 @@ _PASSES = (
     drop_uncontended,
     heads_and_tails,
     resource_bounds,
+    bound_on_grid,
 )
 
 

@@ -31,6 +31,7 @@ from irc.online.protocol import (
     to_request,
 )
 from irc.online.replanning import Step
+from irc.online.simulation import in_order
 from irc.schedule import Schedule, schedule_from_json
 from irc.times import json_number
 
@@ -149,6 +150,10 @@ class Session:
             "running": [entry.id for entry in state.running],
             "open": [entry.id for entry in state.open],
             "replan_needed": bool(execution.pending),
+            "events": [
+                {"id": event.id, "at": json_number(execution.task.number(event.at))}
+                for event in in_order(execution.task)
+            ],
             "task_sha256": task_sha256(execution.task),
             "schedule": execution.schedule.as_json(),
         }

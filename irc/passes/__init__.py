@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
+from irc.passes.grid import bound_on_grid
 from irc.passes.mandatory import mandatory_part
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
@@ -49,6 +50,7 @@ PASSES: tuple[Pass, ...] = (
     drop_uncontended,
     heads_and_tails,
     resource_bounds,
+    bound_on_grid,
 )
 
 

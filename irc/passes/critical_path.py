@@ -1,10 +1,11 @@
-"""Heads, tails and the critical path: what precedence and lags alone say about time."""
+"""Heads, tails and the critical path: what precedence, lags and what is fixed say about time."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from irc.network import earliest
+from irc.passes.fixed_load import release_behind_fixed
 from irc.passes.mandatory import mandatory_part, mandatory_places
 from irc.problem import Bound, Problem
 from irc.timing import timing_network
@@ -13,13 +14,18 @@ from irc.timing import timing_network
 def heads_and_tails(problem: Problem) -> Problem:
     """Fills `heads` and `tails`, and raises the bound to the critical path.
 
-    Only what every schedule contains counts. Heads of the others are their releases.
+    Only what every schedule contains counts. Heads of the others are their releases. What holds
+    its resources at fixed times is waited for.
 
     Raises `ValueError` where the network has a contradiction; the checks tell of it before.
     """
-    core = mandatory_part(problem)
-    if core is not problem:
-        return _of_core(problem, heads_and_tails(core))
+    released = release_behind_fixed(problem)
+    core = mandatory_part(released)
+    found = _of_network(released) if core is released else _of_core(released, _of_network(core))
+    return replace(problem, heads=found.heads, tails=found.tails, bound=found.bound)
+
+
+def _of_network(problem: Problem) -> Problem:
     timing = timing_network(problem)
     points, network = timing.points, timing.network
     forward = earliest(network, timing.floors)

@@ -85,8 +85,11 @@ class Occurrence(NamedTuple):
 
     @property
     def ends_freely(self) -> bool:
-        """Whether its duration was chosen, so that its end has a rank of its own."""
-        return self.shortest != self.longest
+        """Whether its duration was chosen, so that its end has a rank of its own.
+
+        What has ended keeps the rank that it had, though an observation has fixed its duration.
+        """
+        return self.shortest != self.longest or self.rank != self.end_rank
 
     @property
     def cancelled(self) -> bool:
@@ -181,7 +184,9 @@ def _occurrence(
         shortest = longest = None if duration is None else clock.number(duration)
     if entry.status == CANCELLED and longest is not None:
         shortest = 0
-    end_rank = entry.rank if entry.end_rank is None or shortest == longest else entry.end_rank
+    past = None if at is None else _past(entry, action, (shortest, longest), clock, at)
+    tied = shortest == longest and not (past is not None and past.over)
+    end_rank = entry.rank if entry.end_rank is None or tied else entry.end_rank
     return Occurrence(
         number,
         entry,
@@ -193,7 +198,7 @@ def _occurrence(
         entry.end,
         entry.rank,
         end_rank,
-        None if at is None else _past(entry, action, (shortest, longest), clock, at),
+        past,
     )
 
 

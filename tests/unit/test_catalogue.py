@@ -78,9 +78,9 @@ def test_of_the_good_example_nothing_is_to_be_said(entry: Entry, tmp_path: Path)
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
-def test_an_entry_says_where_unless_an_engine_is_at_fault(entry: Entry) -> None:
+def test_an_entry_says_where_unless_no_text_is_at_fault(entry: Entry) -> None:
     places = re.findall(rf"^  --> {re.escape(entry.file)}:\d+:\d+$", entry.told, re.MULTILINE)
-    assert places or entry.code in (Code.DAMAGED, Code.NO_ANSWER)
+    assert places or entry.code in (Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED)
 
 
 def test_an_entry_is_written_in_sentences() -> None:

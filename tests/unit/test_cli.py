@@ -584,6 +584,23 @@ def test_validate_rejects_with_reasons(kitchen: Path, tmp_path: Path) -> None:
         assert message in result.stdout
 
 
+def test_validate_as_of_a_time_carries_what_only_history_causes(tmp_path: Path) -> None:
+    document = {"actions": [{"id": "a", "duration": 3, "deadline": 2}], "time_unit": "min"}
+    task = written(tmp_path, document, "task.json")
+    entries = {"actions": [{"id": "a", "start": 0, "end": 3}]}
+    schedule = written(tmp_path, entries, "schedule.json")
+    result = run("validate", task, schedule, "--at", "90 s")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "note: 1 violation carried, which only what began before 1.5 min causes" in result.stdout
+    assert run("validate", task, schedule, "--at", "0").exit_code == 1
+    verdict = json.loads(run("validate", task, schedule, "--at", "1.5", "--format", "json").stdout)
+    assert (verdict["valid"], verdict["at"]) == (True, 1.5)
+    assert [v["rule"] for v in verdict["carried"]] == ["deadline"]
+    result = run("validate", task, schedule, "--at", "soon")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "--at" in result.stderr
+
+
 def test_a_schedule_of_another_task_is_not_judged(kitchen: Path, tmp_path: Path) -> None:
     out = tmp_path / "schedule.json"
     run("solve", kitchen, "-o", out)

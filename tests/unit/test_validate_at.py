@@ -279,6 +279,18 @@ def test_an_open_effect_that_breaks_what_runs_is_a_violation(ranks: dict[str, in
 
 
 @RANKS
+def test_what_runs_and_breaks_what_is_planned_is_a_violation(ranks: dict[str, int]) -> None:
+    task = lamp(
+        act("runs", 9, effects=[on("end", False)]),
+        act("plan", 4, conditions=[on("all")]),
+        initial=True,
+    )
+    runs = Entry("runs", 0, 9)
+    assert judged(task, 3, runs, Entry("plan", 7, 11, **ranks)) == (["state"], [])
+    assert judged(task, 3, runs, Entry("plan", 4, 8, **ranks)) == ([], [])
+
+
+@RANKS
 def test_what_history_broke_and_mended_is_not_to_be_broken_again(ranks: dict[str, int]) -> None:
     task = lamp(
         act("runs", 9, conditions=[on("all")]),
@@ -352,6 +364,19 @@ def test_history_keeps_the_ranks_that_it_was_given() -> None:
     assert judged(task, 4, light, Entry("need", 1, 6, rank=1), plan) == ([], [])
     ranked = Entry("plan", 8, 9, rank=1)
     assert judged(task, 4, light, Entry("need", 1, 6), ranked) == ([], ["state", "interference"])
+
+
+def test_what_has_ended_keeps_the_rank_of_its_end_when_an_observation_fixes_its_duration() -> None:
+    task = lamp(
+        act("light", 5, effects=[on("end")]),
+        act("watch", {"min": 1, "max": 9}, conditions=[on("end")]),
+        act("plan", 1),
+    )
+    entries = Entry("light", 0, 5), Entry("watch", 0, 5, end_rank=1), Entry("plan", 6, 7)
+    assert judged(task, 6, *entries) == ([], [])
+    change = {"op": "observe", "action": "watch", "started": 0, "finished": 5}
+    observed = apply(task, Event(at=6, changes=[change]))
+    assert judged(observed, 6, *entries) == ([], ["rank"])
 
 
 def test_a_history_that_some_ranks_explain_is_not_to_blame() -> None:

@@ -42,14 +42,14 @@ def test_what_is_cancelled_costs_and_is_worth_nothing_to_itself_or_its_group() -
     problem = problem_of(act("a", reward=3, cost=2, due=0), act("b"), groups=[group])
     cut, b = Entry("a", 0, 1, status="cancelled"), Entry("b", 0, 2)
     values = worth(problem, Schedule((cut, b)))
-    assert values == {"makespan": 2, "tardiness": 0, "reward": 0, "cost": 2}
+    assert values == {"makespan": 2, "tardiness": 0, "reward": 0, "cost": 2, "changes": 0}
 
 
 def test_what_is_abandoned_is_worth_what_it_is_and_its_group_nothing() -> None:
     group = {"id": "g", "actions": ["a", "b"], "reward": 10, "due": 0, "required": False}
     problem = problem_of(act("a", reward=3, cost=2, due=1), act("b"), groups=[group])
     values = worth(problem, Schedule((Entry("a", 0, 2, status="abandoned"),)))
-    assert values == {"makespan": 2, "tardiness": 1, "reward": 3, "cost": 2}
+    assert values == {"makespan": 2, "tardiness": 1, "reward": 3, "cost": 2, "changes": 0}
 
 
 def test_losses_and_refunds_are_kept_with_their_signs() -> None:

@@ -1,0 +1,87 @@
+"""Kills `irc run --stdio --journal` at random points and counts what it forgot: nothing may be.
+
+After each kill a new process is started on the same journal. Every request that was acknowledged
+must be in the recovered state, at most the one in flight besides, and the state must equal that of
+a session in this process that is told the same and never killed. Half of the kills come after a
+random time, half as soon as the journal has grown: between the write and the acknowledgement. At
+the end of each journal it is also cut at every byte of its last line.
+
+    python benchmarks/online_crash.py [--kills 200] [--seed 0]
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from crash_runs import MODES, Kitchen, LostError
+from irc.online.journal import Journal
+
+KILLS_PER_JOURNAL = 20
+
+
+def main() -> int:
+    """Prints how many kills lost nothing; the exit status says whether all did."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    good = done = kept = requests = cuts = 0
+    while done < options.kills:
+        with tempfile.TemporaryDirectory() as folder:
+            draw = random.Random(f"{options.seed} {done}")
+            kitchen = Kitchen(Path(folder), draw)
+            for _ in range(min(KILLS_PER_JOURNAL, options.kills - done)):
+                done += 1
+                try:
+                    kitchen.crash(MODES[done % len(MODES)])
+                    _look_again(kitchen)
+                    good += 1
+                except LostError as error:
+                    print(f"kill {done}: {error}")
+            kept += kitchen.unacknowledged_kept
+            requests += len(kitchen.acknowledged)
+            cuts += _cut_everywhere(kitchen.journal)
+            print(f"{good}/{done} kills lost nothing", flush=True)
+    print(f"{requests:,} requests acknowledged, {kept} more kept that were in flight")
+    print(f"{cuts:,} torn last lines dropped, each with all lines before it kept")
+    print(f"{good}/{options.kills}")
+    return 0 if good == options.kills else 1
+
+
+def _look_again(kitchen: Kitchen) -> None:
+    """Starts a process on the journal that a kill has left, and lets it end in peace."""
+    process = kitchen.start()
+    assert process.stdin is not None
+    kitchen.check(kitchen.read(process))
+    process.stdin.close()
+    if process.wait(60) != 0:
+        raise LostError(f"ended with {process.returncode} at the end of its input")
+    assert process.stdout is not None
+    process.stdout.close()
+
+
+def _cut_everywhere(journal: Path) -> int:
+    """Cuts a copy of the journal at every byte of its last line; how many cuts there were."""
+    data = journal.read_bytes()
+    begin = data.rstrip(b"\n").rfind(b"\n") + 1
+    lines = data.count(b"\n")
+    copy = journal.with_name("cut.journal")
+    for end in range(begin + 1, len(data)):
+        copy.write_bytes(data[:end])
+        opened, found = Journal.open(copy)
+        opened.close()
+        if found is None or len(found.entries) != lines - 2 or len(found.notes) != 1:
+            raise LostError(f"cut after {end - begin} bytes of the last line: {found}")
+        if copy.read_bytes() != data[:begin]:
+            raise LostError("the torn line was not cut off")
+    return len(data) - begin - 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

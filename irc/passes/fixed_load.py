@@ -1,0 +1,77 @@
+"""What is fixed holds its resources: others can be released no earlier than there is room.
+
+A running action, a maintenance with a fixed start, a calendar: before these have let go, who needs
+what they hold cannot start. Heads, bounds and the grid of times all profit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irc.problem import Activity, Claim, Problem
+from irc.profile import NEVER, Profile
+
+
+def release_behind_fixed(problem: Problem) -> Problem:
+    """Raises each release to the first time at which there is room beside all that is fixed."""
+    fixed = [i for i, a in enumerate(problem.activities) if _is_settled(a)]
+    calendars = any(shared.windows for shared in problem.shared)
+    if not fixed and not calendars:
+        return problem
+    profiles = [Profile(shared) for shared in problem.shared]
+    for i in fixed:
+        activity = problem.activities[i]
+        start = activity.start or 0
+        for claim in _certain(activity):
+            if len(claim.alternatives) == 1:
+                end = start + activity.duration_min
+                profiles[claim.alternatives[0]].take(start, end, claim.amount)
+    activities = tuple(
+        activity if activity.start is not None else _released(activity, profiles)
+        for activity in problem.activities
+    )
+    return replace(problem, activities=activities)
+
+
+def _is_settled(activity: Activity) -> bool:
+    details = activity.details
+    return (
+        activity.start is not None
+        and activity.duration_min > 0
+        and not details.optional
+        and details.repeats is None
+    )
+
+
+def _certain(activity: Activity) -> list[Claim]:
+    """What it claims in every mode."""
+    return [c for c in activity.claims if activity.details.use_mode(c.use) is None]
+
+
+def _released(activity: Activity, profiles: list[Profile]) -> Activity:
+    if not activity.claims or not activity.duration_min:
+        return activity
+    claims = _certain(activity)
+    start, settled = activity.release, False
+    while not settled:
+        settled = True
+        for claim in claims:
+            soonest = _soonest(claim, start, start + activity.duration_min, profiles)
+            if soonest >= NEVER:
+                return activity  # It has no room at all, as others will tell.
+            if soonest > start:
+                start, settled = soonest, False
+    return activity if start == activity.release else replace(activity, release=start)
+
+
+def _soonest(claim: Claim, start: int, end: int, profiles: list[Profile]) -> int:
+    """A time from `start` on before which no alternative has room."""
+    soonest = NEVER
+    for r in claim.alternatives:
+        if claim.amount > profiles[r].capacity:
+            continue
+        blocked = profiles[r].blocked_until(start, end, claim.amount)
+        if blocked is None:
+            return start
+        soonest = min(soonest, blocked)
+    return soonest

@@ -1,0 +1,79 @@
+"""The times that a makespan can have: not every tick, where durations are far apart.
+
+Fix the choices and the order on every resource as some optimal schedule has them. In the least
+solution of the resulting temporal network, which is optimal too, every time is a floor plus the
+lengths of edges (`irc.horizon`). So it is congruent to some floor, modulo what divides all edges.
+An event at t = 2.29 makes ticks of 0.01, yet durations of whole seconds leave two residues: those
+of 0 and of 0.29. A bound of 51.97 is one of 52 then, and proofs are shorter by as much.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import gcd
+
+from irc.problem import Bound, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Times that are one of the `residues` (in order) modulo `step` ticks."""
+
+    step: int
+    residues: tuple[int, ...]
+
+    def up(self, time: int) -> int:
+        """The first time of the grid that is not before `time`."""
+        base, rest = divmod(time, self.step)
+        k = bisect_left(self.residues, rest)
+        if k == len(self.residues):
+            return (base + 1) * self.step + self.residues[0]
+        return base * self.step + self.residues[k]
+
+    def between(self, first: int, last: int) -> Iterator[int]:
+        """The times of the grid from `first` to `last`, both included."""
+        time = self.up(first)
+        while time <= last:
+            yield time
+            time = self.up(time + 1)
+
+    def count(self, first: int, last: int) -> int:
+        """About how many there are."""
+        return (1 + (last - first) // self.step) * len(self.residues)
+
+
+def grid_of(problem: Problem) -> Grid:
+    """The grid of the makespans of best schedules.
+
+    Where heads are known they are the floors: they are implied, and on the grid themselves.
+    """
+    step = 0
+    floors = {0}
+    for i, activity in enumerate(problem.activities):
+        if activity.start is not None and activity.is_fixed:
+            floors.update((activity.start, activity.start + activity.duration_min))
+            continue
+        head = problem.heads[i] if problem.heads else activity.release
+        floors.add(head if activity.start is None else activity.start)
+        step = gcd(step, activity.duration_min, activity.duration_max)
+        for mode in activity.details.modes:
+            step = gcd(step, mode.duration_min, mode.duration_max)
+    for arc in problem.arcs:
+        step = gcd(step, arc.min_lag, arc.max_lag or 0)
+    for resource in problem.resources:
+        floors.update(time for window in resource.windows for time in (window.start, window.end))
+    if problem.stability or "changes" in problem.objectives:
+        # What stays where an earlier schedule has it has its start as its floor.
+        floors.update(earlier.start for earlier in problem.earlier if earlier is not None)
+    step = step or 1 + max(floors)
+    return Grid(step, tuple(sorted({floor % step for floor in floors})))
+
+
+def bound_on_grid(problem: Problem) -> Problem:
+    """Raises the bound to the next time that a makespan can have."""
+    value = grid_of(problem).up(problem.bound.value)
+    if value == problem.bound.value:
+        return problem
+    return replace(problem, bound=Bound(value, problem.bound.reason))

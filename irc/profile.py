@@ -1,0 +1,48 @@
+"""How much of a shared resource is in use, over time."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+
+from irc.problem import Shared
+
+NEVER = 1 << 62
+"""Later than any time: what waits for it finds no place."""
+
+
+class Profile:
+    """How much of one shared resource is in use, or never there: a step function of time."""
+
+    def __init__(self, shared: Shared) -> None:
+        self.capacity = shared.capacity
+        base = shared.capacity if shared.base is None else shared.base
+        self.times = [0]
+        self.used = [shared.capacity - base]
+        for window in shared.windows:
+            self.take(window.start, window.end, base - window.capacity)
+
+    def blocked_until(self, start: int, end: int, amount: int) -> int | None:
+        """None if `amount` more fits throughout [start, end), else the next time worth trying."""
+        k = bisect_right(self.times, start) - 1
+        limit = self.capacity - amount
+        while k < len(self.times) and self.times[k] < end:
+            if self.used[k] > limit:
+                while k < len(self.times) and self.used[k] > limit:
+                    k += 1
+                return self.times[k] if k < len(self.times) else NEVER
+            k += 1
+        return None
+
+    def take(self, start: int, end: int, amount: int) -> None:
+        """Adds `amount` over [start, end)."""
+        first, last = self._split(start), self._split(end)
+        for k in range(first, last):
+            self.used[k] += amount
+
+    def _split(self, time: int) -> int:
+        k = bisect_right(self.times, time) - 1
+        if self.times[k] != time:
+            k += 1
+            self.times.insert(k, time)
+            self.used.insert(k, self.used[k - 1])
+        return k
