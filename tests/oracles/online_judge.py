@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import irc
 from irc.model import Event, Task
+from irc.model.events import AddActions
 from irc.online import apply
 from irc.online.replanning import Step
 from irc.schedule import Entry, Schedule, Status
@@ -81,7 +82,7 @@ def judge_step(
         found.faults += _history(facts, step.schedule, at)
         found.faults += _snapshot(old, facts, step, found.over, at)
         found.faults += _valid(task, old, facts, step, at)
-    _compare(found, task, facts, step, max_situations)
+    _compare(found, task, facts, step, _world(before, task, events), max_situations)
     if not found.infeasible:
         found.faults += _needlessly_moved(task, old, facts, step, found.over, at)
     return found
@@ -92,6 +93,19 @@ def _revised(task: Task, old: Schedule, events: Sequence[Event]) -> Task:
     for event in events:
         task = apply(task, event, starts)
     return task
+
+
+def _world(before: Task, task: Task, events: Sequence[Event]) -> list[str]:
+    """The actions that stand for changes of the world: they came in, and no event added them."""
+    known = {action.id for action in before.actions}
+    known |= {
+        action.id
+        for event in events
+        for change in event.changes
+        if isinstance(change, AddActions)
+        for action in change.actions
+    }
+    return [action.id for action in task.actions if action.id not in known]
 
 
 def _history(facts: Sequence[Frozen], schedule: Schedule, at: Number) -> Iterator[str]:
@@ -161,11 +175,16 @@ def _valid(
 
 
 def _compare(
-    found: Judgement, task: Task, facts: Sequence[Frozen], step: Step, max_situations: int
+    found: Judgement,
+    task: Task,
+    facts: Sequence[Frozen],
+    step: Step,
+    world: Sequence[str],
+    max_situations: int,
 ) -> None:
     """Against the exact continuation, where that can be had."""
     try:
-        exact = continuation(task, facts, step.at, found.over, max_situations=max_situations)
+        exact = continuation(task, facts, step.at, found.over, world, max_situations=max_situations)
     except NotCompared as error:
         found.why_not = str(error)
         return
