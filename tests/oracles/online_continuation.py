@@ -294,7 +294,7 @@ class _Draft:
             "consumes": action.consumes,
             "produces": action.produces,
             "cost": action.cost,
-            "deadline": None if fact.is_settled else self._limit(action),
+            "deadline": None if fact.is_settled else self._later_limit(fact, action),
         }
         if fact.cancelled:
             fields["conditions"] = [c for c in action.conditions if c.at != "end"]
@@ -341,6 +341,11 @@ class _Draft:
             if action.id in g.actions and not self._given_up_before(g)
         ]
         return min((self.source.number(d) for d in stated if d is not None), default=None)
+
+    def _later_limit(self, fact: Frozen, action: Action) -> Number | None:
+        """As `_limit`, but no earlier than what runs can end at all."""
+        limit = self._limit(action)
+        return None if limit is None else max(limit, fact.least)
 
     def _own_use(self, action: Action) -> list[dict[str, Any]]:
         return [u.model_dump() for u in self._own_uses(action)]
