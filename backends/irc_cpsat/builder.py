@@ -85,7 +85,7 @@ class Builder:
         self.hint = found if hints else None
         self.ranked = bool(problem.variables)
         self.rank_count = self._rank_count()
-        by_makespan = bounds and problem.objectives[:1] == ("makespan",)
+        by_makespan = bounds and problem.objectives[:1] == ("makespan",) and not problem.stability
         self.horizon = self._horizon(horizon, found[0] if by_makespan and found else None)
         self.problem = within(problem, self.horizon)
         self.sequel = frozenset(problem.sequel)

@@ -282,10 +282,20 @@ def _passed(problem: Problem) -> tuple[Problem, Outcome | None]:
 
 
 def _by_critical_path(problem: Problem) -> Outcome:
+    """Everything as early as it can be: what is too late even so shows that nothing is possible."""
     try:
-        schedule = schedule_of(problem, earliest_schedule(problem))
+        placed = earliest_schedule(problem)
     except AnswerError as error:
         return _impossible(str(error))
+    for i, (activity, place) in enumerate(zip(problem.activities, placed, strict=True)):
+        deadline = problem.effective_deadline(i)
+        if deadline is not None and place.end > deadline:
+            end, limit = problem.time_text(place.end), problem.time_text(deadline)
+            return _impossible(f"{activity.id!r} cannot end before {end}, and must by {limit}")
+        if activity.start is not None and place.start > activity.start:
+            start, fixed = problem.time_text(place.start), problem.time_text(activity.start)
+            return _impossible(f"{activity.id!r} must start at {fixed}, and cannot before {start}")
+    schedule = schedule_of(problem, placed)
     return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
 
 

@@ -83,9 +83,12 @@ def drop_uncontended(problem: Problem) -> Problem:
         enough = {r for r, amount in load.items() if amount <= problem.shared[r].least_capacity}
         if not enough:
             break
+        before = list(activities)
         for i, activity in enumerate(activities):
             if activity.claims:
                 activities[i] = _settle(problem, i, activity, enough, settled)
+        if activities == before:
+            break
     return replace(problem, activities=tuple(activities), settled=settled)
 
 
