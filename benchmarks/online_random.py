@@ -142,7 +142,11 @@ class Run:
             self.fault(figures, operation, seed, [f"{_KINDS[type(error)]}: {error}"], None)
             return
         if self.whole and played:
-            for fault in self.again(played):
+            try:
+                found = list(self.again(played))
+            except (InputError, EngineFailed) as error:
+                found = [f"simulate: {error}"]
+            for fault in found:
                 self.fault(figures, operation, seed, [fault], None)
 
     def again(self, played: Sequence[Played]) -> Iterator[str]:
