@@ -46,6 +46,8 @@ class Judgement:
     compared: bool = False
     equal: bool = False
     why_not: str | None = None
+    worse: str | None = None
+    """What is possible, where an answer that is not called optimal is worth less."""
     over: frozenset[str] = frozenset()
     """All actions that have been cancelled, by this step and before."""
 
@@ -154,6 +156,9 @@ def _snapshot(
     )
     if moved != step.moved:
         yield f"moved: {moved} moved, and it says {step.moved}"
+    told = next((o.value for o in step.schedule.objective if o.name == "changes"), moved)
+    if told != moved:
+        yield f"moved: {moved} moved, and the changes are said to be {told}"
 
 
 def _verdict(task: Task, schedule: Schedule, at: Number) -> list[str]:
@@ -199,20 +204,29 @@ def _compare(
     elif found.infeasible:
         found.faults.append(f"compare: called infeasible, and {_shown(exact)} is possible")
     else:
-        found.faults += _compared(task, exact, step)
-    found.equal = len(found.faults) == before
+        found.faults += _compared(found, task, exact, step)
+    found.equal = len(found.faults) == before and found.worse is None
 
 
-def _compared(task: Task, exact: Continuation, step: Step) -> Iterator[str]:
+def _compared(found: Judgement, task: Task, exact: Continuation, step: Step) -> Iterator[str]:
     assert exact.best is not None
     true = values(task, step.schedule.entries)
     reached = tuple(true[name] for name in exact.objective)
     if len(step.abandoned) != exact.abandoned:
         yield f"abandoned: {len(step.abandoned)} groups, {exact.abandoned} would do"
-    elif reached != exact.best.vector and task.objective[0] != "minimize_changes":
-        optimal = step.schedule.status is Status.OPTIMAL
-        said = "called optimal" if optimal else "not proven"
-        yield f"compare: {reached} ({said}), and {_shown(exact)} is optimal"
+        return
+    if reached == exact.best.vector or task.objective[0] == "minimize_changes":
+        return
+    signs = [-1 if name == "maximize_reward" else 1 for name in exact.objective]
+    better = [s * v for s, v in zip(signs, reached, strict=True)] < [
+        s * v for s, v in zip(signs, exact.best.vector, strict=True)
+    ]
+    if better:
+        yield f"compare: {reached}, and only {_shown(exact)} is possible"
+    elif step.schedule.status is Status.OPTIMAL:
+        yield f"compare: {reached} (called optimal), and {_shown(exact)} is optimal"
+    else:
+        found.worse = f"{reached}, and {_shown(exact)} is optimal"
 
 
 def _shown(exact: Continuation) -> str:
