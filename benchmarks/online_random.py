@@ -131,6 +131,10 @@ class Run:
                 figures.counts["infeasible" if judged.infeasible else "valid"] += 1
                 figures.counts["compared"] += judged.compared
                 figures.counts["equal"] += judged.equal
+                figures.counts["worse"] += judged.worse is not None
+                if self.target != "cpsat" and not one.step.schedule.answered:
+                    figures.counts["unanswered"] += not judged.infeasible
+                    judged.faults[:] = [f for f in judged.faults if not f.startswith("status:")]
                 if judged.why_not is not None:
                     figures.why_not[judged.why_not] += 1
                 if judged.faults:
@@ -138,11 +142,18 @@ class Run:
                     self.fault(figures, operation, seed, judged.faults, one.step)
                     return
         except (InputError, EngineFailed, HangError) as error:
+            if isinstance(error, InputError) and self.target != "cpsat":
+                figures.counts["refused"] += 1
+                return
             figures.counts["steps"] += 1
             self.fault(figures, operation, seed, [f"{_KINDS[type(error)]}: {error}"], None)
             return
         if self.whole and played:
-            for fault in self.again(played):
+            try:
+                found = list(self.again(played))
+            except (InputError, EngineFailed) as error:
+                found = [f"simulate: {error}"]
+            for fault in found:
                 self.fault(figures, operation, seed, [fault], None)
 
     def again(self, played: Sequence[Played]) -> Iterator[str]:
@@ -222,6 +233,9 @@ def main() -> int:
     if total.why_not:
         reasons = "; ".join(f"{why} {n}" for why, n in total.why_not.most_common())
         print(f"not compared: {reasons}")
+    for what in ("worse", "unanswered", "refused"):
+        if total.counts[what]:
+            print(f"{what}: {total.counts[what]}")
     return int(bool(total.faults))
 
 

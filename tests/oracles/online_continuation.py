@@ -141,15 +141,17 @@ def continuation(
     facts: Sequence[Frozen],
     at: Number,
     over: Collection[str] = (),
+    world: Collection[str] = (),
     *,
     max_situations: int = 150_000,
 ) -> Continuation:
     """The best continuation of `facts` from `at`; `over` are the actions that were cancelled.
 
+    `world` are the actions that stand for changes of the world at `at`: facts as well.
     Raises `NotCompared`, or `TooLargeError` from the brute force.
     """
     draft = _Draft(task, facts, at, frozenset(over))
-    _require_peace(draft, max_situations)
+    _require_peace(draft, world, max_situations)
     half_done = draft.half_done()
     for count in range(len(half_done) + 1):
         found: list[Optimum] = []
@@ -174,9 +176,9 @@ def _order(found: Optimum, objective: Sequence[str]) -> tuple[Number, ...]:
     return tuple(s * v for s, v in zip(signs, found.vector, strict=True))
 
 
-def _require_peace(draft: _Draft, max_situations: int) -> None:
+def _require_peace(draft: _Draft, world: Collection[str], max_situations: int) -> None:
     """What started must be possible once time and capacity are relaxed, or it is about state."""
-    if _optimum(draft.past(), max_situations) is None:
+    if _optimum(draft.past(world), max_situations) is None:
         raise NotCompared("a conflict about stock or state that is carried")
 
 
@@ -217,9 +219,10 @@ class _Draft:
 
     # --- the task --------------------------------------------------------------------------------
 
-    def past(self) -> Task:
-        """Only what has started, without anything that is wanted."""
+    def past(self, world: Collection[str]) -> Task:
+        """Only what has happened, without anything that is wanted."""
         actions = [self._fact(fact) for facts in self.facts.values() for fact in facts]
+        actions += [self.actions[name] for name in world]
         return self._made(
             actions=tuple(a.model_copy(update={"deadline": None, "due": None}) for a in actions),
             precedence=tuple(self._precedence({a.id for a in actions}, self.facts)),
@@ -291,7 +294,7 @@ class _Draft:
             "consumes": action.consumes,
             "produces": action.produces,
             "cost": action.cost,
-            "deadline": None if fact.is_settled else self._limit(action),
+            "deadline": None if fact.is_settled else self._later_limit(fact, action),
         }
         if fact.cancelled:
             fields["conditions"] = [c for c in action.conditions if c.at != "end"]
@@ -338,6 +341,11 @@ class _Draft:
             if action.id in g.actions and not self._given_up_before(g)
         ]
         return min((self.source.number(d) for d in stated if d is not None), default=None)
+
+    def _later_limit(self, fact: Frozen, action: Action) -> Number | None:
+        """As `_limit`, but no earlier than what runs can end at all."""
+        limit = self._limit(action)
+        return None if limit is None else max(limit, fact.least)
 
     def _own_use(self, action: Action) -> list[dict[str, Any]]:
         return [u.model_dump() for u in self._own_uses(action)]

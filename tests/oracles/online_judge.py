@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import irc
 from irc.model import Event, Task
+from irc.model.events import AddActions
 from irc.online import apply
 from irc.online.replanning import Step
 from irc.schedule import Entry, Schedule, Status
@@ -45,6 +46,8 @@ class Judgement:
     compared: bool = False
     equal: bool = False
     why_not: str | None = None
+    worse: str | None = None
+    """What is possible, where an answer that is not called optimal is worth less."""
     over: frozenset[str] = frozenset()
     """All actions that have been cancelled, by this step and before."""
 
@@ -81,7 +84,7 @@ def judge_step(
         found.faults += _history(facts, step.schedule, at)
         found.faults += _snapshot(old, facts, step, found.over, at)
         found.faults += _valid(task, old, facts, step, at)
-    _compare(found, task, facts, step, max_situations)
+    _compare(found, task, facts, step, _world(before, task, events), max_situations)
     if not found.infeasible:
         found.faults += _needlessly_moved(task, old, facts, step, found.over, at)
     return found
@@ -92,6 +95,19 @@ def _revised(task: Task, old: Schedule, events: Sequence[Event]) -> Task:
     for event in events:
         task = apply(task, event, starts)
     return task
+
+
+def _world(before: Task, task: Task, events: Sequence[Event]) -> list[str]:
+    """The actions that stand for changes of the world: they came in, and no event added them."""
+    known = {action.id for action in before.actions}
+    known |= {
+        action.id
+        for event in events
+        for change in event.changes
+        if isinstance(change, AddActions)
+        for action in change.actions
+    }
+    return [action.id for action in task.actions if action.id not in known]
 
 
 def _history(facts: Sequence[Frozen], schedule: Schedule, at: Number) -> Iterator[str]:
@@ -140,6 +156,9 @@ def _snapshot(
     )
     if moved != step.moved:
         yield f"moved: {moved} moved, and it says {step.moved}"
+    told = next((o.value for o in step.schedule.objective if o.name == "changes"), moved)
+    if told != moved:
+        yield f"moved: {moved} moved, and the changes are said to be {told}"
 
 
 def _verdict(task: Task, schedule: Schedule, at: Number) -> list[str]:
@@ -161,11 +180,16 @@ def _valid(
 
 
 def _compare(
-    found: Judgement, task: Task, facts: Sequence[Frozen], step: Step, max_situations: int
+    found: Judgement,
+    task: Task,
+    facts: Sequence[Frozen],
+    step: Step,
+    world: Sequence[str],
+    max_situations: int,
 ) -> None:
     """Against the exact continuation, where that can be had."""
     try:
-        exact = continuation(task, facts, step.at, found.over, max_situations=max_situations)
+        exact = continuation(task, facts, step.at, found.over, world, max_situations=max_situations)
     except NotCompared as error:
         found.why_not = str(error)
         return
@@ -180,20 +204,29 @@ def _compare(
     elif found.infeasible:
         found.faults.append(f"compare: called infeasible, and {_shown(exact)} is possible")
     else:
-        found.faults += _compared(task, exact, step)
-    found.equal = len(found.faults) == before
+        found.faults += _compared(found, task, exact, step)
+    found.equal = len(found.faults) == before and found.worse is None
 
 
-def _compared(task: Task, exact: Continuation, step: Step) -> Iterator[str]:
+def _compared(found: Judgement, task: Task, exact: Continuation, step: Step) -> Iterator[str]:
     assert exact.best is not None
     true = values(task, step.schedule.entries)
     reached = tuple(true[name] for name in exact.objective)
     if len(step.abandoned) != exact.abandoned:
         yield f"abandoned: {len(step.abandoned)} groups, {exact.abandoned} would do"
-    elif reached != exact.best.vector and task.objective[0] != "minimize_changes":
-        optimal = step.schedule.status is Status.OPTIMAL
-        said = "called optimal" if optimal else "not proven"
-        yield f"compare: {reached} ({said}), and {_shown(exact)} is optimal"
+        return
+    if reached == exact.best.vector or task.objective[0] == "minimize_changes":
+        return
+    signs = [-1 if name == "maximize_reward" else 1 for name in exact.objective]
+    better = [s * v for s, v in zip(signs, reached, strict=True)] < [
+        s * v for s, v in zip(signs, exact.best.vector, strict=True)
+    ]
+    if better:
+        yield f"compare: {reached}, and only {_shown(exact)} is possible"
+    elif step.schedule.status is Status.OPTIMAL:
+        yield f"compare: {reached} (called optimal), and {_shown(exact)} is optimal"
+    else:
+        found.worse = f"{reached}, and {_shown(exact)} is optimal"
 
 
 def _shown(exact: Continuation) -> str:

@@ -103,6 +103,8 @@ class Moment:
     at: Number
     number: int = 0
     """Tells the events of an execution apart, in the ids of what they add."""
+    seen: frozenset[str] = frozenset()
+    """Actions that were observed: what was seen once is not seen otherwise later."""
 
     @property
     def completed(self) -> list[Entry]:
@@ -127,10 +129,16 @@ class Moment:
 
 
 def next_event(
-    rng: random.Random, task: Task, schedule: Schedule, at: Number, operation: str, number: int = 0
+    rng: random.Random,
+    task: Task,
+    schedule: Schedule,
+    at: Number,
+    operation: str,
+    number: int = 0,
+    seen: frozenset[str] = frozenset(),
 ) -> Event | None:
     """An event with a change of this kind that fits task and plan; None if none is found."""
-    moment = Moment(task, schedule, at, number)
+    moment = Moment(task, schedule, at, number, seen)
     for _ in range(_TRIES):
         changes = _DRAWN[operation](rng, moment)
         if changes is None:
@@ -403,7 +411,7 @@ def _set_objective(rng: random.Random, moment: Moment) -> list[Document] | None:
 def _observe(rng: random.Random, moment: Moment) -> list[Document] | None:
     """A late or an early start, an early or a late end, or that all went as planned."""
     at = moment.at
-    seen = {a.id for a in moment.task.actions if a.start is not None}
+    seen = {a.id for a in moment.task.actions if a.start is not None} | moment.seen
     begun = [
         e
         for e in moment.once([*moment.running, *moment.completed])
@@ -485,9 +493,10 @@ def play(
     rng = random.Random(f"online {operation} {seed}")
     task, schedule, first = _beginning(rng, operation, solve)
     at, events = first
+    seen: frozenset[str] = frozenset()
     for k in range(1 if operation else rng.randint(1, 5)):
         if k:
-            drawn = _drawn(rng, task, schedule, at, operation, k)
+            drawn = _drawn(rng, task, schedule, at, operation, k, seen)
             if drawn is None:
                 return
             at, events = drawn
@@ -496,6 +505,7 @@ def play(
         if not step.schedule.answered:
             return
         task, schedule = step.task, step.schedule
+        seen |= {c.action for event in events for c in event.changes if c.op == "observe"}
 
 
 def _beginning(
@@ -509,25 +519,32 @@ def _beginning(
         schedule = solve(task)
         if not schedule.answered or not schedule.makespan:
             continue
-        drawn = _drawn(rng, task, schedule, 0, operation, 0)
+        drawn = _drawn(rng, task, schedule, None, operation, 0)
         if drawn is not None:
             return task, schedule, drawn
 
 
 def _drawn(
-    rng: random.Random, task: Task, schedule: Schedule, since: Number, operation: str | None, k: int
+    rng: random.Random,
+    task: Task,
+    schedule: Schedule,
+    since: Number | None,
+    operation: str | None,
+    k: int,
+    seen: frozenset[str] = frozenset(),
 ) -> tuple[Number, tuple[Event, ...]] | None:
     """A time after `since`, and what happens then; now and then two events at once."""
     for attempt in range(6):
         at = _time(rng, schedule, since)
         kind = operation or rng.choice(OPERATIONS)
-        event = next_event(rng, task, schedule, at, kind, 10 * k + attempt)
+        event = next_event(rng, task, schedule, at, kind, 10 * k + attempt, seen)
         if event is None:
             continue
         if rng.random() < 0.85:
             return at, (event,)
         # The second is about the same plan; where the first ends what it names, it is left out.
-        more = next_event(rng, task, schedule, at, rng.choice(OPERATIONS), 10 * k + attempt + 500)
+        kind, number = rng.choice(OPERATIONS), 10 * k + attempt + 500
+        more = next_event(rng, task, schedule, at, kind, number, seen)
         if more is not None and _compatible(task, event, more):
             return at, (event, more)
         return at, (event,)
@@ -548,12 +565,13 @@ def _compatible(task: Task, event: Event, more: Event) -> bool:
         return False
 
 
-def _time(rng: random.Random, schedule: Schedule, since: Number) -> Number:
+def _time(rng: random.Random, schedule: Schedule, since: Number | None) -> Number:
     """Mostly amid the plan, on a grid of wholes, halves, thirds or quarters."""
     parts = rng.choice((1, 1, 1, 1, 2, 2, 3, 4))
-    first, last = Fraction(since), Fraction(max(schedule.makespan, since))
+    first = Fraction(since or 0)
+    last = max(Fraction(schedule.makespan), first)
     if rng.random() < 0.06:
-        return exact(last + rng.randint(0, 1))
-    low = first * parts
-    high = max(low, last * parts - 1)
-    return exact(Fraction(rng.randint(-(-low.numerator // low.denominator), int(high) + 1), parts))
+        return exact(last + rng.randint(1, 2) / Fraction(2))
+    # Strictly later: events of one instant are one step.
+    low = int(first * parts) + (1 if since is not None else 0)
+    return exact(Fraction(rng.randint(low, max(low, int(last * parts))), parts))

@@ -13,12 +13,13 @@ robot; whatever starts later takes, in the order of starts, one of the robots th
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
-from math import lcm
+from math import gcd, lcm
 from typing import Any
 
 from ortools.sat.python import cp_model
@@ -528,43 +529,65 @@ def _continuation(known: _Known, frozen: _Plan, at: Fraction, seconds: float) ->
     return model.best(seconds)
 
 
+class _Grid:
+    """The times that need be looked at, numbered in order.
+
+    With all choices made, the earliest starts are sums of durations and lags from the event or from
+    what is frozen. All lengths are multiples of one unit, so the remainders that those have are the
+    only ones; a length moves a time by the same number of places whatever its remainder.
+    """
+
+    def __init__(self, lengths: Sequence[Fraction], bases: Sequence[Fraction]) -> None:
+        common = lcm(*(length.denominator for length in lengths))
+        self.unit = Fraction(gcd(*(int(length * common) for length in lengths)) or 1, common)
+        self.remainders = sorted({base % self.unit for base in bases})
+
+    def length(self, length: Fraction) -> int:
+        return int(length / self.unit) * len(self.remainders)
+
+    def point(self, time: Fraction) -> int:
+        """The last place that is not later than `time`."""
+        within = bisect_right(self.remainders, time % self.unit) - 1
+        return int(time // self.unit) * len(self.remainders) + within
+
+    def time(self, point: int) -> Fraction:
+        whole, within = divmod(point, len(self.remainders))
+        return whole * self.unit + self.remainders[within]
+
+
 class _Model:
     def __init__(self, known: _Known, frozen: _Plan, at: Fraction) -> None:
         self.known, self.frozen = known, frozen
-        times = [at, *(t for run in frozen.values() for t in (run.start, run.end))]
-        times += [job.length for job in known.jobs.values()]
-        times += [limit for job in known.jobs.values() if (limit := known.limit(job)) is not None]
-        times += [lag for _, _, least, most in known.lags for lag in (least, most) if lag]
-        self.scale = lcm(*(time.denominator for time in times))
+        lengths = [job.length for job in known.jobs.values()]
+        lengths += [lag for _, _, least, most in known.lags for lag in (least, most) if lag]
+        self.grid = _Grid(lengths, [at, *(run.start for run in frozen.values())])
         longest = sum(max(job.length, Fraction(0)) for job in known.jobs.values())
         lags = sum(max(least, Fraction(0)) for _, _, least, _ in known.lags)
         latest = max([at, *(run.end for run in frozen.values())])
-        self.horizon = self.ticks(latest + longest + lags)
-        self.at = self.ticks(at)
+        self.horizon = self.grid.point(latest + longest + lags)
+        self.at = self.grid.point(at)
         self.model = cp_model.CpModel()
         self.present = {goal: self.model.new_bool_var(goal) for goal in known.goals}
         self.starts = {name: self._start(name, job) for name, job in known.jobs.items()}
+        self.makespan = self.model.new_int_var(0, self.horizon, "makespan")
         self._orders()
         self._capacities()
         self._stock()
-        self.makespan = self.model.new_int_var(0, self.horizon, "makespan")
         for name in known.jobs:
             self._if_here(self.model.add(self.makespan >= self._end(name)), name)
 
-    def ticks(self, time: Fraction) -> int:
-        return int(time * self.scale)
-
     def _start(self, name: str, job: _Job) -> Any:
         if name in self.frozen:
-            return self.ticks(self.frozen[name].start)
+            return self.grid.point(self.frozen[name].start)
         start = self.model.new_int_var(self.at, self.horizon, name)
         limit = self.known.limit(job)
         if limit is not None:
-            self._if_here(self.model.add(start + self.ticks(job.length) <= self.ticks(limit)), name)
+            ends = start + self.grid.length(job.length)
+            self._if_here(self.model.add(ends <= self.grid.point(limit)), name)
         return start
 
     def _end(self, name: str) -> Any:
-        return self.starts[name] + self.ticks(self.known.jobs[name].length)
+        return self.starts[name] + self.grid.length(self.known.jobs[name].length)
 
     def _here(self, name: str) -> list[Any]:
         """What decides whether an action happens: nothing where it must, or has started."""
@@ -579,30 +602,53 @@ class _Model:
             if before in self.frozen and after in self.frozen:
                 continue
             gap = self.starts[after] - self._end(before)
-            self._if_here(self.model.add(gap >= self.ticks(least)), before, after)
+            self._if_here(self.model.add(gap >= self.grid.length(least)), before, after)
             if most is not None:
-                self._if_here(self.model.add(gap <= self.ticks(most)), before, after)
+                self._if_here(self.model.add(gap <= self.grid.length(most)), before, after)
 
     def _capacities(self) -> None:
-        intervals = {
-            name: self._interval(name, job) for name, job in self.known.jobs.items() if job.length
-        }
+        working = [name for name, job in self.known.jobs.items() if job.length]
         for station, capacity in self.known.stations.items():
-            self._at_most(
-                [i for name, i in intervals.items() if self.known.jobs[name].station == station],
-                capacity,
-            )
+            self._at_most([n for n in working if self.known.jobs[n].station == station], capacity)
         if self.known.robots:
-            self._at_most(list(intervals.values()), len(self.known.robots))
+            self._at_most(working, len(self.known.robots))
 
     def _interval(self, name: str, job: _Job) -> Any:
-        start, size, here = self.starts[name], self.ticks(job.length), self._here(name)
+        start, size, here = self.starts[name], self.grid.length(job.length), self._here(name)
         if here:
             return self.model.new_optional_fixed_size_interval_var(start, size, here[0], name)
         return self.model.new_fixed_size_interval_var(start, size, name)
 
-    def _at_most(self, intervals: list[Any], capacity: int) -> None:
+    def _at_most(self, names: list[str], capacity: int) -> None:
+        intervals = [self._interval(name, self.known.jobs[name]) for name in names]
         self.model.add_cumulative(intervals, [1] * len(intervals), capacity)
+        self._room(names, capacity)
+
+    def _room(self, names: list[str], capacity: int) -> None:
+        """What is still to be done fits between when each unit is free and the makespan.
+
+        This follows from all else, and without it proofs take too long: on a unit there is room
+        for whole units of time only, whatever the remainder of the time at which it is free.
+        """
+        free = [self.grid.point(r.end) for n, r in self.frozen.items() if n in names]
+        free = sorted(point for point in free if point > self.at)
+        free += [self.at] * (capacity - len(free))
+        step = self.grid.length(self.grid.unit)
+        rooms = []
+        for k, point in enumerate(free):
+            room = self.model.new_int_var(0, self.horizon, f"room {k}")
+            used = self.model.new_bool_var(f"uses room {k}")
+            self.model.add(room == 0).only_enforce_if(~used)
+            self.model.add(point + step * room <= self.makespan).only_enforce_if(used)
+            rooms.append(room)
+        work = []
+        for name in names:
+            if name not in self.frozen:
+                here = self._here(name)
+                length = self.grid.length(self.known.jobs[name].length) // step
+                work.append(length * here[0] if here else length)
+        if work:
+            self.model.add(sum(rooms) >= sum(work))
 
     def _stock(self) -> None:
         taken: dict[str, list[Any]] = defaultdict(list)
@@ -630,9 +676,7 @@ class _Model:
         shortest = self._optimise(self.makespan, False, seconds)
         if earned is None or shortest is None:
             raise AssertionError("a continuation was there and is gone")
-        return _Best(
-            finished, (earned if self.known.goals else None, Fraction(shortest, self.scale))
-        )
+        return _Best(finished, (earned if self.known.goals else None, self.grid.time(shortest)))
 
     def _optimise(self, value: Any, greatest: bool, seconds: float) -> int | None:
         """The best of one value, which is kept from then on; None where nothing is possible."""
