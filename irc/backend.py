@@ -194,6 +194,9 @@ class Backend(ABC):
     """Whether, when a running task is planned anew, its engines are better given what is left of
     it, with the present as time 0, than the whole history with what has begun fixed."""
 
+    proves: ClassVar[bool] = True
+    """Whether its engines can be expected to prove that there is no schedule where there is none."""
+
     @abstractmethod
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
         """The files (name → text) and what the names and numbers in them stand for.

@@ -18,6 +18,9 @@ from irc_cpsat.builder import Model
 TIE_BREAK_SECONDS = 0.5
 """So long, at least, is spent on moving less among answers that are equally good."""
 
+TIE_BREAK_SHARE = 0.05
+"""And this part of the time limit."""
+
 _TOLERANCE = 1e-6
 """Bounds are whole numbers; this only undoes their way through a double."""
 
@@ -60,7 +63,7 @@ def solve_levels(built: Model, solve: Solve, seconds: float | None) -> Answer:
             break
         if k == own:
             # It only chooses among equals, and must not take much longer than to find them.
-            patience = max(TIE_BREAK_SECONDS, spent)
+            patience = max(TIE_BREAK_SECONDS, spent, TIE_BREAK_SHARE * (seconds or 0))
             left = patience if left is None else min(left, patience)
         status, solver = solve(built.model, name, left)
         if status == cp_model.MODEL_INVALID:

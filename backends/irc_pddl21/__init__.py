@@ -18,6 +18,7 @@ class Pddl21(Backend):
 
     name: ClassVar[str] = "pddl21"
     begins_now: ClassVar[bool] = True
+    proves: ClassVar[bool] = False
     supports: ClassVar[frozenset[Feature]] = frozenset(
         {
             Feature.DURATION_RANGE,

@@ -53,6 +53,15 @@ if TYPE_CHECKING:
 
 Judge = Callable[[Schedule], str | None]
 
+Found = tuple[Outcome, Problem, tuple[int, ...]]
+"""An outcome, the problem it answers, and the groups given up."""
+
+LEAST_SECONDS = 0.1
+"""An engine is always given so much."""
+
+PROVER = "cpsat"
+"""Says which orders cannot be finished, where the target's engines prove no such thing."""
+
 GIVEN_UP_TRIED = 200
 """So many choices of orders to give up are tried at most, smaller ones first."""
 
@@ -120,7 +129,7 @@ def solve_step(
     began = time.perf_counter()
     state = history.state(at)
     backend = get_backend(means.target)
-    engine = _engine(backend, means.engine)
+    engine = _engine(means.target, means.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     problem = merge_pools(lower(task, instants))
@@ -149,8 +158,8 @@ def solve_step(
     )
 
 
-def _engine(backend: Backend, name: str) -> Engine:
-    engines = backend.engines()
+def _engine(target: str, name: str = "auto") -> Engine:
+    engines = get_backend(target).engines()
     if name not in engines:
         raise UnknownTarget("engine", name, list(engines))
     return engines[name]
@@ -185,30 +194,44 @@ class _Solver:
     engine: Engine
     means: Means
 
-    def best(self) -> tuple[Outcome, Problem, tuple[int, ...]]:
-        """The outcome, the problem it answers, and the groups given up."""
+    def __post_init__(self) -> None:
+        self.began = time.perf_counter()
+
+    def best(self) -> Found:
+        """The best continuation that gives up as few half-done groups as possible."""
         half_done = self.frozen.half_done()
-        tried = 0
-        first: tuple[Outcome, Problem] | None = None
-        for size in range(len(half_done) + 1):
-            found: list[tuple[Outcome, Problem, tuple[int, ...]]] = []
-            for given_up in combinations(half_done, size):
-                outcome, problem = self.attempt(given_up)
-                first = first or (outcome, problem)
-                if outcome.status is Status.UNKNOWN:
-                    # No proof that it must be given up.
-                    return outcome, problem, given_up
-                if outcome.schedule is not None:
-                    found.append((outcome, problem, given_up))
-                tried += 1
-                if tried >= GIVEN_UP_TRIED:
-                    break
-            if found:
-                return min(found, key=lambda f: _value(f[1], f[0]))
-            if tried >= GIVEN_UP_TRIED:
+        nothing, problem = self.attempt(())
+        if nothing.schedule is not None or not half_done:
+            return nothing, problem, ()
+        if nothing.status is Status.UNKNOWN and not self.backend.proves:
+            prover = replace(self, backend=get_backend(PROVER), engine=_engine(PROVER))
+            given_up = prover.best()[2]
+            return (*self.attempt(given_up), given_up) if given_up else (nothing, problem, ())
+        choices = (
+            c for size in range(1, 1 + len(half_done)) for c in combinations(half_done, size)
+        )
+        found: list[Found] = []
+        for tried, given_up in enumerate(choices):
+            if found and len(given_up) > len(found[0][2]):
                 break
-        assert first is not None
-        return *first, ()
+            spent = self.left is not None and self.left <= 0
+            if nothing.status is Status.UNKNOWN or spent or tried >= GIVEN_UP_TRIED:
+                # Without a proof that the others can be finished no more, none is given up.
+                return (replace(nothing, status=Status.UNKNOWN), problem, ())
+            outcome, its = self.attempt(given_up)
+            if outcome.schedule is not None:
+                found.append((outcome, its, given_up))
+            elif outcome.status is Status.UNKNOWN:
+                nothing = outcome
+        if found:
+            return min(found, key=lambda f: _value(f[1], f[0]))
+        return nothing, problem, ()
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until the limit."""
+        seconds = self.means.limits.seconds
+        return None if seconds is None else seconds - (time.perf_counter() - self.began)
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers."""
@@ -227,7 +250,10 @@ class _Solver:
 
     def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
         program = Program(self.backend, self.task, problem, judge=judge)
-        return self.engine.solve(program, self.means.limits, self.means.on_progress)
+        limits = self.means.limits
+        if self.left is not None:
+            limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
+        return self.engine.solve(program, limits, self.means.on_progress)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """What the validator has against a whole history; None: nothing."""
