@@ -19,7 +19,8 @@ def safe_horizon(problem: Problem) -> int:
     What stays where an earlier schedule has it has its start as its floor.
     """
     floor = max((w.end for r in problem.resources for w in r.windows), default=0)
-    floor = max(floor, *(e.start for e in problem.earlier if e is not None), 0)
+    for places in (problem.earlier, *problem.recurring.values()):
+        floor = max((floor, *(place.start for place in places if place is not None)))
     from_start = [0] * len(problem.activities)
     from_end = [0] * len(problem.activities)
     total = 0

@@ -259,7 +259,8 @@ class Problem:
     `heads[i]` is the earliest start of activity i, `tails[i]` the least time between its end and
     the end of the schedule; both follow from precedence, lags and releases alone.
 
-    `earlier` (empty, or one for each activity) says where an earlier schedule has what may move;
+    `earlier` (empty, or one for each activity) says where an earlier schedule has what may move,
+    of an action that repeats the first occurrence, and `recurring` by activity the others;
     `stability` is how much worse, as a fraction, the last objective before "changes" may get to
     move fewer.
     """
@@ -284,6 +285,7 @@ class Problem:
     objectives: tuple[str, ...] = ("makespan",)
     sequel: tuple[tuple[int, int], ...] = ()
     earlier: tuple[Earlier | None, ...] = ()
+    recurring: Mapping[int, tuple[Earlier, ...]] = field(default_factory=dict)
     stability: Fraction = Fraction(0)
 
     def to_units(self, ticks: int) -> Number:

@@ -55,11 +55,14 @@ def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
 
 
 def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
-    """How many activities are not where an earlier schedule, if there is one, has them."""
+    """How many occurrences are not where an earlier schedule, if there is one, has them."""
     return sum(
-        earlier is not None
-        and not any(_as_before(problem, activity, earlier, e) for e in by_id.get(activity.id, ()))
-        for activity, earlier in zip(problem.activities, problem.earlier, strict=False)
+        not any(_as_before(problem, activity, place, e) for e in by_id.get(activity.id, ()))
+        for i, (activity, first) in enumerate(
+            zip(problem.activities, problem.earlier, strict=False)
+        )
+        for place in (first, *problem.recurring.get(i, ()))
+        if place is not None
     )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 from irc.lower_choices import NEVER
 from irc.online.conflicts import relaxed
@@ -50,6 +51,7 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
     further: list[Activity] = []
     facts: dict[int, Fact] = {}
     earlier: list[Earlier | None] = []
+    recurring: dict[int, tuple[Earlier, ...]] = {}
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
@@ -66,7 +68,12 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
                 previous = first + len(further) - 1
                 rest = replace(rest, details=replace(rest.details, previous=previous))
             activities.append(_open(rest, ticks, activity.id in history.cancelled))
-            earlier.append(None)
+            its = sorted(planned.get(activity.id, ()), key=lambda e: e.occurrence)
+            places = [earlier_of(problem, activity, e) for e in its]
+            # (Without all of the first ones known, nobody could say which is which.)
+            known = [*takewhile(lambda place: place is not None, places)]
+            earlier.append(known[0] if known else None)
+            recurring[i] = tuple(place for place in known[1:] if place is not None)
         elif found:
             facts[i] = found[0]
             activities.append(as_fact(problem, activity, found[0], ticks))
@@ -79,6 +86,7 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         problem,
         activities=(*activities, *_chained(further, len(activities))),
         earlier=(*earlier, *(None for _ in further)) if any(earlier) else (),
+        recurring=recurring,
     )
     return Frozen(relaxed(frozen, facts, ticks), ticks, facts)
 

@@ -66,7 +66,8 @@ def grid_of(problem: Problem) -> Grid:
         floors.update(time for window in resource.windows for time in (window.start, window.end))
     if problem.stability or "changes" in problem.objectives:
         # What stays where an earlier schedule has it has its start as its floor.
-        floors.update(earlier.start for earlier in problem.earlier if earlier is not None)
+        for places in (problem.earlier, *problem.recurring.values()):
+            floors.update(place.start for place in places if place is not None)
     step = step or 1 + max(floors)
     return Grid(step, tuple(sorted({floor % step for floor in floors})))
 

@@ -51,6 +51,7 @@ def mandatory_part(problem: Problem) -> Problem:
         wanted=(),
         sequel=(),
         earlier=(),
+        recurring={},
     )
 
 

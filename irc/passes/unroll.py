@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem import Activity, Problem
+from irc.problem import Activity, Earlier, Problem
 
 
 def unroll(problem: Problem, depth: int) -> Problem:
@@ -44,7 +44,8 @@ def unroll(problem: Problem, depth: int) -> Problem:
                 if j == i
             },
         },
-        earlier=problem.earlier and (*problem.earlier, *(None for _ in further)),
+        earlier=problem.earlier and (*problem.earlier, *_further_earlier(problem, further)),
+        recurring={},
     )
 
 
@@ -92,6 +93,17 @@ def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tup
             for i, a in further
         ),
     )
+
+
+def _further_earlier(
+    problem: Problem, further: list[tuple[int, Activity]]
+) -> tuple[Earlier | None, ...]:
+    """Where the earlier schedule has the k-th occurrence, if it has one."""
+    found = []
+    for i, activity in further:
+        known, k = problem.recurring.get(i, ()), _number(problem, i, activity) - 2
+        found.append(known[k] if k < len(known) else None)
+    return tuple(found)
 
 
 def _number(problem: Problem, i: int, occurrence: Activity) -> int:
