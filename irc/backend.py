@@ -195,7 +195,7 @@ class Backend(ABC):
     it, with the present as time 0, than the whole history with what has begun fixed."""
 
     proves: ClassVar[bool] = True
-    """Whether its engines can be expected to prove that there is no schedule where there is none."""
+    """Whether its engines can prove, as a rule, that there is no schedule."""
 
     @abstractmethod
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:

@@ -207,25 +207,25 @@ class _Solver:
             prover = replace(self, backend=get_backend(PROVER), engine=_engine(PROVER))
             given_up = prover.best()[2]
             return (*self.attempt(given_up), given_up) if given_up else (nothing, problem, ())
-        choices = (
-            c for size in range(1, 1 + len(half_done)) for c in combinations(half_done, size)
-        )
+        sizes = range(1, 1 + len(half_done))
+        choices = (chosen for size in sizes for chosen in combinations(half_done, size))
         found: list[Found] = []
+        certain = nothing.status is not Status.UNKNOWN
         for tried, given_up in enumerate(choices):
             if found and len(given_up) > len(found[0][2]):
                 break
             spent = self.left is not None and self.left <= 0
-            if nothing.status is Status.UNKNOWN or spent or tried >= GIVEN_UP_TRIED:
-                # Without a proof that the others can be finished no more, none is given up.
-                return (replace(nothing, status=Status.UNKNOWN), problem, ())
+            certain = certain and not spent and tried < GIVEN_UP_TRIED
+            if not certain:
+                break
             outcome, its = self.attempt(given_up)
             if outcome.schedule is not None:
                 found.append((outcome, its, given_up))
-            elif outcome.status is Status.UNKNOWN:
-                nothing = outcome
+            certain = outcome.status is not Status.UNKNOWN
         if found:
             return min(found, key=lambda f: _value(f[1], f[0]))
-        return nothing, problem, ()
+        # Without a proof that the others can be finished no more, none is given up.
+        return nothing if certain else replace(nothing, status=Status.UNKNOWN), problem, ()
 
     @property
     def left(self) -> float | None:
