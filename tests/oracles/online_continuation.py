@@ -252,13 +252,20 @@ class _Draft:
             actions=tuple(actions),
             precedence=tuple(self._precedence(present, ())),
             groups=tuple(self._group(group) for group in groups),
-            goals=tuple(
-                g
-                for g in self.source.goals
-                if not isinstance(g, str) or g in present or g not in self.facts
-            ),
+            goals=tuple(self._goals(present)),
             objective=self.objective,
         )
+
+    def _goals(self, present: Collection[str]) -> Iterator[Any]:
+        """Those that history has not reached. What was cancelled does not count as there."""
+        for goal in self.source.goals:
+            facts = self.facts.get(goal, ()) if isinstance(goal, str) else ()
+            if all(fact.cancelled for fact in facts):
+                if facts and self.actions[goal].occurrence_bounds[1] == 1:
+                    raise NotCompared("a goal that was cancelled")
+                if isinstance(goal, str) and goal not in present:
+                    raise NotCompared("a goal that was cancelled or given up")
+                yield goal
 
     def _made(self, **fields: Any) -> Task:
         return self.source.model_copy(
@@ -343,9 +350,13 @@ class _Draft:
         return min((self.source.number(d) for d in stated if d is not None), default=None)
 
     def _later_limit(self, fact: Frozen, action: Action) -> Number | None:
-        """As `_limit`, but no earlier than what runs can end at all."""
+        """As `_limit`, for what runs and may still end in time."""
         limit = self._limit(action)
-        return None if limit is None else max(limit, fact.least)
+        if limit is not None and limit < fact.least:
+            raise NotCompared(
+                "a deadline that passes before what runs for as long as it likes ends"
+            )
+        return limit
 
     def _own_use(self, action: Action) -> list[dict[str, Any]]:
         return [u.model_dump() for u in self._own_uses(action)]

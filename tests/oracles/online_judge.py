@@ -204,16 +204,26 @@ def _compare(
     elif found.infeasible:
         found.faults.append(f"compare: called infeasible, and {_shown(exact)} is possible")
     else:
-        found.faults += _compared(found, task, exact, step)
+        lost = {f.entry.id for f in facts if f.abandoned}
+        groups = {g.id for g in task.groups if not lost.isdisjoint(g.actions)}
+        found.faults += _compared(found, task, exact, step, groups)
     found.equal = len(found.faults) == before and found.worse is None
 
 
-def _compared(found: Judgement, task: Task, exact: Continuation, step: Step) -> Iterator[str]:
+def _compared(
+    found: Judgement,
+    task: Task,
+    exact: Continuation,
+    step: Step,
+    before: set[str],
+) -> Iterator[str]:
+    """`before` are the groups that earlier steps gave up."""
     assert exact.best is not None
     true = values(task, step.schedule.entries)
     reached = tuple(true[name] for name in exact.objective)
-    if len(step.abandoned) != exact.abandoned:
-        yield f"abandoned: {len(step.abandoned)} groups, {exact.abandoned} would do"
+    given_up = [name for name in step.abandoned if name not in before]
+    if len(given_up) != exact.abandoned:
+        yield f"abandoned: {given_up}, where {exact.abandoned} would do"
         return
     if reached == exact.best.vector or task.objective[0] == "minimize_changes":
         return

@@ -99,7 +99,7 @@ WRONG: dict[str, tuple[Callable[[], Step], str]] = {
             step(EVENT, (LATER[0], replace(LATER[1], status="abandoned")), 0, 1),
             abandoned=("order",),
         ),
-        "abandoned: 1 groups, 0 would do",
+        "abandoned: ['order'], where 0 would do",
     ),
     "infeasible": (lambda: step(EVENT, (), 0, 0, "infeasible"), "compare: called infeasible"),
 }
