@@ -56,24 +56,26 @@ def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
 
 def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
     """How many occurrences are not where an earlier schedule, if there is one, has them."""
-    return sum(
-        not any(_as_before(problem, activity, place, e) for e in by_id.get(activity.id, ()))
-        for i, (activity, first) in enumerate(
-            zip(problem.activities, problem.earlier, strict=False)
-        )
-        for place in (first, *problem.recurring.get(i, ()))
-        if place is not None
-    )
+    changes = 0
+    for i, (activity, first) in enumerate(zip(problem.activities, problem.earlier, strict=False)):
+        if first is None:
+            continue
+        found = {entry.occurrence: entry for entry in by_id.get(activity.id, ())}
+        places = (first, *problem.recurring.get(i, ()))
+        for number, place in enumerate(places, activity.details.occurrence):
+            entry = found.get(number)
+            changes += entry is None or not _is_there(problem, activity, place, entry)
+    return changes
 
 
-def _as_before(problem: Problem, activity: Activity, earlier: Earlier, entry: Entry) -> bool:
+def _is_there(problem: Problem, activity: Activity, place: Earlier, entry: Entry) -> bool:
     details = activity.details
-    mode = None if earlier.mode is None else details.modes[earlier.mode].id
+    mode = None if place.mode is None else details.modes[place.mode].id
     held: dict[str, int] = {}
-    for use, r in zip(activity.uses, earlier.resources, strict=True):
+    for use, r in zip(activity.uses, place.resources, strict=True):
         if r is not None:
             held[problem.resources[r].id] = held.get(problem.resources[r].id, 0) + use.amount
-    start = problem.to_units(earlier.start)
+    start = problem.to_units(place.start)
     return (entry.start, entry.mode, dict(entry.resources)) == (start, mode, held)
 
 
