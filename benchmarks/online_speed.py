@@ -41,7 +41,13 @@ def task_of(rng: random.Random, actions: int, resources: int, even: bool) -> Tas
         ]
         if rng.random() < 0.2:
             uses.append({"one_of": crew})
-        made.append({"id": f"a{i}", "duration": rng.randint(9, 11) if even else rng.randint(1, 20), "uses": uses})
+        made.append(
+            {
+                "id": f"a{i}",
+                "duration": rng.randint(9, 11) if even else rng.randint(1, 20),
+                "uses": uses,
+            }
+        )
         for _ in range(rng.choice((0, 1, 1, 2))):
             if i:
                 before = rng.randrange(max(0, i - 60), i)
@@ -114,7 +120,9 @@ def main() -> int:
         event = Event.model_validate({"at": str(float(at)), "changes": [change]})
         step, seconds = repaired(task, plan, event, 10.0)
         missed += seconds > 1
-        print(f"{seed:4}  {seconds:.2f} s  {gap_of(step):.1%}  {step.moved}  {step.schedule.status}")
+        print(
+            f"{seed:4}  {seconds:.2f} s  {gap_of(step):.1%}  {step.moved}  {step.schedule.status}"
+        )
     return 1 if missed else 0
 
 

@@ -254,8 +254,13 @@ def _needlessly_moved(
     over: frozenset[str],
     at: Number,
 ) -> Iterator[str]:
-    """Where the old plan is still valid and as good, nothing may move."""
-    if not step.moved or step.abandoned or any(not f.is_settled for f in facts):
+    """Where the old plan is still valid and as good, nothing moves in what is called optimal."""
+    if (
+        step.schedule.status is not Status.OPTIMAL
+        or not step.moved
+        or step.abandoned
+        or any(not f.is_settled for f in facts)
+    ):
         return
     begun = {(f.entry.id, f.entry.occurrence) for f in facts}
     kept = [e for e in old.entries if (e.id, e.occurrence) not in begun and e.id not in over]
