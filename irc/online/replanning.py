@@ -33,6 +33,7 @@ from irc.model import Event, Task
 from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze, with_groups
 from irc.online.history import ABANDONED, History, ids
+from irc.online.infeasibility import what_is_in_the_way
 from irc.online.rebase import PastError, rebase
 from irc.online.settle import settled
 from irc.online.state import Key, key_of
@@ -138,6 +139,8 @@ def solve_step(
     solver = _Solver(task, frozen, history, at, backend, engine, means)
     with refusals_told(task):
         outcome, whole, given_up = solver.best()
+    if outcome.status is Status.INFEASIBLE:
+        outcome = replace(outcome, notes=solver.reasons() or outcome.notes)
     if outcome.schedule is not None:
         told = with_status(outcome.schedule, frozen, history, given_up)
         outcome = replace(outcome, schedule=told)
@@ -232,6 +235,23 @@ class _Solver:
         """Seconds until the limit."""
         seconds = self.means.limits.seconds
         return None if seconds is None else seconds - (time.perf_counter() - self.began)
+
+    def reasons(self) -> tuple[Diagnostic, ...]:
+        """Which limits are in the way of any continuation, whatever is given up."""
+        frozen = self.frozen
+        problem = order_from_state(with_groups(frozen, frozen.half_done()))
+        prover = get_backend(PROVER)
+        engine = _engine(PROVER)
+
+        def solve(relaxed: Problem, seconds: float) -> tuple[Status, Schedule | None]:
+            whole, impossible = _passed(relaxed)
+            if impossible is None and not whole.has_contention:
+                impossible = _by_critical_path(whole)
+            limits = replace(self.means.limits, seconds=seconds)
+            found = impossible or engine.solve(Program(prover, self.task, whole), limits)
+            return found.status, found.schedule
+
+        return what_is_in_the_way(problem, frozen.facts.keys(), solve, self.left)
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers."""
@@ -347,7 +367,8 @@ def _of_whole(
 
 
 def _impossible(why: str) -> Outcome:
-    note = Diagnostic(Code.TOO_LATE, why, hint="a later deadline or more capacity would be needed")
+    hint = "a later deadline or more capacity would be needed"
+    note = Diagnostic(Code.NO_CONTINUATION, why, hint=hint)
     return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))
 
 
