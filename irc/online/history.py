@@ -13,7 +13,7 @@ from typing import Any
 
 from irc.diagnostics import Code, Findings
 from irc.model import Action, DurationRange, Event, Task
-from irc.model.events import CancelActions, CancelGroups, Observe, SetDuration
+from irc.model.events import CancelActions, CancelGroups, Observe, SetDuration, SetGoals
 from irc.online.ending import is_over
 from irc.online.state import ExecutionState, Key, key_of, state_at
 from irc.schedule import Entry, Schedule
@@ -279,12 +279,27 @@ def _contradicts(
     return seen
 
 
+def _set_goals(step: _Step, change: SetGoals, at: Pointer) -> None:
+    """What was cancelled can be nobody's goal any more."""
+    for k, goal in enumerate(change.goals):
+        if not isinstance(goal, str) or goal not in step.history.cancelled:
+            continue
+        if all(entry.status == CANCELLED for entry in step.occurrences(goal)):
+            step.tell(
+                Code.OVER,
+                f"action {goal!r} was cancelled, so it cannot be a goal",
+                (*at, "goals", k),
+                "leave it out, or add it anew under another id",
+            )
+
+
 _FOLLOWED: Mapping[type, Callable[[_Step, Any, Pointer], None]] = MappingProxyType(
     {
         CancelActions: _cancel_actions,
         CancelGroups: _cancel_groups,
         SetDuration: _set_duration,
         Observe: _observe,
+        SetGoals: _set_goals,
     }
 )
 

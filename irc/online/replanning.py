@@ -32,7 +32,7 @@ from irc.lower import lower
 from irc.model import Event, Task
 from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze, with_groups
-from irc.online.history import ABANDONED, History, ids
+from irc.online.history import ABANDONED, CANCELLED, History, ids
 from irc.online.rebase import PastError, rebase
 from irc.online.settle import settled
 from irc.online.state import Key, key_of
@@ -373,10 +373,12 @@ def with_status(
 
     def told(entry: Entry) -> Entry:
         before = history.entries.get(key_of(entry))
-        status = None if before is None else before.status
-        return replace(entry, status=ABANDONED if entry.id in lost else status)
+        cancelled = before is not None and before.status == CANCELLED
+        status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
+        return replace(entry, status=status)
 
-    return replace(schedule, entries=tuple(told(entry) for entry in schedule.entries))
+    entries = (told(e) for e in schedule.entries if e.id not in frozen.helpers)
+    return replace(schedule, entries=tuple(entries))
 
 
 def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
