@@ -15,25 +15,35 @@ from irc.problem import (
     Activity,
     Arc,
     Condition,
+    Details,
     Problem,
     Renewable,
     Shared,
     Window,
 )
+from irc.schedule import Entry
 
 
-def relaxed(problem: Problem, facts: Mapping[int, Fact], now: int) -> Problem:
-    """The problem without what its facts (by activity) contradict."""
+def relaxed(
+    problem: Problem, facts: Mapping[int, Fact], now: int
+) -> tuple[Problem, dict[int, Fact]]:
+    """The problem without what its facts (by activity) contradict, and its facts.
+
+    Where a condition of what is running breaks later on, a helper behind all other activities, a
+    fact too, holds it until then.
+    """
     if not facts:
-        return problem
+        return problem, {}
     problem = _without_late_deadline(problem, facts)
     problem = replace(
         problem, arcs=tuple(a for a in problem.arcs if not _is_broken(problem, a, facts))
     )
     problem = _with_room(problem, facts)
+    if problem.reservoirs:
+        problem = _with_stock_settled(problem, facts, now)
     if problem.variables:
-        problem = _without_broken_conditions(problem, facts)
-    return _with_stock_settled(problem, facts, now) if problem.reservoirs else problem
+        return _without_broken_conditions(problem, facts, now)
+    return problem, dict(facts)
 
 
 def _without_late_deadline(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
@@ -140,8 +150,13 @@ def _shared(
 
 # --- state ---
 
+Write = tuple[int, int, int]
+"""(time, value, activity)."""
 
-def _without_broken_conditions(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
+
+def _without_broken_conditions(
+    problem: Problem, facts: Mapping[int, Fact], now: int
+) -> tuple[Problem, dict[int, Fact]]:
     """Conditions of facts that no order of the facts' own effects makes true are dropped."""
     written = _writes(problem, facts)
     open_values = {
@@ -151,22 +166,50 @@ def _without_broken_conditions(problem: Problem, facts: Mapping[int, Fact]) -> P
         for e in a.details.effects
     }
     activities = list(problem.activities)
+    helpers: list[tuple[Activity, Fact]] = []
     for i, fact in facts.items():
         details = activities[i].details
         if not details.conditions:
             continue
-        kept = tuple(
-            c
-            for c in details.conditions
-            if _can_hold(problem, written.get(c.var, []), c, i, fact, open_values)
-        )
+        kept = []
+        for c in details.conditions:
+            writes = written.get(c.var, [])
+            if _can_hold(problem, writes, c, i, fact, open_values):
+                kept.append(c)
+            elif fact.running and c.at == "all":
+                helpers += _held_until_broken(problem, writes, c, i, fact, now)
         if len(kept) < len(details.conditions):
-            activities[i] = replace(activities[i], details=replace(details, conditions=kept))
-    return replace(problem, activities=tuple(activities))
+            conditions = tuple(kept)
+            activities[i] = replace(activities[i], details=replace(details, conditions=conditions))
+    changed = replace(
+        problem,
+        activities=(*activities, *(a for a, _ in helpers)),
+        earlier=problem.earlier and (*problem.earlier, *(None for _ in helpers)),
+    )
+    return changed, {**facts, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
 
 
-Write = tuple[int, int, int]
-"""(time, value, activity)."""
+def _held_until_broken(
+    problem: Problem, writes: list[Write], condition: Condition, i: int, fact: Fact, now: int
+) -> list[tuple[Activity, Fact]]:
+    """A helper that holds a condition from now until a fact breaks it; none where it is broken."""
+    initial = problem.variables[condition.var].initial
+    if condition.value not in _values_at(now, writes, initial):
+        return []
+    breaks = [t for t, v, j in writes if j != i and now < t < fact.end and v != condition.value]
+    if not breaks:
+        return []
+    name = (
+        f"{problem.activities[i].id} needs {problem.variables[condition.var].id} until {breaks[0]}"
+    )
+    taken = {a.id for a in problem.activities}
+    while name in taken:
+        name += "'"
+    length = breaks[0] - now
+    details = Details(conditions=(condition,))
+    helper = Activity(name, length, length, release=now, start=now, details=details)
+    entry = Entry(name, problem.to_units(now), problem.to_units(breaks[0]))
+    return [(helper, Fact(entry, now, breaks[0], None, (), running=True))]
 
 
 def _writes(problem: Problem, facts: Mapping[int, Fact]) -> dict[int, list[Write]]:

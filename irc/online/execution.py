@@ -129,7 +129,9 @@ class Execution:
             raise InputError(report)
         at = self.task.number(event.at)
         if at < self.now:
-            raise _in_the_past("the event is at", at, self.now, self.task.time_unit, ("at",), source)
+            raise _in_the_past(
+                "the event is at", at, self.now, self.task.time_unit, ("at",), source
+            )
         history, findings = self._history.copy(), Findings()
         history.take(self.task, event, findings)
         if findings.items:

@@ -23,11 +23,15 @@ from irc.times import Number
 
 @dataclass(frozen=True, slots=True)
 class Frozen:
-    """A problem whose history is fixed. `facts` are by activity; `now` is in ticks."""
+    """A problem whose history is fixed. `facts` are by activity; `now` is in ticks.
+
+    `helpers` are ids of activities that only say what must hold for a while.
+    """
 
     problem: Problem
     now: int
     facts: Mapping[int, Fact]
+    helpers: frozenset[str] = frozenset()
 
     def half_done(self) -> tuple[int, ...]:
         """The optional groups of which something has begun and something is open."""
@@ -88,7 +92,17 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         earlier=(*earlier, *(None for _ in further)) if any(earlier) else (),
         recurring=recurring,
     )
-    return Frozen(relaxed(frozen, facts, ticks), ticks, facts)
+    frozen = replace(frozen, wanted=_still_wanted(frozen, facts))
+    count = len(frozen.activities)
+    frozen, facts = relaxed(frozen, facts, ticks)
+    helpers = frozenset(a.id for a in frozen.activities[count:])
+    return Frozen(frozen, ticks, facts, helpers)
+
+
+def _still_wanted(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:
+    """A goal is reached when one occurrence of its action has begun."""
+    begun = {problem.activities[i].id for i, fact in facts.items() if not fact.cancelled}
+    return tuple(i for i in problem.wanted if problem.activities[i].id not in begun)
 
 
 def _by_action(entries: Sequence[Entry]) -> dict[str, list[Entry]]:

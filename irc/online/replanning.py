@@ -32,7 +32,7 @@ from irc.lower import lower
 from irc.model import Event, Task
 from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze, with_groups
-from irc.online.history import ABANDONED, History, ids
+from irc.online.history import ABANDONED, CANCELLED, History, ids
 from irc.online.infeasibility import what_is_in_the_way
 from irc.online.rebase import PastError, rebase
 from irc.online.settle import settled
@@ -251,7 +251,8 @@ class _Solver:
             found = impossible or engine.solve(Program(prover, self.task, whole), limits)
             return found.status, found.schedule
 
-        return what_is_in_the_way(problem, frozen.facts.keys(), solve, self.left)
+        fixed = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
+        return what_is_in_the_way(problem, fixed.union(frozen.facts), solve, self.left)
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers."""
@@ -394,10 +395,12 @@ def with_status(
 
     def told(entry: Entry) -> Entry:
         before = history.entries.get(key_of(entry))
-        status = None if before is None else before.status
-        return replace(entry, status=ABANDONED if entry.id in lost else status)
+        cancelled = before is not None and before.status == CANCELLED
+        status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
+        return replace(entry, status=status)
 
-    return replace(schedule, entries=tuple(told(entry) for entry in schedule.entries))
+    entries = (told(e) for e in schedule.entries if e.id not in frozen.helpers)
+    return replace(schedule, entries=tuple(entries))
 
 
 def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
