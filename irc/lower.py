@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from math import gcd
 
@@ -27,8 +27,13 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
     structural checks have told of them.
     """
     clock = task.clock
-    actions = {a.id: i for i, a in reversed(list(enumerate(task.actions))) if _has_sense(a, clock)}
-    to_ticks, tick = _tick(task, actions.values(), clock, instants)
+    simple = [action.is_simple for action in task.actions]
+    actions = {
+        a.id: i
+        for i, a in reversed(list(enumerate(task.actions)))
+        if simple[i] or _has_sense(a, clock)
+    }
+    to_ticks, tick = _tick(task, actions.values(), simple, clock, instants)
     ids = sorted(actions, key=natural_order)
     index = {name: k for k, name in enumerate(ids)}
     resources = {r.id: i for i, r in reversed(list(enumerate(task.resources)))}
@@ -41,22 +46,24 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
         time_unit=task.time_unit,
         tick=tick,
         activities=tuple(
-            _activity(task.actions[actions[name]], actions[name], resource_index, to_ticks)
-            for name in ids
+            _simple(task.actions[i], i, to_ticks)
+            if simple[i]
+            else _activity(task.actions[i], i, resource_index, to_ticks)
+            for i in map(actions.__getitem__, ids)
         ),
         resources=renewables,
         shared=tuple(_shared(r, k) for k, r in enumerate(renewables)),
         arcs=_arcs(task, index, to_ticks),
         deadline=None if task.deadline is None else ticks_or_none(task.deadline, to_ticks),
     )
-    if _is_rich(task):
+    if _is_rich(task, simple):
         from irc.lower_choices import add_choices
 
         problem = add_choices(problem, task, index, to_ticks)
     return problem
 
 
-def _is_rich(task: Task) -> bool:
+def _is_rich(task: Task, simple: Sequence[bool]) -> bool:
     """Whether a task has more than activities that occur once, resources and precedence."""
     return bool(
         task.state
@@ -64,7 +71,7 @@ def _is_rich(task: Task) -> bool:
         or task.goals
         or task.objective != ("minimize_makespan",)
         or any(r.kind == "reservoir" for r in task.resources)
-        or any(not a.is_simple and _is_rich_action(a) for a in task.actions)
+        or any(not s and _is_rich_action(a) for a, s in zip(task.actions, simple, strict=True))
     )
 
 
@@ -110,8 +117,6 @@ def _shared(resource: Renewable, k: int) -> Shared:
 
 def _has_sense(action: Action, clock: Clock) -> bool:
     """Whether the action has durations, none negative, no range empty."""
-    if action.is_simple:
-        return True
     if action.duration is None and not action.modes:
         return False
     try:
@@ -131,11 +136,15 @@ def _duration_numbers(action: Action, clock: Clock) -> Iterator[tuple[Number, Nu
 
 
 def _tick(
-    task: Task, kept: Iterable[int], clock: Clock, instants: Iterable[Number]
+    task: Task,
+    kept: Iterable[int],
+    simple: Sequence[bool],
+    clock: Clock,
+    instants: Iterable[Number],
 ) -> tuple[ToTicks, Fraction]:
     """The largest tick that divides every time of the task, and how to count in it."""
     numbers: dict[Instant, Number] = {instant: instant for instant in instants}
-    for value in _times(task, kept):
+    for value in _times(task, kept, simple):
         if value not in numbers:
             try:
                 numbers[value] = clock.number(value)
@@ -151,13 +160,13 @@ def _tick(
     return {value: int(number / tick) for value, number in numbers.items()}.__getitem__, tick
 
 
-def _times(task: Task, kept: Iterable[int]) -> Iterator[Instant]:
+def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[Instant]:
     """Every time of what is kept, as it was written."""
     if task.deadline is not None:
         yield task.deadline
     for i in kept:
         action = task.actions[i]
-        if action.is_simple:
+        if simple[i]:
             yield action.duration  # type: ignore[misc]
             continue
         durations = [m.duration for m in action.modes] if action.modes else [action.duration]
@@ -198,13 +207,15 @@ def ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
     return ticks if ticks >= 0 else None
 
 
+def _simple(action: Action, index: int, to_ticks: ToTicks) -> Activity:
+    ticks = to_ticks(action.duration)  # type: ignore[arg-type]
+    return Activity(action.id, ticks, ticks, origin=("actions", index))
+
+
 def _activity(
     action: Action, index: int, resource_index: dict[str, int], to_ticks: ToTicks
 ) -> Activity:
     duration = action.duration
-    if action.is_simple:
-        ticks = to_ticks(duration)  # type: ignore[arg-type]
-        return Activity(action.id, ticks, ticks, origin=("actions", index))
     if action.modes:
         spans = [span(m.duration, to_ticks) for m in action.modes]
         shortest, longest = min(s[0] for s in spans), max(s[1] for s in spans)

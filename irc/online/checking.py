@@ -328,10 +328,8 @@ def _add_state(walk: _Walk, change: AddState, at: Pointer) -> None:
 
 def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:
     place = (*at, "action")
-    if walk.names.require("action", change.action, place) and _require_at_most_once(
-        walk, change.action, "what happened to one occurrence cannot be told", place
-    ):
-        _require_first(walk, change, at)
+    if walk.names.require("action", change.action, place):
+        _require_occurrence(walk, change, at)
     if change.started is None and change.finished is None:
         walk.tell(
             Code.UNSUITED_CHANGE,
@@ -352,13 +350,15 @@ def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:
     _require_order(walk, change, at)
 
 
-def _require_first(walk: _Walk, change: Observe, at: Pointer) -> None:
-    if change.occurrence != 1:
+def _require_occurrence(walk: _Walk, change: Observe, at: Pointer) -> None:
+    greatest = walk.names.actions[change.action].occurrence_bounds[1]
+    if greatest is not None and change.occurrence > max(1, greatest):
+        often = "at most once" if greatest <= 1 else f"at most {greatest} times"
         walk.tell(
             Code.UNSUITED_CHANGE,
-            f"{change.action!r} occurs at most once, so it has no occurrence {change.occurrence}",
+            f"{change.action!r} occurs {often}, so it has no occurrence {change.occurrence}",
             (*at, "occurrence"),
-            "leave the occurrence out",
+            "leave the occurrence out" if greatest <= 1 else "occurrences are numbered by start",
         )
 
 

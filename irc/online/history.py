@@ -231,19 +231,36 @@ def _observe(step: _Step, change: Observe, at: Pointer) -> None:
             "leave this out, or add what happened as another action",
         )
         return
+    if entry is None and change.occurrence > 1 + len(step.occurrences(change.action)):
+        step.tell(
+            Code.OBSERVED,
+            f"occurrence {change.occurrence} of {change.action!r} cannot have begun: "
+            f"there are only {len(step.occurrences(change.action))} before it",
+            (*at, "occurrence"),
+            "occurrences are numbered by start, from 1 on",
+        )
+        return
     started = None if change.started is None else step.clock.number(change.started)
     finished = None if change.finished is None else step.clock.number(change.finished)
     if _contradicts(step, key, entry, started, finished, at):
         return
     if started is not None:
         step.history.started.add(key)
-        entry = Entry(change.action, started, started) if entry is None else entry
+        entry = entry or Entry(change.action, started, started, occurrence=change.occurrence)
         planned = entry.end - entry.start
         entry = replace(entry, start=started, end=started + planned)
         length = length_of(action, entry, step.clock)
         entry = replace(entry, end=started + (planned if length is None else length))
     if entry is None or (finished is not None and entry.start > finished):
-        return  # `apply` says that nobody has told when it started.
+        if action.occurrence_bounds[1] not in (0, 1):
+            step.tell(
+                Code.OBSERVED,
+                f"when occurrence {change.occurrence} of {change.action!r} started is not known, "
+                "so its end says no duration",
+                (*at, "finished"),
+                'say when it did: "started": …',
+            )
+        return  # (Of what occurs at most once `apply` says so.)
     if finished is not None:
         step.history.started.add(key)
         step.history.finished.add(key)

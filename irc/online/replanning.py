@@ -34,6 +34,7 @@ from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze, with_groups
 from irc.online.history import ABANDONED, CANCELLED, History, ids
 from irc.online.rebase import PastError, rebase
+from irc.online.repair import repaired
 from irc.online.settle import settled
 from irc.online.state import Key, key_of
 from irc.passes import order_from_state, resource_bounds, run_passes
@@ -246,6 +247,10 @@ class _Solver:
             raise EngineMissing(missing)
         if self.backend.begins_now:
             return self._from_now(frozen, whole, given_up), whole
+        if not whole.is_plain and self.means.limits.hints:
+            planned = {e.id: e for e in self.history.state(self.at).open}
+            found = repaired(whole, self.frozen.facts, planned)
+            whole = replace(whole, start_from=found)
         return self._solved(whole), whole
 
     def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:

@@ -181,9 +181,14 @@ def _set_state(draft: _Draft, change: SetState) -> None:
 
 
 def _observe(draft: _Draft, change: Observe) -> None:
-    """What happened is what the task says from now on: a fixed start, an exact duration."""
+    """What happened is what the task says from now on: a fixed start, an exact duration.
+
+    Of one of several occurrences a task cannot say that: the history alone has it.
+    """
     name, clock = change.action, draft.clock
     action = draft.actions[name]
+    if action.occurrence_bounds[1] not in (0, 1):
+        return
     if change.started is not None:
         started = clock.number(change.started)
         draft.change_action(name, start=started)

@@ -14,7 +14,7 @@ from irc.profile import NEVER, Profile
 
 def release_behind_fixed(problem: Problem) -> Problem:
     """Raises each release to the first time at which there is room beside all that is fixed."""
-    fixed = [i for i, a in enumerate(problem.activities) if _is_settled(a)]
+    fixed = [i for i, a in enumerate(problem.activities) if a.start is not None and _is_settled(a)]
     calendars = any(shared.windows for shared in problem.shared)
     if not fixed and not calendars:
         return problem
@@ -35,12 +35,7 @@ def release_behind_fixed(problem: Problem) -> Problem:
 
 def _is_settled(activity: Activity) -> bool:
     details = activity.details
-    return (
-        activity.start is not None
-        and activity.duration_min > 0
-        and not details.optional
-        and details.repeats is None
-    )
+    return activity.duration_min > 0 and not details.optional and details.repeats is None
 
 
 def _certain(activity: Activity) -> list[Claim]:

@@ -44,12 +44,18 @@ class Grid:
         return (1 + (last - first) // self.step) * len(self.residues)
 
 
+EVERY_TICK = Grid(1, (0,))
+
+
 def grid_of(problem: Problem) -> Grid:
     """The grid of the makespans of best schedules.
 
     Where heads are known they are the floors: they are implied, and on the grid themselves.
     """
-    step = 0
+    step = _step(problem)
+    if step == 1 or problem.variables:
+        # (Where ranks cannot tell two happenings apart, state may keep them a tick apart.)
+        return EVERY_TICK
     floors = {0}
     for i, activity in enumerate(problem.activities):
         if activity.start is not None and activity.is_fixed:
@@ -57,11 +63,6 @@ def grid_of(problem: Problem) -> Grid:
             continue
         head = problem.heads[i] if problem.heads else activity.release
         floors.add(head if activity.start is None else activity.start)
-        step = gcd(step, activity.duration_min, activity.duration_max)
-        for mode in activity.details.modes:
-            step = gcd(step, mode.duration_min, mode.duration_max)
-    for arc in problem.arcs:
-        step = gcd(step, arc.min_lag, arc.max_lag or 0)
     for resource in problem.resources:
         floors.update(time for window in resource.windows for time in (window.start, window.end))
     if problem.stability or "changes" in problem.objectives:
@@ -72,8 +73,28 @@ def grid_of(problem: Problem) -> Grid:
     return Grid(step, tuple(sorted({floor % step for floor in floors})))
 
 
+def _step(problem: Problem) -> int:
+    """What divides all edges but those of activities that are fixed; 0 where there are none."""
+    step = 0
+    for activity in problem.activities:
+        if activity.start is not None and activity.is_fixed:
+            continue
+        step = gcd(step, activity.duration_min, activity.duration_max)
+        for mode in activity.details.modes:
+            step = gcd(step, mode.duration_min, mode.duration_max)
+        if step == 1:
+            return 1
+    for arc in problem.arcs:
+        step = gcd(step, arc.min_lag, arc.max_lag or 0)
+        if step == 1:
+            return 1
+    return step
+
+
 def bound_on_grid(problem: Problem) -> Problem:
     """Raises the bound to the next time that a makespan can have."""
+    if not problem.has_contention:
+        return problem  # The critical path is reached.
     value = grid_of(problem).up(problem.bound.value)
     if value == problem.bound.value:
         return problem
