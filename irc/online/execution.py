@@ -155,7 +155,7 @@ class Execution:
         """Takes a schedule, such as that of a step, as the one that is carried out from now on."""
         _require_known(self.task, schedule)
         entries = {(e.id, e.occurrence): e for e in schedule.entries}
-        self._history.entries = entries
+        self._history.entries, self._history.plan = entries, dict(entries)
         self._schedule = schedule
         self._events.clear()
 

@@ -248,8 +248,7 @@ class _Solver:
         if self.backend.begins_now:
             return self._from_now(frozen, whole, given_up), whole
         if not whole.is_plain and self.means.limits.hints:
-            planned = {e.id: e for e in self.history.state(self.at).open}
-            found = repaired(whole, self.frozen.facts, planned)
+            found = repaired(whole, self.frozen.facts, self.history.plan)
             whole = replace(whole, start_from=found)
         return self._solved(whole), whole
 
