@@ -30,6 +30,7 @@ from irc.compiler import SHORTCUT_ENGINE, finish, schedule_of
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.lower import lower
 from irc.model import Event, Task
+from irc.online.conflicts import overloaded
 from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze, with_groups
 from irc.online.history import ABANDONED, CANCELLED, History, ids
@@ -132,8 +133,8 @@ def solve_step(
     engine = _engine(means.target, means.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
-    problem = merge_pools(lower(task, instants))
-    problem = replace(problem, stability=means.stability)
+    problem = replace(lower(task, instants), stability=means.stability)
+    problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
     solver = _Solver(task, frozen, history, at, backend, engine, means)
     with refusals_told(task):
