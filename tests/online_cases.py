@@ -12,7 +12,7 @@ from irc.online import replan
 from irc.online.facts import ticks_of
 from irc.online.freeze import Frozen, freeze
 from irc.online.history import History
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
 from irc.times import Number
