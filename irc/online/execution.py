@@ -11,9 +11,10 @@ from irc.diagnostics import Code, Findings, InputError, Report
 from irc.model import Event, Task
 from irc.online.checking import check_event
 from irc.online.history import History
-from irc.online.replanning import Means, Step, solve_step
+from irc.online.replanning import solve_step
 from irc.online.revision import apply
 from irc.online.state import ExecutionState
+from irc.online.step import Means, Step
 from irc.schedule import Schedule
 from irc.source import Source
 from irc.times import Instant, Number, format_number
