@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from irc.list_schedule import list_schedule
-from irc.online.facts import Fact, choices_of, ticks_of
+from irc.online.facts import Fact, UnexplainedError, choices_of
+from irc.online.state import Key
 from irc.passes.critical_path import heads_and_tails
 from irc.problem import PLAIN, Arc, Problem
 from irc.profile import NEVER
@@ -19,18 +20,20 @@ from irc.retime import ABSENT, AnswerError, Decision, Placed, retime
 from irc.retiming.selection import Selection, select
 from irc.retiming.state import Order, state_orders
 from irc.schedule import Entry
+from irc.times import exact
 
 
 def repaired(
-    problem: Problem, facts: Mapping[int, Fact], planned: Mapping[str, Entry]
+    problem: Problem, facts: Mapping[int, Fact], plan: Mapping[Key, Entry]
 ) -> tuple[Placed, ...]:
     """A place for each activity of a frozen problem, after the passes; nothing where none is found.
 
-    `planned` are the entries of what is open, by action.
+    `plan` are the entries as they were planned, before any event changed what has begun: in the
+    times of the plan one sees what came before what.
     """
     if any(a.details.repeats is not None for a in problem.activities):
         return ()
-    before = [_before(problem, i, facts.get(i), planned) for i in range(len(problem.activities))]
+    before = [_before(problem, i, facts.get(i), plan) for i in range(len(problem.activities))]
     if not _keeps_groups(problem, before):
         return ()
     try:
@@ -38,34 +41,35 @@ def repaired(
         orders = state_orders(selection.problem, selection.decisions, 0)
         found = _list_scheduled(problem, selection, orders)
         return () if found is None else retime(replace(problem, earlier=()), found)
-    except (AnswerError, ValueError):  # The old order does not survive.
+    except (AnswerError, UnexplainedError, ValueError):  # The old order does not survive.
         return ()
 
 
-def _before(problem: Problem, i: int, fact: Fact | None, planned: Mapping[str, Entry]) -> Decision:
-    """Where an activity was; what is new and must be there is last."""
+def _before(problem: Problem, i: int, fact: Fact | None, plan: Mapping[Key, Entry]) -> Decision:
+    """Where an activity was planned; what is new and must be there is last."""
     activity = problem.activities[i]
-    if fact is not None:
-        mode = 0 if activity.details.modes else None
-        chosen = tuple(use.alternatives[0] for use in activity.uses)
-        end = fact.start + activity.duration_min
-        return Decision(fact.start, end, chosen, mode=mode, rank=fact.rank, end_rank=fact.end_rank)
-    entry = planned.get(activity.id)
+    entry = plan.get((activity.id, activity.details.occurrence))
+    if entry is None and fact is not None:
+        entry = fact.entry
     possible = activity.deadline is None or activity.deadline >= activity.release
     if entry is None or not possible:
         if activity.details.optional:
             return ABSENT
         mode = 0 if activity.details.modes else None
         return Decision(NEVER, NEVER + activity.duration_min, (), mode=mode)
-    mode, resources = choices_of(problem, activity, entry)
-    end_rank = entry.rank if entry.end_rank is None else entry.end_rank
+    if fact is not None:
+        mode = 0 if activity.details.modes else None
+        chosen: tuple[int | None, ...] = tuple(use.alternatives[0] for use in activity.uses)
+    else:
+        mode, resources = choices_of(problem, activity, entry)
+        chosen = resources or ()
     return Decision(
-        ticks_of(problem, entry.start),
-        ticks_of(problem, entry.end),
-        resources or (),
+        exact(entry.start / problem.tick),
+        exact(entry.end / problem.tick),
+        chosen,
         mode=mode,
         rank=entry.rank,
-        end_rank=end_rank,
+        end_rank=entry.rank if entry.end_rank is None else entry.end_rank,
     )
 
 
