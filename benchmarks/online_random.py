@@ -32,7 +32,7 @@ from irc.canonical import written_task
 from irc.diagnostics import InputError
 from irc.model import Event, Task
 from irc.online import replan, simulate
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Schedule, dump_json
 from irc.times import Number, json_number
 from oracles.online_judge import judge_step

@@ -5,10 +5,10 @@
 Tasks of `--actions` actions on `--resources` stations and a crew, with random precedence, are
 planned (every other one with all stations equally busy), carried out for a third of the plan, and
 then a station is down for a tenth of it. Two repairs of the same moment are measured, whole calls
-of `replan` with lowering, solving and judging: one that may spend a second on solving, for the time
-to a valid schedule, and one with eight, for the gap to the proven bound. Also a task of 100 actions
-whose old order survives.
-Ends with status 1 where a row of its own is missed (2 s; 10 s and 5 %; 1 s).
+of `replan` with all of lowering, solving and judging: one that may spend a second on solving, for
+the time to a valid schedule, and one with eight, for the gap to the proven bound. Also a task of
+100 actions whose old order survives. Ends with status 1 where a row of its own is missed (2 s; 10
+s and 5 %; 1 s).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import irc
 from irc.backend import Limits
 from irc.model import Event, Task
 from irc.online import Execution
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Schedule
 
 

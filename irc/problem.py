@@ -11,10 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from irc.source import Pointer
 from irc.times import Number, exact, format_number
+
+if TYPE_CHECKING:
+    from irc.retime import Placed
 
 
 class Requirement(NamedTuple):
@@ -261,6 +264,7 @@ class Problem:
 
     `earlier` (empty, or one for each activity) says where an earlier schedule has what may move,
     of an action that repeats the first occurrence, and `recurring` by activity the others;
+    `start_from` is a schedule (empty, or one place for each activity) that engines may start from;
     `stability` is how much worse, as a fraction, the last objective before "changes" may get to
     move fewer.
     """
@@ -286,6 +290,7 @@ class Problem:
     sequel: tuple[tuple[int, int], ...] = ()
     earlier: tuple[Earlier | None, ...] = ()
     recurring: Mapping[int, tuple[Earlier, ...]] = field(default_factory=dict)
+    start_from: tuple[Placed, ...] = ()
     stability: Fraction = Fraction(0)
 
     def to_units(self, ticks: int) -> Number:

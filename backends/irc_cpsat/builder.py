@@ -20,7 +20,7 @@ from irc.list_schedule import quick_schedule
 from irc.problem import Activity, Claim, Problem, Shared
 from irc.retime import Decision
 from irc_cpsat.calendars import with_windows
-from irc_cpsat.hints import add_earlier, add_hint
+from irc_cpsat.hints import add_earlier, add_hint, add_places
 from irc_cpsat.names import name_of
 from irc_cpsat.objectives import makespan, values_of
 from irc_cpsat.stock import add_stock
@@ -82,6 +82,7 @@ class Builder:
         self.model = cp_model.CpModel()
         self.users = [Users() for _ in problem.shared]
         found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
+        self.hints = hints
         self.hint = found if hints else None
         self.ranked = bool(problem.variables)
         self.rank_count = self._rank_count()
@@ -162,7 +163,9 @@ class Builder:
         if self.hint is not None:
             add_hint(self, built, *self.hint)
             built.hint = self.hint
-        elif any(problem.earlier):
+        elif problem.start_from and self.hints:
+            add_places(self, built, problem.start_from)
+        elif any(problem.earlier) and self.hints:
             add_earlier(self, built)
         return built
 

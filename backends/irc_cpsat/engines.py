@@ -165,6 +165,9 @@ class _Run:
                 # Nothing within the limits, but the hint is a schedule.
                 schedule = _listed(problem, built.hint)
                 return Outcome(Status.FEASIBLE, self.engine, schedule, 0, self._seconds())
+            if answer.status is Status.UNKNOWN and problem.start_from:
+                schedule = schedule_of(problem, problem.start_from)
+                return Outcome(Status.FEASIBLE, self.engine, schedule, 0, self._seconds())
             return Outcome(answer.status, self.engine, seconds=self._seconds())
         placed = retime(problem, answer.decisions)
         schedule = schedule_of(problem, placed)

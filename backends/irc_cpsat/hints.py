@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from irc.retime import Placed
     from irc_cpsat.builder import Builder, Model
 
 
@@ -60,3 +61,36 @@ def add_earlier(builder: Builder, built: Model) -> None:
             for r, literal in choices:
                 taken = earlier.resources[claim.use] in problem.shared[r].members
                 builder.model.add_hint(literal, int(taken))
+
+
+def add_places(builder: Builder, built: Model, places: Sequence[Placed]) -> None:
+    """A schedule of a problem with choices: all that its places say of the model's variables."""
+    problem, hints = builder.problem, dict[int, int]()
+    for i, (activity, place) in enumerate(zip(problem.activities, places, strict=True)):
+        if (present := built.present[i]) is not None:
+            hints[present.index] = int(place.present)
+        for k, mode in enumerate(built.modes[i]):
+            hints[mode.index] = int(place.mode == k)
+        for claim, choices in zip(activity.claims, built.literals[i], strict=True):
+            taken = place.resources[claim.use] if place.present else None
+            for r, literal in choices:
+                hints[literal.index] = int(taken in problem.shared[r].members)
+        if not place.present:
+            continue
+        hints[built.starts[i].index] = place.start
+        if (end := built.ends[i]) is not None:
+            hints[end.index] = place.end
+        if i in built.sizes:
+            hints[built.sizes[i].index] = place.end - place.start
+        if i in built.positive:
+            hints[built.positive[i].index] = int(place.end > place.start)
+        if built.ranks and (ranks := built.ranks[i]) is not None:
+            for variable, rank in zip(ranks, (place.rank, place.end_rank), strict=True):
+                hints[variable.index] = rank
+    for both, a, b in builder.both_of:
+        hints[both.index] = hints.get(a.index, 0) * hints.get(b.index, 0)
+    latest = max((place.end for place in places), default=0)
+    hints[built.makespan.index] = max(latest, problem.bound.value)
+    hint = builder.model.proto.solution_hint
+    hint.vars.extend([*hints])
+    hint.values.extend([*hints.values()])

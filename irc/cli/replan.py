@@ -24,8 +24,8 @@ from irc.model import Task
 from irc.online import apply
 from irc.online.execution import Execution
 from irc.online.protocol import own_event
-from irc.online.replanning import Step
 from irc.online.simulation import in_order
+from irc.online.step import Step
 from irc.schedule import Schedule, dump_json
 from irc.source import Source
 from irc.suggest import closest

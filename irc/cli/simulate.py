@@ -19,8 +19,8 @@ from irc.cli.planning import (
 from irc.cli.replan import STEP_VERSION
 from irc.diagnostics import Code
 from irc.files import write_folder, write_whole
-from irc.online.replanning import Step
 from irc.online.simulation import Simulation, simulate
+from irc.online.step import Step
 from irc.schedule import Schedule, dump_json
 from irc.validation import Verdict, validate
 

@@ -20,8 +20,8 @@ from irc.cli.table import (
     table_lines,
 )
 from irc.online.history import CANCELLED
-from irc.online.replanning import Step
 from irc.online.simulation import Simulation
+from irc.online.step import Step
 from irc.schedule import Entry, Schedule, Status
 from irc.times import Number
 

@@ -14,9 +14,9 @@ from irc.online.revision import apply
 
 if TYPE_CHECKING:
     from irc.online.execution import Execution, replan
-    from irc.online.replanning import Step
     from irc.online.simulation import Simulation, simulate
     from irc.online.state import ExecutionState, state_at
+    from irc.online.step import Step
 
 __all__ = [
     "Execution",
@@ -33,7 +33,7 @@ __all__ = [
 _LATER = {
     "Execution": "irc.online.execution",
     "replan": "irc.online.execution",
-    "Step": "irc.online.replanning",
+    "Step": "irc.online.step",
     "Simulation": "irc.online.simulation",
     "simulate": "irc.online.simulation",
     "ExecutionState": "irc.online.state",

@@ -6,21 +6,15 @@ history alone with the validator, which shares no code with this.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 from irc.online.facts import Fact
-from irc.problem import (
-    Activity,
-    Arc,
-    Condition,
-    Details,
-    Problem,
-    Renewable,
-    Shared,
-    Window,
-)
+from irc.online.state_conflicts import without_broken_conditions
+from irc.online.stock_conflicts import with_stock_lent
+from irc.problem import Activity, Arc, Problem, Renewable, Shared, Window
 from irc.schedule import Entry
 
 
@@ -40,21 +34,23 @@ def relaxed(
     )
     problem = _with_room(problem, facts)
     if problem.reservoirs:
-        problem = _with_stock_settled(problem, facts, now)
+        problem = with_stock_lent(problem, facts, now)
     if problem.variables:
-        return _without_broken_conditions(problem, facts, now)
+        return without_broken_conditions(problem, facts, now)
     return problem, dict(facts)
 
 
 def _without_late_deadline(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
-    """Where a fact ends behind the task's deadline, it binds what is open alone."""
-    latest = max(_ends(problem, i, f)[0] for i, f in facts.items())
+    """Where a fact must end behind the task's deadline, it binds all others one by one."""
     deadline = problem.deadline
-    if deadline is None or latest <= deadline:
+    if deadline is None:
+        return problem
+    late = {i for i, fact in facts.items() if _ends(problem, i, fact)[0] > deadline}
+    if not late:
         return problem
 
     def bound(i: int, activity: Activity) -> Activity:
-        if i in facts:
+        if i in late:
             return activity
         own = deadline if activity.deadline is None else min(deadline, activity.deadline)
         return replace(activity, deadline=own)
@@ -88,6 +84,16 @@ def _is_broken(problem: Problem, arc: Arc, facts: Mapping[int, Fact]) -> bool:
 
 
 # --- capacity ---
+
+
+def overloaded(problem: Problem, running: Sequence[Entry]) -> set[int]:
+    """The resources (indexes) of which more is held by what is running than they ever have."""
+    held: Counter[str] = Counter()
+    for entry in running:
+        held.update(dict(entry.resources))
+    return {
+        r for r, resource in enumerate(problem.resources) if held[resource.id] > resource.capacity
+    }
 
 
 def _with_room(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
@@ -125,11 +131,12 @@ def _windows(resource: Renewable, load: list[tuple[int, int]]) -> tuple[Window, 
     steps: dict[int, int] = {}
     for time, amount in load:
         steps[time] = steps.get(time, 0) + amount
-    level, short, pieces = 0, False, []
+    changes = {w.end: resource.capacity for w in resource.windows}
+    changes.update((w.start, w.capacity) for w in resource.windows)
+    level, there, short, pieces = 0, resource.capacity, False, []
     for start, end in pairwise(sorted(times)):
         level += steps.get(start, 0)
-        capacity = next((w.capacity for w in resource.windows if w.start <= start < w.end), None)
-        there = resource.capacity if capacity is None else capacity
+        there = changes.get(start, there)
         short = short or level > there
         pieces.append(Window(start, end, max(level, there)))
     if not short:
@@ -141,174 +148,8 @@ def _shared(
     shared: Shared, resources: tuple[Renewable, ...], changed: Mapping[int, tuple[Window, ...]]
 ) -> Shared:
     if len(shared.members) > 1 or shared.members[0] not in changed:
-        # (A pool's members are told apart when an answer is read; their sum is never short.)
+        # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
         return shared
     resource = resources[shared.members[0]]
     greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
     return Shared(resource.id, greatest, shared.members, resource.capacity, resource.windows)
-
-
-# --- state ---
-
-Write = tuple[int, int, int]
-"""(time, value, activity)."""
-
-
-def _without_broken_conditions(
-    problem: Problem, facts: Mapping[int, Fact], now: int
-) -> tuple[Problem, dict[int, Fact]]:
-    """Conditions of facts that no order of the facts' own effects makes true are dropped."""
-    written = _writes(problem, facts)
-    open_values = {
-        (e.var, e.value)
-        for i, a in enumerate(problem.activities)
-        if i not in facts
-        for e in a.details.effects
-    }
-    activities = list(problem.activities)
-    helpers: list[tuple[Activity, Fact]] = []
-    for i, fact in facts.items():
-        details = activities[i].details
-        if not details.conditions:
-            continue
-        kept = []
-        for c in details.conditions:
-            writes = written.get(c.var, [])
-            if _can_hold(problem, writes, c, i, fact, open_values):
-                kept.append(c)
-            elif fact.running and c.at == "all":
-                helpers += _held_until_broken(problem, writes, c, i, fact, now)
-        if len(kept) < len(details.conditions):
-            conditions = tuple(kept)
-            activities[i] = replace(activities[i], details=replace(details, conditions=conditions))
-    changed = replace(
-        problem,
-        activities=(*activities, *(a for a, _ in helpers)),
-        earlier=problem.earlier and (*problem.earlier, *(None for _ in helpers)),
-    )
-    return changed, {**facts, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
-
-
-def _held_until_broken(
-    problem: Problem, writes: list[Write], condition: Condition, i: int, fact: Fact, now: int
-) -> list[tuple[Activity, Fact]]:
-    """A helper that holds a condition from now until a fact breaks it; none where it is broken."""
-    initial = problem.variables[condition.var].initial
-    if condition.value not in _values_at(now, writes, initial):
-        return []
-    breaks = [t for t, v, j in writes if j != i and now < t < fact.end and v != condition.value]
-    if not breaks:
-        return []
-    name = (
-        f"{problem.activities[i].id} needs {problem.variables[condition.var].id} until {breaks[0]}"
-    )
-    taken = {a.id for a in problem.activities}
-    while name in taken:
-        name += "'"
-    length = breaks[0] - now
-    details = Details(conditions=(condition,))
-    helper = Activity(name, length, length, release=now, start=now, details=details)
-    entry = Entry(name, problem.to_units(now), problem.to_units(breaks[0]))
-    return [(helper, Fact(entry, now, breaks[0], None, (), running=True))]
-
-
-def _writes(problem: Problem, facts: Mapping[int, Fact]) -> dict[int, list[Write]]:
-    """What facts, and changes of the world that are due, do to each variable, by time."""
-    written: dict[int, list[Write]] = {}
-    for i, activity in enumerate(problem.activities):
-        fact = facts.get(i)
-        if fact is not None:
-            start, end = fact.start, fact.end
-        elif activity.start is not None and not activity.details.optional and activity.is_fixed:
-            start, end = activity.start, activity.start + activity.duration_min
-        else:
-            continue
-        for effect in activity.details.effects:
-            time = end if effect.at_end else start
-            written.setdefault(effect.var, []).append((time, effect.value, i))
-    for writes in written.values():
-        writes.sort()
-    return written
-
-
-def _can_hold(
-    problem: Problem,
-    writes: list[Write],
-    condition: Condition,
-    i: int,
-    fact: Fact,
-    open_values: set[tuple[int, int]],
-) -> bool:
-    others = [w for w in writes if w[2] != i]
-    initial = problem.variables[condition.var].initial
-    if condition.at == "all":
-        if fact.end <= fact.start:
-            return True
-        breaks = any(fact.start < t < fact.end and v != condition.value for t, v, _ in others)
-        return not breaks and condition.value in _values_at(fact.start, writes, initial)
-    time = fact.end if condition.at == "end" else fact.start
-    if condition.value in _values_at(time, writes if condition.at == "end" else others, initial):
-        return True
-    return (
-        fact.running and condition.at == "end" and ((condition.var, condition.value) in open_values)
-    )
-
-
-def _values_at(time: int, writes: list[Write], initial: int) -> set[int]:
-    """What a variable can be at an instant, in whichever order the writes of it come."""
-    before = [w for w in writes if w[0] < time]
-    values = {v for t, v, _ in writes if t == time}
-    if not before:
-        return values | {initial}
-    last = before[-1][0]
-    return values | {v for t, v, _ in before if t == last}
-
-
-# --- stock ---
-
-
-def _with_stock_settled(problem: Problem, facts: Mapping[int, Fact], now: int) -> Problem:
-    """A reservoir whose past leaves its bounds starts from what the past has left."""
-    for k, reservoir in enumerate(problem.reservoirs):
-        changes = sorted(_stock_changes(problem, facts, k))
-        past = [(t, amount) for t, amount, _ in changes if t <= now]
-        level, broken = reservoir.initial, False
-        times = sorted({t for t, _ in past})
-        for time in times:
-            level += sum(amount for t, amount in past if t == time)
-            broken = broken or level < reservoir.least
-            broken = broken or (reservoir.greatest is not None and level > reservoir.greatest)
-        if broken:
-            problem = _folded(problem, facts, k, now, level)
-    return problem
-
-
-def _stock_changes(
-    problem: Problem, facts: Mapping[int, Fact], k: int
-) -> Iterator[tuple[int, int, int]]:
-    for i, fact in facts.items():
-        for change in problem.activities[i].details.stock:
-            if change.reservoir == k:
-                yield fact.end if change.at_end else fact.start, change.amount, i
-
-
-def _folded(problem: Problem, facts: Mapping[int, Fact], k: int, now: int, level: int) -> Problem:
-    activities = list(problem.activities)
-    for i, fact in facts.items():
-        details = activities[i].details
-        kept = tuple(
-            c
-            for c in details.stock
-            if c.reservoir != k or (fact.end if c.at_end else fact.start) > now
-        )
-        activities[i] = replace(activities[i], details=replace(details, stock=kept))
-    reservoirs = list(problem.reservoirs)
-    reservoirs[k] = replace(
-        reservoirs[k],
-        initial=level,
-        least=min(level, reservoirs[k].least),
-        greatest=None
-        if reservoirs[k].greatest is None
-        else max(level, reservoirs[k].greatest or 0),
-    )
-    return replace(problem, activities=tuple(activities), reservoirs=tuple(reservoirs))

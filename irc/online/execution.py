@@ -11,9 +11,10 @@ from irc.diagnostics import Code, Findings, InputError, Report
 from irc.model import Event, Task
 from irc.online.checking import check_event
 from irc.online.history import History
-from irc.online.replanning import Means, Step, solve_step
+from irc.online.replanning import solve_step
 from irc.online.revision import apply
 from irc.online.state import ExecutionState
+from irc.online.step import Means, Step
 from irc.schedule import Schedule
 from irc.source import Source
 from irc.times import Instant, Number, format_number
@@ -159,7 +160,7 @@ class Execution:
         """Takes a schedule, such as that of a step, as the one that is carried out from now on."""
         _require_known(self.task, schedule)
         entries = {(e.id, e.occurrence): e for e in schedule.entries}
-        self._history.entries = entries
+        self._history.entries, self._history.plan = entries, dict(entries)
         self._schedule = schedule
         self._events.clear()
 

@@ -32,25 +32,30 @@ class History:
     """Entries by occurrence: what has run, what runs, and what is planned.
 
     `started` and `finished` were observed to have; `cancelled` are ids of actions that must not
-    begin any more.
+    begin any more. `plan` are the entries as they were planned, which events leave alone.
     """
 
     entries: dict[Key, Entry] = field(default_factory=dict)
     started: set[Key] = field(default_factory=set)
     finished: set[Key] = field(default_factory=set)
     cancelled: set[str] = field(default_factory=set)
+    plan: Mapping[Key, Entry] = field(default_factory=dict)
 
     @classmethod
     def of(cls, schedule: Schedule) -> History:
         """The history that a schedule tells."""
         entries = {key_of(entry): entry for entry in schedule.entries}
         cancelled = {entry.id for entry in schedule.entries if entry.status == CANCELLED}
-        return cls(entries, cancelled=cancelled)
+        return cls(entries, cancelled=cancelled, plan=dict(entries))
 
     def copy(self) -> History:
         """Another history with the same contents."""
         return History(
-            dict(self.entries), set(self.started), set(self.finished), set(self.cancelled)
+            dict(self.entries),
+            set(self.started),
+            set(self.finished),
+            set(self.cancelled),
+            self.plan,
         )
 
     def state(self, at: Number) -> ExecutionState:

@@ -158,6 +158,7 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
                 (places[a], places[b]) for a, b in problem.sequel if a in places and b in places
             ),
             earlier=_earlier(problem, kept, len(arcs.activities), now),
+            start_from=(),
             recurring={
                 places[i]: tuple(e._replace(start=e.start - now) for e in more)
                 for i, more in problem.recurring.items()

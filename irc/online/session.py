@@ -30,8 +30,8 @@ from irc.online.protocol import (
     time_of,
     to_request,
 )
-from irc.online.replanning import Step
 from irc.online.simulation import in_order
+from irc.online.step import Step
 from irc.schedule import Schedule, schedule_from_json
 from irc.times import json_number
 

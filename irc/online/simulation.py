@@ -12,7 +12,7 @@ from irc.backend import Limits
 from irc.compiler import solve_task
 from irc.model import Event, Task
 from irc.online.execution import DEFAULT_SECONDS, Execution
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Schedule
 from irc.times import json_number
 

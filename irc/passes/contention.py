@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import replace
 
 from irc.problem import Activity, Claim, Earlier, Problem, Shared
 
 
-def merge_pools(problem: Problem) -> Problem:
+def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     """Makes one resource of each pool whose members are only ever asked for as "one of these".
+
+    Resources `apart` are in no pool: more of them is in use than there is, which the others have no
+    part in.
 
     Where every claim on any member is for one unit of the same set, the members are
     interchangeable units: any schedule that keeps the summed capacity can be told apart again
@@ -20,7 +24,9 @@ def merge_pools(problem: Problem) -> Problem:
     for activity in problem.activities:
         for claim in activity.claims:
             key = claim.alternatives
-            alike = claim.amount == 1 and not any(problem.shared[r].windows for r in key)
+            alike = claim.amount == 1 and not any(
+                problem.shared[r].windows or r in apart for r in key
+            )
             pools[key] = pools.get(key, True) and alike
             for r in key:
                 if owner.setdefault(r, key) != key:

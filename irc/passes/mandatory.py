@@ -52,6 +52,7 @@ def mandatory_part(problem: Problem) -> Problem:
         sequel=(),
         earlier=(),
         recurring={},
+        start_from=(),
     )
 
 

@@ -143,6 +143,7 @@ def _without(problem: Problem, gone: Collection[int]) -> Problem:
         groups=tuple(groups),
         wanted=moved(problem.wanted),
         earlier=tuple(e for i, e in enumerate(problem.earlier) if i in place),
+        start_from=(),
         recurring={place[i]: more for i, more in problem.recurring.items() if i in place},
         sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
     )

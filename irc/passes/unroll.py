@@ -46,6 +46,7 @@ def unroll(problem: Problem, depth: int) -> Problem:
         },
         earlier=problem.earlier and (*problem.earlier, *_further_earlier(problem, further)),
         recurring={},
+        start_from=(),
     )
 
 

@@ -14,7 +14,7 @@ import irc
 from irc.model import Event, Task
 from irc.model.events import AddActions
 from irc.online import apply
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Entry, Schedule, Status
 from irc.times import Number
 from oracles.online_continuation import (

@@ -16,7 +16,7 @@ from typing import Any
 import irc
 from irc.model import Event, Task
 from irc.online import check_event
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Entry, Schedule
 from irc.times import Number, exact, json_number
 from oracles.generators import random_task

@@ -9,7 +9,7 @@ import pytest
 from irc.backend import Limits
 from irc.model import Event, Task
 from irc.online import replan
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Schedule
 from irc.times import Number
 from oracles.online_judge import judge_step

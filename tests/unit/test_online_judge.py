@@ -9,7 +9,7 @@ import pytest
 
 from irc.model import Event, Task
 from irc.online import apply
-from irc.online.replanning import Step
+from irc.online.step import Step
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from oracles.online_continuation import continuation, frozen
 from oracles.online_judge import judge_step

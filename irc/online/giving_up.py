@@ -1,0 +1,86 @@
+"""Which half-done orders are given up: as few as possible, and only on a proof.
+
+What is half-done is finished if any continuation allows it. Where a proof says that none does, it
+is found which can be finished together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+from irc.backend import Outcome, get_backend
+from irc.online.remainder import Remainder, engine_of
+from irc.problem import Problem
+from irc.schedule import Status
+from irc.times import Number
+from irc.worth import worth
+
+Found = tuple[Outcome, Problem, tuple[int, ...]]
+"""An outcome, the problem it answers, and the groups given up."""
+
+PROVER = "cpsat"
+"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
+
+PROVER_SHARE = 0.1
+"""The part of the time limit that this may take."""
+
+GIVEN_UP_TRIED = 200
+"""So many choices of orders to give up are tried at most, smaller ones first."""
+
+
+def best_continuation(remainder: Remainder) -> Found:
+    """The best continuation that gives up as few half-done groups as possible."""
+    half_done = remainder.frozen.half_done()
+    if half_done and not remainder.backend.proves and engine_of(PROVER).missing() is None:
+        return _as_proven(remainder)
+    outcome, problem = remainder.attempt(())
+    if outcome.schedule is not None or not half_done:
+        return outcome, problem, ()
+    found, certain = _smallest(remainder, half_done, outcome.status is not Status.UNKNOWN)
+    if found:
+        return min(found, key=lambda f: _value(f[1], f[0]))
+    # Without a proof that the others can be finished no more, none is given up.
+    return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
+
+
+def _as_proven(remainder: Remainder) -> Found:
+    """The continuation that gives up what the prover has, so that no time is lost on the rest."""
+    means, seconds = remainder.means, remainder.means.limits.seconds
+    if seconds is not None:
+        limits = replace(means.limits, seconds=seconds * PROVER_SHARE)
+        means = replace(means, limits=limits, on_progress=None)
+    prover = replace(remainder, backend=get_backend(PROVER), engine=engine_of(PROVER), means=means)
+    proven = best_continuation(prover)
+    if proven[0].status is Status.INFEASIBLE:
+        return proven
+    return (*remainder.attempt(proven[2]), proven[2])
+
+
+def _smallest(
+    remainder: Remainder, half_done: Sequence[int], certain: bool
+) -> tuple[list[Found], bool]:
+    """What comes of giving up as few as possible, and whether fewer are known not to do."""
+    found: list[Found] = []
+    sizes = range(1, 1 + len(half_done))
+    choices = (chosen for size in sizes for chosen in combinations(half_done, size))
+    for tried, given_up in enumerate(choices):
+        if found and len(given_up) > len(found[0][2]):
+            break
+        spent = remainder.left is not None and remainder.left <= 0
+        certain = certain and not spent and tried < GIVEN_UP_TRIED
+        if not certain:
+            break
+        outcome, problem = remainder.attempt(given_up)
+        if outcome.schedule is not None:
+            found.append((outcome, problem, given_up))
+        certain = outcome.status is not Status.UNKNOWN
+    return found, certain
+
+
+def _value(problem: Problem, outcome: Outcome) -> tuple[Number, ...]:
+    """The objectives in their order; less is better."""
+    assert outcome.schedule is not None
+    values = worth(problem, outcome.schedule)
+    return tuple(-values[n] if n == "reward" else values[n] for n in problem.levels)
