@@ -67,8 +67,12 @@ def print_history(step: Step, before: Schedule | None, console: Console) -> None
 
 def print_end(simulation: Simulation, last: Step, console: Console) -> None:
     """The table of the whole history, and what it came to."""
-    print_history(replace(last, completed=(), running=()), None, console)
     page, unit = Page(console), last.task.time_unit
+    if last is not simulation.steps[-1]:
+        console.print()
+        when = time_in_words(page, last.at, unit)
+        _print_wrapped(page, console, [Text(f"the plan on record, as of {when}:", "bold")])
+    print_history(replace(last, completed=(), running=()), None, console)
     steps = len(simulation.steps)
     told = [
         f"{steps:,} step{'s' if steps != 1 else ''}",
