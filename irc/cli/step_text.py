@@ -97,7 +97,7 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
         (str(step.schedule.status), _STYLES[step.schedule.status]),
     )
     for event in step.events:
-        for line in changes_in_words(event, unit):
+        for line in changes_in_words(event, step.task):
             yield Text(f"  {page.visible(line)}")
     stopped = {e.id for e in step.schedule.entries if e.status == CANCELLED and e.end == step.at}
     done = [name for name in step.completed if name not in stopped]

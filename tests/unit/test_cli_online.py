@@ -134,6 +134,14 @@ def test_the_text_says_what_happened_what_is_settled_and_what_moved(van: Path) -
     ]
 
 
+def test_date_times_are_also_told_in_the_tasks_unit(van: Path) -> None:
+    (van / "van.json").write_text(json.dumps({**VAN, "origin": "2026-03-01T17:00:00"}))
+    until = {"op": "set_capacity", "resource": "van", "capacity": 0, "to": "2026-03-01T17:30:00"}
+    event = json.dumps({"at": "2026-03-01T17:10:00", "changes": [until]})
+    told = replan("10", "--event", "-", input=event).stdout
+    assert "van has a capacity of 0 until 2026-03-01T17:30:00 (30 min)" in told
+
+
 def test_what_is_stopped_while_it_runs_is_not_called_done(van: Path) -> None:
     event = {"changes": [{"op": "cancel_actions", "actions": ["ann"]}]}
     result = replan("4", "--event", "-", input=json.dumps(event))
