@@ -44,6 +44,9 @@ from irc.worth import worth
 
 Judge = Callable[[Schedule], str | None]
 
+PROVER = "cpsat"
+"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
+
 LEAST_SECONDS = 0.1
 """An engine is always given so much."""
 
