@@ -43,7 +43,7 @@ def settled(problem: Problem, schedule: Schedule, stability: Fraction) -> Schedu
         and decisions[i].mode == earlier.mode
     ]
     search = _Settling(problem, decisions, _limits(problem, schedule, stability), schedule)
-    search.keep_most_of(sorted(can_stay, key=lambda i: problem.earlier[i] or ()))
+    search.keep_most_of(sorted(can_stay, key=lambda i: decisions[i].start))
     return search.best
 
 
