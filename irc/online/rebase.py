@@ -3,7 +3,8 @@
 A planner begins at 0 and would have to live through the whole history again. Here what has ended is
 gone: its effects are in the initial state and the initial stock, lags to it are releases, deadlines
 or lags to an instant of its own, what runs is an activity that starts at once and takes the rest of
-its time. The way back leads through the frozen problem, which is re-timed as a whole.
+its time. What has ended just now runs for no time at all, where state tells it from being over. The
+way back leads through the frozen problem, which is re-timed as a whole.
 """
 
 from __future__ import annotations
@@ -187,14 +188,14 @@ def _earlier(
 
 
 def _in_dispute(problem: Problem, facts: Mapping[int, Fact], now: int) -> set[int]:
-    """The facts that have just ended, and of which it is open whether an event came first.
+    """The facts that have just ended, where something open could come first at this very instant.
 
-    All else that is open comes after what has ended by now.
+    Of state alone: what one of them changes at its end, another or something open has to do with.
     """
     contested = {
         var
         for i, activity in enumerate(problem.activities)
-        if i not in facts and activity.start == now
+        if i not in facts
         for var in _touched(activity)
     }
     names = Counter(a.id for a in problem.activities)
