@@ -163,6 +163,10 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         repeats=None,
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
     )
+    if longest == 0:
+        # (One happening: what was seen to take no time has changed each variable once, at last.)
+        changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
+        details = replace(details, effects=tuple(changed.values()))
     if fact.cancelled:
         details = replace(
             details,

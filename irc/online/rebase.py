@@ -313,8 +313,10 @@ class _Arcs:
 
         With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
         """
-        left = arc.before in self.places and arc.after in self.places
-        if keep and left and arc.from_end and (arc.to_end or arc.after not in self.facts):
+        left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
+            arc.after, arc.to_end
+        )
+        if keep and left:
             self.arcs.append(
                 arc._replace(before=self.places[arc.before], after=self.places[arc.after])
             )
@@ -332,6 +334,11 @@ class _Arcs:
         elif before is None and after is not None:
             least_before = None if arc.max_lag is None else after - arc.max_lag
             self._between(self.places[arc.before], arc.from_end, least_before, after - arc.min_lag)
+
+    def _is_to_come(self, i: int, at_end: bool) -> bool:
+        """Whether a point of an activity is one of what is left."""
+        fact = self.facts.get(i)
+        return fact is None or (i in self.places and (at_end or fact.start == self.now))
 
     def _known(self, i: int, *, at_end: bool) -> int | None:
         """When a point of a fact is, from now on; None where it is still to be decided."""
