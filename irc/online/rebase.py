@@ -119,6 +119,8 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
 
     Raises `PastError` where what is left had to happen before.
     """
+    if problem.deadline is not None and problem.deadline < now:
+        problem = _all_too_late(problem, facts)
     kept = [i for i in range(len(problem.activities)) if i not in facts or facts[i].running]
     places = {i: k for k, i in enumerate(kept)}
     names = Counter(a.id for a in problem.activities)
@@ -133,8 +135,6 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
     for arc in problem.arcs:
         arcs.add(arc)
     deadline = problem.deadline
-    if deadline is not None and deadline < now and activities:
-        raise PastError("the task's deadline has passed, and not everything is done")
     return Rebased(
         problem,
         facts,
@@ -145,7 +145,7 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
             arcs=tuple(arcs.arcs),
             resources=tuple(_later(r, now) for r in problem.resources),
             shared=tuple(_shared_later(s, now) for s in problem.shared),
-            deadline=None if deadline is None else max(0, deadline - now),
+            deadline=None if deadline is None else deadline - now,
             reservoirs=_stock_now(problem, facts, places),
             variables=_state_now(problem, facts, places),
             groups=tuple(
@@ -166,6 +166,19 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
         ),
         places,
     )
+
+
+def _all_too_late(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
+    """The problem behind the task's deadline: nothing new can happen, and nothing may have to."""
+    activities = list(problem.activities)
+    for i, activity in enumerate(activities):
+        if i in facts:
+            continue
+        repeats = activity.details.repeats
+        if not activity.details.optional and (repeats is None or repeats[0] > 0):
+            raise PastError("the task's deadline has passed, and not everything is done")
+        activities[i] = replace(activity, deadline=NEVER)
+    return replace(problem, activities=tuple(activities), deadline=None)
 
 
 def _earlier(
