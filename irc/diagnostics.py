@@ -115,6 +115,7 @@ class Code(Enum):
     ALREADY_DONE = ("IRC707", Severity.ERROR, "an event about an action that has ended")
     OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
     CARRIED = ("IRC709", Severity.WARNING, "a conflict that only what has run already causes")
+    NO_CONTINUATION = ("IRC710", Severity.ERROR, "what has run and cannot be continued")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id

@@ -116,7 +116,7 @@ def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
     if comes == at:
         return
     name = "this event" if placed.event.id is None else f"event {placed.event.id!r}"
-    when, now = format_number(comes), format_number(at)
+    when, now = (f"{format_number(time)} {task.time_unit}" for time in (comes, at))
     if comes < at:
         raise wrong_time(
             placed,
@@ -126,7 +126,7 @@ def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
     raise wrong_time(
         placed,
         f"{name} comes at {when}, which is later than the time of this step, {now}",
-        f"leave it out until then, or replan with --at {when}",
+        f"leave it out until then, or replan with --at {format_number(comes)}",
     )
 
 

@@ -98,7 +98,7 @@ class Execution:
         """Lets time pass. Raises `InputError` for a time that has passed already."""
         time = self.task.number(to)
         if time < self.now:
-            raise _in_the_past("advance to", time, self.now, ("to",), None)
+            raise _in_the_past("advance to", time, self.now, self.task.time_unit, ("to",), None)
         self.now = time
 
     def observe(
@@ -130,7 +130,9 @@ class Execution:
             raise InputError(report)
         at = self.task.number(event.at)
         if at < self.now:
-            raise _in_the_past("the event is at", at, self.now, ("at",), source)
+            raise _in_the_past(
+                "the event is at", at, self.now, self.task.time_unit, ("at",), source
+            )
         history, findings = self._history.copy(), Findings()
         history.take(self.task, event, findings)
         if findings.items:
@@ -212,12 +214,17 @@ def _require_known(task: Task, schedule: Schedule) -> None:
 
 
 def _in_the_past(
-    what: str, time: Number, now: Number, pointer: tuple[str, ...], source: Source | None
+    what: str,
+    time: Number,
+    now: Number,
+    unit: str,
+    pointer: tuple[str, ...],
+    source: Source | None,
 ) -> InputError:
     findings = Findings()
     findings.add(
         Code.EVENT_TIME,
-        f"{what} {format_number(time)}, but it is {format_number(now)} already",
+        f"{what} {format_number(time)} {unit}, but it is {format_number(now)} {unit} already",
         pointer,
         hint="events come in the order of their times; only what is still to come can be changed",
     )

@@ -11,7 +11,7 @@ from dataclasses import replace
 from itertools import combinations
 
 from irc.backend import Outcome, get_backend
-from irc.online.remainder import Remainder, engine_of
+from irc.online.remainder import PROVER, Remainder, engine_of
 from irc.problem import Problem
 from irc.schedule import Status
 from irc.times import Number
@@ -19,9 +19,6 @@ from irc.worth import worth
 
 Found = tuple[Outcome, Problem, tuple[int, ...]]
 """An outcome, the problem it answers, and the groups given up."""
-
-PROVER = "cpsat"
-"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
 
 PROVER_SHARE = 0.1
 """The part of the time limit that this may take."""

@@ -131,7 +131,7 @@ class _Step:
         self.history.entries[key_of(entry)] = replace(entry, **fields)
 
     def text(self, time: Number) -> str:
-        return format_number(time)
+        return f"{format_number(time)} {self.task.time_unit}"
 
 
 def _cancel_actions(step: _Step, change: CancelActions, at: Pointer) -> None:

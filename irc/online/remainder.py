@@ -26,6 +26,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.model import Task
 from irc.online.freeze import Frozen, with_groups
 from irc.online.history import ABANDONED, CANCELLED, History
+from irc.online.infeasibility import what_is_in_the_way
 from irc.online.rebase import PastError, rebase
 from irc.online.repair import repaired
 from irc.online.settle import settled
@@ -47,6 +48,9 @@ Judge = Callable[[Schedule], str | None]
 
 LEAST_SECONDS = 0.1
 """An engine is always given so much."""
+
+PROVER = "cpsat"
+"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
 
 _PASSES = (
     reduce_transitively,
@@ -83,6 +87,24 @@ class Remainder:
         """Seconds until the limit."""
         seconds = self.means.limits.seconds
         return None if seconds is None else seconds - (time.perf_counter() - self.began)
+
+    def reasons(self) -> tuple[Diagnostic, ...]:
+        """Which limits are in the way of any continuation, whatever is given up."""
+        prover, engine = get_backend(PROVER), engine_of(PROVER)
+        if engine.missing() is not None:
+            return ()
+        frozen = self.frozen
+        problem = order_from_state(with_groups(frozen, frozen.half_done()))
+
+        def solve(relaxed: Problem, seconds: float) -> tuple[Status, Schedule | None]:
+            whole, impossible = _passed(relaxed)
+            if impossible is None and not whole.has_contention:
+                impossible = _by_critical_path(whole)
+            limits = replace(self.means.limits, seconds=seconds)
+            found = impossible or engine.solve(Program(prover, self.task, whole), limits)
+            return found.status, found.schedule
+
+        return what_is_in_the_way(problem, frozen.facts.keys(), solve, self.left)
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers.
@@ -251,5 +273,6 @@ def _settled(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
 
 
 def _impossible(why: str) -> Outcome:
-    note = Diagnostic(Code.TOO_LATE, why, hint="a later deadline or more capacity would be needed")
+    hint = "a later deadline or more capacity would be needed"
+    note = Diagnostic(Code.NO_CONTINUATION, why, hint=hint)
     return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))

@@ -20,7 +20,7 @@ from irc.online.step import Means, Step, moved
 from irc.passes.contention import merge_pools
 from irc.pipeline import refusals_told
 from irc.problem import Problem
-from irc.schedule import Schedule
+from irc.schedule import Schedule, Status
 from irc.times import Number
 
 __all__ = ["Means", "Step", "solve_step"]
@@ -46,6 +46,8 @@ def solve_step(
     remainder = Remainder(task, frozen, history, at, backend, engine, means)
     with refusals_told(task):
         outcome, whole, given_up = best_continuation(remainder)
+    if outcome.status is Status.INFEASIBLE:
+        outcome = replace(outcome, notes=remainder.reasons() or outcome.notes)
     if outcome.schedule is not None:
         told = remainder.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=told)
