@@ -121,6 +121,8 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
 
     Raises `PastError` where what is left had to happen before.
     """
+    if problem.deadline is not None and problem.deadline < now:
+        problem = _all_too_late(problem, facts)
     disputed = _in_dispute(problem, facts, now)
     kept = [
         i
@@ -140,10 +142,6 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
     for arc in problem.arcs:
         arcs.add(arc, keep=bool(problem.variables))
     deadline = problem.deadline
-    if deadline is not None and deadline < now:
-        if any(_is_needed(a) for a in activities):
-            raise PastError("the task's deadline has passed, and not everything is done")
-        arcs.activities[:] = [replace(a, deadline=NEVER) for a in arcs.activities]
     return Rebased(
         problem,
         facts,
@@ -154,7 +152,7 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
             arcs=tuple(arcs.arcs),
             resources=tuple(_later(r, now) for r in problem.resources),
             shared=tuple(_shared_later(s, now) for s in problem.shared),
-            deadline=None if deadline is None else max(0, deadline - now),
+            deadline=None if deadline is None else deadline - now,
             reservoirs=_stock_now(problem, facts, now, places),
             variables=_state_now(problem, facts, now, places),
             groups=tuple(
@@ -175,6 +173,19 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
         ),
         places,
     )
+
+
+def _all_too_late(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
+    """The problem behind the task's deadline: nothing new can happen, and nothing may have to."""
+    activities = list(problem.activities)
+    for i, activity in enumerate(activities):
+        if i in facts:
+            continue
+        repeats = activity.details.repeats
+        if not activity.details.optional and (repeats is None or repeats[0] > 0):
+            raise PastError("the task's deadline has passed, and not everything is done")
+        activities[i] = replace(activity, deadline=NEVER)
+    return replace(problem, activities=tuple(activities), deadline=None)
 
 
 def _earlier(
@@ -216,12 +227,6 @@ def _touched(activity: Activity, *, at_end: bool = False) -> set[int]:
     details = activity.details
     read = {c.var for c in details.conditions if not at_end or c.at != "start"}
     return read | {e.var for e in details.effects if e.at_end or not at_end}
-
-
-def _is_needed(activity: Activity) -> bool:
-    """Whether there is no schedule without it."""
-    repeats = activity.details.repeats
-    return repeats[0] > 0 if repeats is not None else not activity.details.optional
 
 
 def _is_over(fact: Fact, at_end: bool, now: int, left: bool) -> bool:
