@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
-from irc.model import Event
+from irc.model import Event, Task
 from irc.model.base import write_time
 from irc.model.events import (
     AddActions,
@@ -26,14 +29,23 @@ from irc.model.events import (
     SetRelease,
     SetState,
 )
-from irc.times import Instant, format_number
+from irc.times import Clock, Instant, format_number
 
 NAMES_SHOWN = 8
 """Of more names the first ones are told, and how many there are besides."""
 
 
-def changes_in_words(event: Event, unit: str) -> Iterator[str]:
-    """A line for each change of an event; `unit` is the task's."""
+@dataclass(frozen=True)
+class _Unit:
+    """The task's, and its clock."""
+
+    name: str
+    clock: Clock
+
+
+def changes_in_words(event: Event, task: Task) -> Iterator[str]:
+    """A line for each change of an event of a task."""
+    unit = _Unit(task.time_unit, task.clock)
     for change in event.changes:
         yield _WORDS[type(change)](change, unit)
 
@@ -45,15 +57,16 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(found[:NAMES_SHOWN]) + (f" and {more:,} more" if more > 0 else "")
 
 
-def _time(value: Any, unit: str) -> str:
+def _time(value: Any, unit: _Unit) -> str:
     """A time as it was written, with the task's unit where it has none of its own."""
-    written = write_time(value)
-    if isinstance(written, str) and not hasattr(value, "numerator"):
-        return written
-    return f"{format_number(value)} {unit}"
+    if isinstance(value, (int, Fraction)):
+        return f"{format_number(value)} {unit.name}"
+    if isinstance(value, datetime):
+        return f"{value.isoformat()} ({format_number(unit.clock.number(value))} {unit.name})"
+    return str(write_time(value))
 
 
-def _duration(value: Any, unit: str) -> str:
+def _duration(value: Any, unit: _Unit) -> str:
     if hasattr(value, "min"):
         return f"from {_time(value.min, unit)} to {_time(value.max, unit)}"
     return _time(value, unit)
@@ -63,24 +76,24 @@ def _ids(elements: Iterable[Any]) -> str:
     return listed(element.id for element in elements)
 
 
-def _set_capacity(change: SetCapacity, unit: str) -> str:
+def _set_capacity(change: SetCapacity, unit: _Unit) -> str:
     begin = "" if change.from_ is None else f" from {_time(change.from_, unit)}"
     end = "" if change.to is None else f" until {_time(change.to, unit)}"
     return f"{change.resource} has a capacity of {change.capacity}{begin}{end}"
 
 
-def _set_deadline(change: SetDeadline, unit: str) -> str:
+def _set_deadline(change: SetDeadline, unit: _Unit) -> str:
     of = change.action or change.group
     whose = "the deadline" if of is None else f"the deadline of {of}"
     return f"{whose} is {'gone' if change.deadline is None else _time(change.deadline, unit)}"
 
 
-def _add_groups(change: AddGroups, _unit: str) -> str:
+def _add_groups(change: AddGroups, _unit: _Unit) -> str:
     groups = [f"{group.id} ({listed(group.actions)})" for group in change.groups]
     return f"new group{'s' if len(groups) > 1 else ''}: {listed(groups)}"
 
 
-def _set_goals(change: SetGoals, _unit: str) -> str:
+def _set_goals(change: SetGoals, _unit: _Unit) -> str:
     goals = [g if isinstance(g, str) else f"{g.var} = {_value(g.value)}" for g in change.goals]
     return f"the goals are now {listed(goals)}" if goals else "there are no goals any more"
 
@@ -93,7 +106,7 @@ def _pairs(edges: Iterable[Any]) -> str:
     return listed(f"{edge.before} before {edge.after}" for edge in edges)
 
 
-def _observe(change: Observe, unit: str) -> str:
+def _observe(change: Observe, unit: _Unit) -> str:
     happened: list[tuple[str, Instant | None]] = [
         ("started", change.started),
         ("finished", change.finished),
@@ -102,7 +115,7 @@ def _observe(change: Observe, unit: str) -> str:
     return f"{change.action} {' and '.join(told)}"
 
 
-_WORDS: Mapping[type, Callable[[Any, str], str]] = MappingProxyType(
+_WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(
     {
         AddActions: lambda change, _: f"new: {_ids(change.actions)}",
         CancelActions: lambda change, _: f"cancelled: {listed(change.actions)}",

@@ -33,7 +33,7 @@ def replan(
         typer.Option(
             "--event",
             metavar="EVENT",
-            help="A JSON file with an event or a list of events ('-': standard input), or #id for "
+            help="A file with an event or several, JSON or DSL ('-': standard input), or #id for "
             "one of the task's own; as often as needed. Without it: the task's own at that time.",
         ),
     ] = None,

@@ -56,7 +56,8 @@ def simulate_file(
             put_json({**simulation.as_json(), "verdict": judged})
         elif verdict is not None:
             _print_end(simulation)
-            put(str(verdict))
+            before = "" if simulation.final.answered else "before the last event: "
+            put(f"{before}{verdict}")
             if output is not None and simulation.final.answered:
                 say(f"wrote {output}")
         end_with([step.schedule.status for step in simulation.steps])

@@ -67,8 +67,12 @@ def print_history(step: Step, before: Schedule | None, console: Console) -> None
 
 def print_end(simulation: Simulation, last: Step, console: Console) -> None:
     """The table of the whole history, and what it came to."""
-    print_history(replace(last, completed=(), running=()), None, console)
     page, unit = Page(console), last.task.time_unit
+    if last is not simulation.steps[-1]:
+        console.print()
+        when = time_in_words(page, last.at, unit)
+        _print_wrapped(page, console, [Text(f"the plan on record, as of {when}:", "bold")])
+    print_history(replace(last, completed=(), running=()), None, console)
     steps = len(simulation.steps)
     told = [
         f"{steps:,} step{'s' if steps != 1 else ''}",
@@ -93,7 +97,7 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
         (str(step.schedule.status), _STYLES[step.schedule.status]),
     )
     for event in step.events:
-        for line in changes_in_words(event, unit):
+        for line in changes_in_words(event, step.task):
             yield Text(f"  {page.visible(line)}")
     stopped = {e.id for e in step.schedule.entries if e.status == CANCELLED and e.end == step.at}
     done = [name for name in step.completed if name not in stopped]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,6 +13,14 @@ from irc.frontends.json_value import find_value
 from irc.frontends.shape import to_task
 from irc.model import Event
 from irc.source import Pointer, Source
+
+_DSL = re.compile(r"\ufeff?(?:[ \t]*(?:#[^\n]*)?\r?\n)*event\b")
+"""How a text begins that is events in the DSL, whatever its file is called."""
+
+_HINT = "write `event rush order at 12:`, and its changes indented below"
+
+_OWN = {"events"}
+"""The parts of a document of the DSL that belong into a file of events."""
 
 _EXPECTED = 'an event such as {"changes": [{"op": "cancel_actions", "actions": ["a"]}]}, or a list'
 
@@ -40,9 +49,13 @@ def read_events(
 ) -> tuple[list[PlacedEvent], tuple[Diagnostic, ...], Source]:
     """The events in a file ("-": standard input), notes on its text, and the text.
 
-    Events without a time come at `at`. Raises `InputError` with every fault of syntax and shape.
+    The text is JSON, or `event` statements of the DSL. Events without a time come at `at`. Raises
+    `InputError` with every fault of syntax and shape.
     """
-    raw, source, notes = find_value(*read_text(path), _EXPECTED)
+    text, name = read_text(path)
+    if name.endswith(".irc") or _DSL.match(text):
+        return _from_dsl(text, name, at)
+    raw, source, notes = find_value(text, name, _EXPECTED)
     elements = raw if isinstance(raw, list) else [raw]
 
     def place(i: int) -> Pointer:
@@ -50,6 +63,44 @@ def read_events(
 
     events = to_events(elements, place, at, source)
     return [PlacedEvent(event, place(i), source) for i, event in enumerate(events)], notes, source
+
+
+def _from_dsl(
+    text: str, name: str, at: int | float | str
+) -> tuple[list[PlacedEvent], tuple[Diagnostic, ...], Source]:
+    from irc.frontends.dsl.reader import read_dsl
+
+    if not text.strip():
+        empty = Diagnostic(Code.DSL_SYNTAX, "there is no event in this text", offset=0, hint=_HINT)
+        raise InputError(Report((empty,), Source(name, text)))
+    reading = read_dsl(text, name)
+    findings = Findings([*reading.notes, *reading.faults])
+    document = reading.document
+    events = document.get("events", [])
+    if not reading.faults and (not events or any(document[key] for key in document.keys() - _OWN)):
+        findings.add(
+            Code.DSL_SYNTAX,
+            "these statements are not all events, and only events belong here",
+            _first_other(document),
+            hint=_HINT,
+        )
+    try:
+        typed = to_events(events, lambda i: ("events", i), at, reading.source)
+    except InputError as error:
+        findings.items += error.report.diagnostics
+    report = Report(tuple(findings.items), reading.source)
+    if not report.ok:
+        raise InputError(report)
+    placed = [PlacedEvent(e, ("events", i), reading.source) for i, e in enumerate(typed)]
+    return placed, reading.notes, reading.source
+
+
+def _first_other(document: Mapping[str, Any]) -> Pointer:
+    """The first part of a document that is no event."""
+    other = next((key for key in document if key not in _OWN and document[key]), None)
+    if other is None:
+        return ()
+    return (other, 0) if isinstance(document[other], list) else (other,)
 
 
 def to_events(

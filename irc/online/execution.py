@@ -98,7 +98,9 @@ class Execution:
         """Lets time pass. Raises `InputError` for a time that has passed already."""
         time = self.task.number(to)
         if time < self.now:
-            raise _in_the_past("advance to", time, self.now, self.task.time_unit, ("to",), None)
+            raise _in_the_past(
+                "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
+            )
         self.now = time
 
     def observe(

@@ -13,10 +13,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
-from irc.backend import EngineFailed, Refusal
+from irc.backend import EngineFailed, Refusal, get_backend
 from irc.diagnostics import Code, Diagnostic
 from irc.lower_choices import NEVER
+from irc.online.freeze import with_groups
 from irc.online.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
+from irc.online.remainder import PROVER, Remainder, engine_of
+from irc.passes import order_from_state
 from irc.problem import Activity, Problem
 from irc.retime import AnswerError
 from irc.schedule import Schedule, Status
@@ -30,19 +33,21 @@ EACH = 1.0
 SHOWN = 3
 """So many limits of one sort are named."""
 
-Solve = Callable[[Problem, float], tuple[Status, Schedule | None]]
-"""The best schedule of a problem within some seconds."""
 
+def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
+    """What must give way where nothing continues a history, whatever is given up.
 
-def what_is_in_the_way(
-    problem: Problem, begun: Collection[int], solve: Solve, seconds: float | None
-) -> tuple[Diagnostic, ...]:
-    """What of a frozen problem that has no schedule must give way; empty where nothing was found.
-
-    `begun` are the activities whose place is a fact. Takes `seconds` at most, and never long.
+    Empty where nothing was found. Never takes long, nor longer than what is left of the limit.
     """
-    until = time.perf_counter() + min(PATIENCE, PATIENCE if seconds is None else seconds)
-    search = _Search(replace(problem, earlier=(), recurring={}), frozenset(begun), solve, until)
+    frozen, left = remainder.frozen, remainder.left
+    until = time.perf_counter() + (PATIENCE if left is None else min(PATIENCE, left))
+    problem = order_from_state(with_groups(frozen, frozen.half_done()))
+    problem = replace(problem, earlier=(), recurring={})
+    helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
+    prover = replace(remainder, backend=get_backend(PROVER), engine=engine_of(PROVER))
+    if prover.engine.missing() is not None:
+        return ()
+    search = _Search(problem, helpers.union(frozen.facts), prover, until)
     for sort in _SORTS:
         found = [*sort(search)]
         if found:
@@ -63,8 +68,8 @@ _Reason = tuple[str, str]
 @dataclass(frozen=True)
 class _Search:
     problem: Problem
-    begun: frozenset[int]
-    solve: Solve
+    begun: Collection[int]
+    prover: Remainder
     until: float
 
     @property
@@ -85,10 +90,12 @@ class _Search:
         if self.left <= 0:
             return None
         try:
-            status, schedule = self.solve(relaxed, min(EACH, self.left))
-        except (AnswerError, EngineFailed, Refusal, ValueError):
-            return None  # Contradictory lags, or a solver that cannot tell: nothing is found.
-        return None if schedule is None else (schedule, status is Status.OPTIMAL)
+            found = self.prover.tried(relaxed, min(EACH, self.left))
+        except (AnswerError, EngineFailed, Refusal):
+            return None  # Who breaks down proves nothing.
+        if found.schedule is None:
+            return None
+        return found.schedule, found.status is Status.OPTIMAL
 
     def is_possible(self, relaxed: Problem) -> bool:
         return self.tried(replace(relaxed, objectives=("makespan",))) is not None

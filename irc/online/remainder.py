@@ -26,7 +26,6 @@ from irc.diagnostics import Code, Diagnostic
 from irc.model import Task
 from irc.online.freeze import Frozen, with_groups
 from irc.online.history import ABANDONED, CANCELLED, History
-from irc.online.infeasibility import what_is_in_the_way
 from irc.online.rebase import PastError, rebase
 from irc.online.repair import repaired
 from irc.online.settle import settled
@@ -46,11 +45,11 @@ from irc.worth import worth
 
 Judge = Callable[[Schedule], str | None]
 
-LEAST_SECONDS = 0.1
-"""An engine is always given so much."""
-
 PROVER = "cpsat"
 """Says which orders can be finished, where the target's engines prove nothing of the kind."""
+
+LEAST_SECONDS = 0.1
+"""An engine is always given so much."""
 
 _PASSES = (
     reduce_transitively,
@@ -88,24 +87,6 @@ class Remainder:
         seconds = self.means.limits.seconds
         return None if seconds is None else seconds - (time.perf_counter() - self.began)
 
-    def reasons(self) -> tuple[Diagnostic, ...]:
-        """Which limits are in the way of any continuation, whatever is given up."""
-        prover, engine = get_backend(PROVER), engine_of(PROVER)
-        if engine.missing() is not None:
-            return ()
-        frozen = self.frozen
-        problem = order_from_state(with_groups(frozen, frozen.half_done()))
-
-        def solve(relaxed: Problem, seconds: float) -> tuple[Status, Schedule | None]:
-            whole, impossible = _passed(relaxed)
-            if impossible is None and not whole.has_contention:
-                impossible = _by_critical_path(whole)
-            limits = replace(self.means.limits, seconds=seconds)
-            found = impossible or engine.solve(Program(prover, self.task, whole), limits)
-            return found.status, found.schedule
-
-        return what_is_in_the_way(problem, frozen.facts.keys(), solve, self.left)
-
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers.
 
@@ -126,6 +107,19 @@ class Remainder:
             found = repaired(whole, self.frozen.facts, self.history.plan)
             whole = replace(whole, start_from=found)
         return self._solved(whole), whole
+
+    def tried(self, problem: Problem, seconds: float) -> Outcome:
+        """The outcome of another problem of the whole, within some seconds of its own.
+
+        Raises `EngineFailed` or `irc.backend.Refusal`.
+        """
+        whole, impossible = _passed(problem)
+        if impossible is not None:
+            return impossible
+        if not whole.has_contention:
+            return _by_critical_path(whole)
+        limits = replace(self.means.limits, seconds=seconds)
+        return self.engine.solve(Program(self.backend, self.task, whole), limits)
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
         """The entries of what was cancelled, or ran for an order that is given up, say so."""

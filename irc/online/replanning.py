@@ -15,6 +15,7 @@ from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze
 from irc.online.giving_up import best_continuation
 from irc.online.history import History, ids
+from irc.online.infeasibility import what_is_in_the_way
 from irc.online.remainder import Remainder, engine_of
 from irc.online.step import Means, Step, moved
 from irc.passes.contention import merge_pools
@@ -47,7 +48,7 @@ def solve_step(
     with refusals_told(task):
         outcome, whole, given_up = best_continuation(remainder)
     if outcome.status is Status.INFEASIBLE:
-        outcome = replace(outcome, notes=remainder.reasons() or outcome.notes)
+        outcome = replace(outcome, notes=what_is_in_the_way(remainder) or outcome.notes)
     if outcome.schedule is not None:
         told = remainder.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=told)

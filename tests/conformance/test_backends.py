@@ -178,7 +178,7 @@ def test_unified_planning_accepts_the_raw_plans_on_the_emitted_text(tmp_path: Pa
 
     get_environment().credits_stream = None
     accepted = 0
-    for task in seeded(random_task, "raw", 14, tighten=0.0, actions=(3, 6)):
+    for task in seeded(random_task, "raw", 9, tighten=0.0, actions=(3, 6)):
         if not check_task(task).ok:
             continue
         program = compile_task(task, "pddl21")

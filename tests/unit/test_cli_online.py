@@ -79,6 +79,34 @@ def test_events_are_found_in_a_language_models_answer(van: Path) -> None:
     assert "did you mean `ann`?" in told
 
 
+def test_events_can_be_written_in_the_dsl(van: Path) -> None:
+    (van / "jam.irc").write_text("event jam at 3: set duration of ann = 12\n")
+    step = json.loads(replan("3", "--event", "jam.irc", "--format", "json").stdout)
+    assert (step["event"], starts(step["schedule"])) == (["jam"], {"ann": 0, "bob": 12})
+    text = "# a jam\nevent at 3:\n    set duration of anne = 12\n"
+    told = replan("3", "--event", "-", input=text).stderr
+    assert "<stdin>:3:21" in told
+    assert "did you mean `ann`?" in told
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("event at 3: cancel bob\ncarl 3\n", "x.irc:2:1"),
+        ("unit min\nevent at 3: cancel bob\n", "x.irc:1:6"),
+        ("event at 3: set deadline of bob = 12\n", "x.irc:1:26"),
+        ("event at 2: cancel bob\n", "x.irc:1:10"),
+        ("\n", "x.irc:1:1"),
+    ],
+)
+def test_a_file_of_events_in_the_dsl_has_nothing_else(van: Path, text: str, place: str) -> None:
+    (van / "x.irc").write_text(text)
+    result = replan("3", "--event", "x.irc")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert f"--> {place}\n" in result.stderr
+    assert "hint: " in result.stderr
+
+
 def test_several_events_are_taken_in_their_order(van: Path) -> None:
     (van / "one.json").write_text(json.dumps([{"changes": [LONGER]}, {"changes": []}]))
     added = {"op": "add_actions", "actions": [{"id": "eve", "duration": 1}]}
@@ -104,6 +132,14 @@ def test_the_text_says_what_happened_what_is_settled_and_what_moved(van: Path) -
         ["ann", "0", "12", "van", "running"],
         ["bob", "12", "22", "van", "was", "10"],
     ]
+
+
+def test_date_times_are_also_told_in_the_tasks_unit(van: Path) -> None:
+    (van / "van.json").write_text(json.dumps({**VAN, "origin": "2026-03-01T17:00:00"}))
+    until = {"op": "set_capacity", "resource": "van", "capacity": 0, "to": "2026-03-01T17:30:00"}
+    event = json.dumps({"at": "2026-03-01T17:10:00", "changes": [until]})
+    told = replan("10", "--event", "-", input=event).stdout
+    assert "van has a capacity of 0 until 2026-03-01T17:30:00 (30 min)" in told
 
 
 def test_what_is_stopped_while_it_runs_is_not_called_done(van: Path) -> None:

@@ -249,7 +249,7 @@ def has_ambiguous_values(
     return len(set(points)) < len(points)
 
 
-@settings(SLOW, max_examples=600)
+@settings(SLOW, max_examples=300)
 @given(st.data(), state_cases(), st.integers(0, 3))
 def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
     data: Any, case: tuple[Task, list[Entry]], at: int
@@ -278,7 +278,7 @@ def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
         assert not verdict.carried, verdict
 
 
-@settings(SLOW, max_examples=400)
+@settings(SLOW, max_examples=250)
 @given(state_cases(), st.integers(0, 3))
 def test_ranks_are_looked_for_only_where_history_has_some(
     case: tuple[Task, list[Entry]], at: int

@@ -507,7 +507,7 @@ def state_cases(draw: Draw) -> tuple[Task, list[Entry]]:
     return task, entries
 
 
-@settings(SLOW, max_examples=600)
+@settings(SLOW, max_examples=350)
 @given(state_cases())
 def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]) -> None:
     task, entries = case
@@ -516,7 +516,7 @@ def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]
     assert verdict.valid is some_ranks_do(task, entries), verdict
 
 
-@settings(SLOW, max_examples=600)
+@settings(SLOW, max_examples=350)
 @given(st.data(), state_cases())
 def test_given_ranks_are_judged_as_the_naive_check_does(
     data: Any, case: tuple[Task, list[Entry]]

@@ -72,6 +72,8 @@ def unexpected(error: Any, tokens: Sequence[Lexeme]) -> Fault:
 
 def _hint(token: Lexeme, accepted: set[str], tokens: Sequence[Lexeme]) -> str | None:
     before = tokens[tokens.index(token) - 1] if token is not tokens[0] else None
+    if token.value == "of" and before is not None and before.type == "SET_DEADLINE":
+        return "say of what: `set deadline of action NAME = …`, or `of group NAME = …`"
     if token.type == "WORD":
         words = sorted(_word(k) for k in accepted if k not in _UNSAID and k not in _SAID)
         return did_you_mean(token.value, words)
