@@ -27,6 +27,7 @@ from math import ceil
 from typing import Any
 
 from irc.backend import Refusal
+from irc.lower_choices import NEVER
 from irc.passes.restrict import drop_ample_stock, settle_presence
 from irc.problem import PLAIN, Activity, Problem
 from irc_pddl21.domain import Change, Comparison, Encoding, Operator, TimedLiteral
@@ -241,6 +242,9 @@ class _Encoder:
         return opened[release]
 
     def _open_until(self, time: int, closed: dict[int, str]) -> str:
+        time = max(time, NEVER)
+        if time == NEVER and time not in closed:
+            closed[time] = self._fact("open_never")  # Literals cannot come before the beginning.
         if time not in closed:
             closed[time] = self._fact(f"open_{time}", initially=True)
             literal = TimedLiteral(time * self.scale + self.slack, closed[time], False)

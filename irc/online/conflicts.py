@@ -61,6 +61,8 @@ def _without_late_deadline(problem: Problem, facts: Mapping[int, Fact]) -> Probl
 
 def _ends(problem: Problem, i: int, fact: Fact) -> tuple[int, int]:
     """The least and the greatest time at which a fact can end."""
+    if not fact.running:
+        return fact.end, fact.end
     activity = problem.activities[i]
     return fact.start + activity.duration_min, fact.start + activity.duration_max
 

@@ -138,6 +138,9 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
     if fact.running and not activity.is_fixed and not fact.cancelled:
         shortest = max(activity.duration_min, now - fact.start)
         longest = max(activity.duration_max, shortest)
+    apart = _ends_apart(activity, fact)
+    if apart:
+        longest = shortest + 1
     uses = activity.uses
     claims = activity.claims
     if fact.resources is not None:
@@ -160,6 +163,10 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         repeats=None,
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
     )
+    if longest == 0:
+        # (One happening: what was seen to take no time has changed each variable once, at last.)
+        changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
+        details = replace(details, effects=tuple(changed.values()))
     if fact.cancelled:
         details = replace(
             details,
@@ -169,7 +176,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
             due=None,
             reward=0,
         )
-    deadline = activity.deadline
+    deadline = fact.end if apart else activity.deadline
     if shortest == longest or (deadline is not None and deadline < fact.start + shortest):
         deadline = None
     return replace(
@@ -182,6 +189,20 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         uses=uses,
         claims=claims if fact.running else (),
         details=details,
+    )
+
+
+def _ends_apart(activity: Activity, fact: Fact) -> bool:
+    """Whether what has ended was of a duration that could be chosen, so that its end has a rank of
+    its own. It keeps one where it could still be longer, and a deadline says that it is not.
+    """
+    details = activity.details
+    return (
+        not fact.running
+        and not fact.cancelled
+        and not activity.is_fixed
+        and fact.end - fact.start < activity.duration_max
+        and bool(details.conditions or details.effects)
     )
 
 

@@ -61,13 +61,12 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         begun += [(e, True) for e in running.get(activity.id, ())]
         found = [fact_of(problem, activity, e, running=r) for e, r in begun]
         if activity.details.repeats is not None:
-            rest, first = (
-                _rest(activity, sorted(found, key=lambda f: f.start)),
-                len(problem.activities),
-            )
-            for k, fact in enumerate(sorted(found, key=lambda f: (f.start, f.end)), 1):
+            in_order = sorted(found, key=lambda f: (f.start, f.end))
+            first = len(problem.activities)
+            for k, fact in enumerate(in_order, 1):
                 facts[first + len(further)] = fact
                 further.append(_occurrence(as_fact(problem, activity, fact, ticks), k))
+            rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
                 rest = replace(rest, details=replace(rest.details, previous=previous))

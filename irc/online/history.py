@@ -12,8 +12,16 @@ from types import MappingProxyType
 from typing import Any
 
 from irc.diagnostics import Code, Findings
-from irc.model import Action, DurationRange, Event, Task
-from irc.model.events import CancelActions, CancelGroups, Observe, SetDuration, SetGoals
+from irc.model import Action, DurationRange, Event, Group, Task
+from irc.model.events import (
+    AddActions,
+    AddGroups,
+    CancelActions,
+    CancelGroups,
+    Observe,
+    SetDuration,
+    SetGoals,
+)
 from irc.online.ending import is_over
 from irc.online.state import ExecutionState, Key, key_of, state_at
 from irc.schedule import Entry, Schedule
@@ -76,7 +84,15 @@ class History:
         The event must fit the task (`irc.online.check_event`). After a fault the history is of no
         use any more.
         """
-        step = _Step(self, task, task.number(event.at), findings)
+        step = _Step(
+            self,
+            task.clock,
+            task.time_unit,
+            task.number(event.at),
+            findings,
+            {action.id: action for action in reversed(task.actions)},
+            {group.id: group for group in reversed(task.groups)},
+        )
         for k, change in enumerate(event.changes):
             follow = _FOLLOWED.get(type(change))
             if follow is not None:
@@ -101,22 +117,30 @@ def length_of(action: Action, entry: Entry, clock: Clock) -> Number | None:
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """An event at work on a history."""
+    """An event at work on a history.
+
+    `actions` and `groups` are those of the task, as the changes before have left them.
+    """
 
     history: History
-    task: Task
+    clock: Clock
+    unit: str
     at: Number
     findings: Findings
+    actions: dict[str, Action]
+    groups: dict[str, Group]
+    keys: dict[str, list[Key]] = field(default_factory=dict)
 
-    @property
-    def clock(self) -> Clock:
-        return self.task.clock
+    def __post_init__(self) -> None:
+        for key in self.history.entries:
+            self.keys.setdefault(key[0], []).append(key)
 
     def action(self, name: str) -> Action | None:
-        return next((a for a in self.task.actions if a.id == name), None)
+        return self.actions.get(name)
 
     def occurrences(self, name: str) -> list[Entry]:
-        return [e for e in self.history.entries.values() if e.id == name]
+        entries = self.history.entries
+        return [entries[key] for key in self.keys.get(name, ()) if key in entries]
 
     def is_frozen(self, entry: Entry) -> bool:
         return entry.start < self.at or key_of(entry) in self.history.started
@@ -128,10 +152,13 @@ class _Step:
         self.findings.add(code, message, pointer, hint=hint)
 
     def put(self, entry: Entry, **fields: Any) -> None:
-        self.history.entries[key_of(entry)] = replace(entry, **fields)
+        key = key_of(entry)
+        if key not in self.history.entries:
+            self.keys.setdefault(entry.id, []).append(key)
+        self.history.entries[key] = replace(entry, **fields)
 
     def text(self, time: Number) -> str:
-        return f"{format_number(time)} {self.task.time_unit}"
+        return f"{format_number(time)} {self.unit}"
 
 
 def _cancel_actions(step: _Step, change: CancelActions, at: Pointer) -> None:
@@ -153,9 +180,9 @@ def _cancel_actions(step: _Step, change: CancelActions, at: Pointer) -> None:
 
 def _cancel_groups(step: _Step, change: CancelGroups, at: Pointer) -> None:
     gone = set(change.groups)
-    kept = {name for g in step.task.groups if g.id not in gone for name in g.actions}
+    kept = {name for g in step.groups.values() if g.id not in gone for name in g.actions}
     for k, group_id in enumerate(change.groups):
-        group = next((g for g in step.task.groups if g.id == group_id), None)
+        group = step.groups.pop(group_id, None)
         members = () if group is None else group.actions
         entries = [e for name in members for e in step.occurrences(name)]
         if (
@@ -185,6 +212,9 @@ def _end(step: _Step, names: Iterable[str]) -> None:
 
 
 def _set_duration(step: _Step, change: SetDuration, at: Pointer) -> None:
+    action = step.action(change.action)
+    if action is not None:
+        step.actions[action.id] = action.model_copy(update={"duration": change.duration})
     duration = change.duration
     if isinstance(duration, DurationRange):
         least, most = step.clock.number(duration.min), step.clock.number(duration.max)
@@ -194,7 +224,6 @@ def _set_duration(step: _Step, change: SetDuration, at: Pointer) -> None:
         if not step.is_frozen(entry):
             continue
         if not step.is_running(entry):
-            action = step.action(change.action)
             if action is not None and action.occurrence_bounds[1] in (0, 1):
                 step.tell(
                     Code.ALREADY_DONE,
@@ -270,7 +299,7 @@ def _observe(step: _Step, change: Observe, at: Pointer) -> None:
         step.history.started.add(key)
         step.history.finished.add(key)
         entry = replace(entry, end=finished)
-    step.history.entries[key] = entry
+    step.put(entry)
 
 
 def _contradicts(
@@ -315,8 +344,18 @@ def _set_goals(step: _Step, change: SetGoals, at: Pointer) -> None:
             )
 
 
+def _add_actions(step: _Step, change: AddActions, _: Pointer) -> None:
+    step.actions.update((action.id, action) for action in change.actions)
+
+
+def _add_groups(step: _Step, change: AddGroups, _: Pointer) -> None:
+    step.groups.update((group.id, group) for group in change.groups)
+
+
 _FOLLOWED: Mapping[type, Callable[[_Step, Any, Pointer], None]] = MappingProxyType(
     {
+        AddActions: _add_actions,
+        AddGroups: _add_groups,
         CancelActions: _cancel_actions,
         CancelGroups: _cancel_groups,
         SetDuration: _set_duration,

@@ -3,7 +3,8 @@
 A planner begins at 0 and would have to live through the whole history again. Here what has ended is
 gone: its effects are in the initial state and the initial stock, lags to it are releases, deadlines
 or lags to an instant of its own, what runs is an activity that starts at once and takes the rest of
-its time. The way back leads through the frozen problem, which is re-timed as a whole.
+its time. What has ended just now runs for no time at all, where state tells it from being over. The
+way back leads through the frozen problem, which is re-timed as a whole.
 """
 
 from __future__ import annotations
@@ -86,14 +87,15 @@ class Rebased:
     ) -> Decision:
         fact = self.facts.get(i)
         if fact is not None:
-            end, end_rank = fact.end, fact.end_rank
+            start_rank, end, end_rank = fact.rank, fact.end, fact.end_rank
             if i in self.places:
                 entry = entries[self.problem.activities[self.places[i]].id][0]
                 end = self.now + ticks_of(self.whole, entry.end)
                 end_rank = rank + (entry.rank if entry.end_rank is None else entry.end_rank)
+                start_rank = rank + entry.rank if fact.start == self.now else fact.rank
             mode = 0 if activity.details.modes else None
             chosen = tuple(use.alternatives[0] for use in activity.uses)
-            return Decision(fact.start, end, chosen, mode=mode, rank=fact.rank, end_rank=end_rank)
+            return Decision(fact.start, end, chosen, mode=mode, rank=start_rank, end_rank=end_rank)
         found = entries.get(activity.id, [])
         number = activity.details.occurrence - self._first[activity.id]
         if number >= len(found):
@@ -119,9 +121,16 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
 
     Raises `PastError` where what is left had to happen before.
     """
-    kept = [i for i in range(len(problem.activities)) if i not in facts or facts[i].running]
-    places = {i: k for k, i in enumerate(kept)}
+    if problem.deadline is not None and problem.deadline < now:
+        problem = _all_too_late(problem, facts)
+    disputed = _in_dispute(problem, facts, now)
+    kept = [
+        i
+        for i in range(len(problem.activities))
+        if i not in facts or facts[i].running or i in disputed
+    ]
     names = Counter(a.id for a in problem.activities)
+    places = {i: k for k, i in enumerate(kept)}
     activities = []
     for i in kept:
         fact, activity = facts.get(i), problem.activities[i]
@@ -131,10 +140,8 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
             activities.append(_residual(activity, fact, now, names))
     arcs = _Arcs(facts, now, places, activities, names)
     for arc in problem.arcs:
-        arcs.add(arc)
+        arcs.add(arc, keep=bool(problem.variables))
     deadline = problem.deadline
-    if deadline is not None and deadline < now and activities:
-        raise PastError("the task's deadline has passed, and not everything is done")
     return Rebased(
         problem,
         facts,
@@ -145,9 +152,9 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
             arcs=tuple(arcs.arcs),
             resources=tuple(_later(r, now) for r in problem.resources),
             shared=tuple(_shared_later(s, now) for s in problem.shared),
-            deadline=None if deadline is None else max(0, deadline - now),
-            reservoirs=_stock_now(problem, facts, places),
-            variables=_state_now(problem, facts, places),
+            deadline=None if deadline is None else deadline - now,
+            reservoirs=_stock_now(problem, facts, now, places),
+            variables=_state_now(problem, facts, now, places),
             groups=tuple(
                 replace(g, members=members)
                 for g in problem.groups
@@ -168,6 +175,19 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
     )
 
 
+def _all_too_late(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
+    """The problem behind the task's deadline: nothing new can happen, and nothing may have to."""
+    activities = list(problem.activities)
+    for i, activity in enumerate(activities):
+        if i in facts:
+            continue
+        repeats = activity.details.repeats
+        if not activity.details.optional and (repeats is None or repeats[0] > 0):
+            raise PastError("the task's deadline has passed, and not everything is done")
+        activities[i] = replace(activity, deadline=NEVER)
+    return replace(problem, activities=tuple(activities), deadline=None)
+
+
 def _earlier(
     problem: Problem, kept: Sequence[int], size: int, now: int
 ) -> tuple[Earlier | None, ...]:
@@ -176,6 +196,42 @@ def _earlier(
     found = [problem.earlier[i] for i in kept]
     shifted = [None if e is None else e._replace(start=e.start - now) for e in found]
     return (*shifted, *(None for _ in range(size - len(shifted))))
+
+
+def _in_dispute(problem: Problem, facts: Mapping[int, Fact], now: int) -> set[int]:
+    """The facts that have just ended, where something open could come first at this very instant.
+
+    Of state alone: what one of them changes at its end, another or something open has to do with.
+    """
+    contested = {
+        var
+        for i, activity in enumerate(problem.activities)
+        if i not in facts
+        for var in _touched(activity)
+    }
+    names = Counter(a.id for a in problem.activities)
+    ended = {
+        i: _touched(problem.activities[i], at_end=True)
+        for i, fact in facts.items()
+        if fact.end == now and not fact.running and names[problem.activities[i].id] == 1
+    }
+    found: set[int] = set()
+    while more := {i for i, its in ended.items() if i not in found and its & contested}:
+        found |= more
+        contested.update(*(ended[i] for i in more))
+    return found
+
+
+def _touched(activity: Activity, *, at_end: bool = False) -> set[int]:
+    """The variables that an activity needs or changes, at its end or before it if `at_end`."""
+    details = activity.details
+    read = {c.var for c in details.conditions if not at_end or c.at != "start"}
+    return read | {e.var for e in details.effects if e.at_end or not at_end}
+
+
+def _is_over(fact: Fact, at_end: bool, now: int, left: bool) -> bool:
+    """Whether what a fact does at its start, or its end, has been done for good."""
+    return not left or (not at_end and fact.start < now)
 
 
 def _shifted(activity: Activity, now: int, facts: Mapping[int, Fact]) -> Activity:
@@ -202,7 +258,7 @@ def _shifted(activity: Activity, now: int, facts: Mapping[int, Fact]) -> Activit
 
 
 def _residual(activity: Activity, fact: Fact, now: int, names: Counter[str]) -> Activity:
-    """The rest of what runs: it starts at once, and what it did at its start is done."""
+    """The rest of what runs: it starts at once, and what it did at its start before is done."""
     elapsed = now - fact.start
     shortest = max(0, activity.duration_min - elapsed)
     longest = max(0, activity.duration_max - elapsed)
@@ -214,9 +270,9 @@ def _residual(activity: Activity, fact: Fact, now: int, names: Counter[str]) -> 
     own = Details(
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
         use_modes=details.use_modes,
-        stock=tuple(c for c in details.stock if c.at_end),
-        conditions=tuple(c for c in details.conditions if c.at != "start"),
-        effects=tuple(e for e in details.effects if e.at_end),
+        stock=tuple(c for c in details.stock if c.at_end or not elapsed),
+        conditions=tuple(c for c in details.conditions if c.at != "start" or not elapsed),
+        effects=tuple(e for e in details.effects if e.at_end or not elapsed),
         due=None if details.due is None else details.due - now,
         weight=details.weight,
         reward=details.reward,
@@ -257,8 +313,19 @@ class _Arcs:
         self.arcs: list[Arc] = []
         self.anchor: int | None = None
 
-    def add(self, arc: Arc) -> None:
-        """Adds an arc of the frozen problem."""
+    def add(self, arc: Arc, *, keep: bool) -> None:
+        """Adds an arc of the frozen problem.
+
+        With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
+        """
+        left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
+            arc.after, arc.to_end
+        )
+        if keep and left:
+            self.arcs.append(
+                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
+            )
+            return
         before = self._known(arc.before, at_end=arc.from_end)
         after = self._known(arc.after, at_end=arc.to_end)
         if before is None and after is None:
@@ -272,6 +339,11 @@ class _Arcs:
         elif before is None and after is not None:
             least_before = None if arc.max_lag is None else after - arc.max_lag
             self._between(self.places[arc.before], arc.from_end, least_before, after - arc.min_lag)
+
+    def _is_to_come(self, i: int, at_end: bool) -> bool:
+        """Whether a point of an activity is one of what is left."""
+        fact = self.facts.get(i)
+        return fact is None or (i in self.places and (at_end or fact.start == self.now))
 
     def _known(self, i: int, *, at_end: bool) -> int | None:
         """When a point of a fact is, from now on; None where it is still to be decided."""
@@ -328,13 +400,13 @@ def _windows_later(windows: Iterable[Window], now: int) -> tuple[Window, ...]:
 
 
 def _stock_now(
-    problem: Problem, facts: Mapping[int, Fact], places: Mapping[int, int]
+    problem: Problem, facts: Mapping[int, Fact], now: int, places: Mapping[int, int]
 ) -> tuple[Reservoir, ...]:
     """What the past has left of each reservoir."""
     levels = [r.initial for r in problem.reservoirs]
-    for i in facts:
+    for i, fact in facts.items():
         for change in problem.activities[i].details.stock:
-            if i not in places or not change.at_end:
+            if _is_over(fact, change.at_end, now, i in places):
                 levels[change.reservoir] += change.amount
     return tuple(
         replace(r, initial=level) for r, level in zip(problem.reservoirs, levels, strict=True)
@@ -342,17 +414,17 @@ def _stock_now(
 
 
 def _state_now(
-    problem: Problem, facts: Mapping[int, Fact], places: Mapping[int, int]
+    problem: Problem, facts: Mapping[int, Fact], now: int, places: Mapping[int, int]
 ) -> tuple[Variable, ...]:
     """What the past has made of each variable."""
     values = [v.initial for v in problem.variables]
     writes: list[tuple[int, int, int, int]] = []
     for i, fact in facts.items():
         for effect in problem.activities[i].details.effects:
-            if not effect.at_end:
-                writes.append((fact.start, fact.rank, effect.var, effect.value))
-            elif i not in places:
-                writes.append((fact.end, fact.end_rank, effect.var, effect.value))
+            if not _is_over(fact, effect.at_end, now, i in places):
+                continue
+            time, rank = (fact.end, fact.end_rank) if effect.at_end else (fact.start, fact.rank)
+            writes.append((time, rank, effect.var, effect.value))
     for _, _, var, value in sorted(writes):
         values[var] = value
     return tuple(

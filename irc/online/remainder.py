@@ -35,6 +35,7 @@ from irc.passes import order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.grid import bound_on_grid
+from irc.passes.mandatory import mandatory_places
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.retime import AnswerError, earliest_schedule
@@ -156,7 +157,7 @@ class Remainder:
             rebased = rebase(frozen, self.frozen.facts, now)
         except PastError as error:
             return _impossible(str(error))
-        left, impossible = _passed(rebased.problem)
+        left, impossible = _passed(rebased.problem, now)
         if impossible is not None:
             return impossible
         if whole.bound.value - now > left.bound.value:
@@ -170,7 +171,7 @@ class Remainder:
                 return str(error)
             return self._judged(merged, given_up)
 
-        found = self._solved(left, judge) if left.has_contention else _by_critical_path(left)
+        found = self._solved(left, judge) if left.has_contention else _by_critical_path(left, now)
         if found.schedule is None:
             return found
         try:
@@ -178,35 +179,63 @@ class Remainder:
         except AnswerError as error:
             raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
-        return _settled(outcome, whole, settled(whole, merged, self.means.stability))
+        kept = settled(
+            whole,
+            merged,
+            self.history.entries.values(),
+            self.means.stability,
+            lambda schedule: self._judged(schedule, given_up) is None,
+        )
+        return _settled(outcome, whole, kept)
 
 
-def _passed(problem: Problem) -> tuple[Problem, Outcome | None]:
-    """The problem after the passes; an outcome where they show that it has no schedule."""
+def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
+    """The problem after the passes; an outcome where they show that it has no schedule.
+
+    `since` is when its time begins, in ticks.
+    """
     try:
         problem = run_passes(problem, _PASSES)
     except ValueError:
         return problem, _impossible("what has begun and the lags of the task contradict each other")
     if problem.deadline is not None and problem.bound.value > problem.deadline:
-        bound = f"no continuation ends before {problem.time_text(problem.bound.value)}"
+        bound = f"no continuation ends before {problem.time_text(since + problem.bound.value)}"
         return problem, _impossible(f"{bound} ({problem.bound.reason})")
+    for i in mandatory_places(problem):
+        head, activity = problem.heads[i], problem.activities[i]
+        too_late = _too_late(problem, i, head, head + activity.duration_min, since)
+        if too_late is not None:
+            return problem, _impossible(too_late)
     return problem, None
 
 
-def _by_critical_path(problem: Problem) -> Outcome:
+def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str | None:
+    """What keeps an activity from being so late; None: nothing."""
+    activity, deadline = problem.activities[i], problem.effective_deadline(i)
+    if deadline is not None and end > deadline:
+        if deadline < 0:
+            return f"{activity.id!r} must have ended by now, and has not begun"
+        earliest, limit = problem.time_text(since + end), problem.time_text(since + deadline)
+        return f"{activity.id!r} cannot end before {earliest}, and must by {limit}"
+    if activity.start is not None and start > activity.start:
+        earliest, fixed = (
+            problem.time_text(since + start),
+            problem.time_text(since + activity.start),
+        )
+        return f"{activity.id!r} must start at {fixed}, and cannot before {earliest}"
+    return None
+
+
+def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
     """Everything as early as it can be: what is too late even so shows that nothing is possible."""
     try:
         placed = earliest_schedule(problem)
     except AnswerError as error:
         return _impossible(str(error))
-    for i, (activity, place) in enumerate(zip(problem.activities, placed, strict=True)):
-        deadline = problem.effective_deadline(i)
-        if deadline is not None and place.end > deadline:
-            end, limit = problem.time_text(place.end), problem.time_text(deadline)
-            return _impossible(f"{activity.id!r} cannot end before {end}, and must by {limit}")
-        if activity.start is not None and place.start > activity.start:
-            start, fixed = problem.time_text(place.start), problem.time_text(activity.start)
-            return _impossible(f"{activity.id!r} must start at {fixed}, and cannot before {start}")
+    for i, place in enumerate(placed):
+        too_late = _too_late(problem, i, place.start, place.end, since)
+        if too_late is not None:
+            return _impossible(too_late)
     schedule = schedule_of(problem, placed)
     return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
 

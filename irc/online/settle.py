@@ -1,21 +1,23 @@
 """Moving fewer actions without a worse answer: for engines that do not count changes themselves.
 
-Starting from an answer, what can start when it did before is put there, all at once if possible,
-else half by half. Orders and choices stay as the answer has them, so this finds no optimum; it
-takes back what moved for no reason.
+Where the old plan is still valid and as good as the answer, it stays. Otherwise, starting from the
+answer, what can be where it was is put there, all at once if possible, else half by half. Nothing
+else changes its order or its choices, so this finds no optimum; it takes back what moved for no
+reason.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from irc.compiler import schedule_of
-from irc.online.facts import choices_of, ticks_of
-from irc.problem import Problem
-from irc.retime import ABSENT, AnswerError, Decision, retime
+from irc.online.facts import UnexplainedError, choices_of, ticks_of
+from irc.online.state import key_of
+from irc.problem import Activity, Problem
+from irc.retime import ABSENT, AnswerError, Decision, Moment, retime
 from irc.schedule import Entry, Schedule
 from irc.times import Number
 from irc.worth import worth
@@ -24,49 +26,68 @@ PATIENCE = 1.0
 """Seconds."""
 
 
-def settled(problem: Problem, schedule: Schedule, stability: Fraction) -> Schedule:
-    """The schedule with as many activities as possible at their earlier starts.
+def settled(
+    problem: Problem,
+    schedule: Schedule,
+    old: Iterable[Entry],
+    stability: Fraction,
+    is_valid: Callable[[Schedule], bool],
+) -> Schedule:
+    """The schedule with as many activities as possible where they were in the `old` one.
 
-    No objective gets worse, but for the last one, by the part `stability` of it at most.
-    Occurrences of actions that repeat have no earlier place, and with some the schedule is left
-    as it is.
+    No objective gets worse, but for the last one, by the part `stability` of it at most. The old
+    one as a whole is the best of all if `is_valid` finds nothing against it. With occurrences of
+    actions that repeat there is nothing between that and the schedule as it is.
     """
-    if not any(problem.earlier) or any(a.details.repeats is not None for a in problem.activities):
+    if not any(problem.earlier):
         return schedule
-    decisions = _decisions(problem, schedule)
+    limits = _limits(problem, schedule, stability)
+    whole = Schedule(tuple(sorted(old, key=lambda e: (e.start, e.end, e.id))))
+    if _is_within(limits, _costs(problem, whole)) and is_valid(whole):
+        return whole
+    if any(a.details.repeats is not None for a in problem.activities):
+        return schedule
+    before, now = _decisions(problem, whole.entries), _decisions(problem, schedule.entries)
     can_stay = [
         i
         for i, earlier in enumerate(problem.earlier)
         if earlier is not None
-        and decisions[i].present
-        and decisions[i].start != earlier.start
-        and decisions[i].mode == earlier.mode
+        and before[i].present
+        and now[i].present
+        and _place(before[i]) != _place(now[i])
     ]
-    search = _Settling(problem, decisions, _limits(problem, schedule, stability), schedule)
-    search.keep_most_of(sorted(can_stay, key=lambda i: problem.earlier[i] or ()))
-    return search.best
+    search = _Settling(problem, before, now, limits, schedule)
+    search.keep_most_of(sorted(can_stay, key=lambda i: before[i].start))
+    return search.best if is_valid(search.best) else schedule
 
 
-def _decisions(problem: Problem, schedule: Schedule) -> list[Decision]:
-    entries: dict[tuple[str, int], Entry] = {(e.id, e.occurrence): e for e in schedule.entries}
+def _place(decision: Decision) -> tuple[object, ...]:
+    return decision.start, decision.mode, decision.chosen
+
+
+def _decisions(problem: Problem, entries: Iterable[Entry]) -> list[Decision]:
+    """What a schedule decided about each activity; about what it cannot have said: absent."""
+    known = {key_of(entry): entry for entry in entries}
     decisions = []
     for activity in problem.activities:
-        entry = entries.get((activity.id, activity.details.occurrence))
-        if entry is None:
+        entry = known.get((activity.id, activity.details.occurrence))
+        try:
+            decisions.append(ABSENT if entry is None else _decision(problem, activity, entry))
+        except UnexplainedError:  # An event has taken away the mode or the resource.
             decisions.append(ABSENT)
-            continue
-        mode, chosen = choices_of(problem, activity, entry)
-        decisions.append(
-            Decision(
-                ticks_of(problem, entry.start),
-                ticks_of(problem, entry.end),
-                chosen or (),
-                mode=mode,
-                rank=entry.rank,
-                end_rank=entry.rank if entry.end_rank is None else entry.end_rank,
-            )
-        )
     return decisions
+
+
+def _decision(problem: Problem, activity: Activity, entry: Entry) -> Decision:
+    mode, chosen = choices_of(problem, activity, entry)
+    return Decision(
+        ticks_of(problem, entry.start),
+        ticks_of(problem, entry.end),
+        chosen or (),
+        mode=mode,
+        rank=entry.rank,
+        end_rank=entry.rank if entry.end_rank is None else entry.end_rank,
+    )
 
 
 def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[str, Number]:
@@ -88,10 +109,15 @@ def _costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
     }
 
 
+def _is_within(limits: dict[str, Number], costs: dict[str, Number]) -> bool:
+    return all(costs[name] <= limit for name, limit in limits.items())
+
+
 @dataclass
 class _Settling:
     problem: Problem
-    decisions: list[Decision]
+    before: Sequence[Decision]
+    now: Sequence[Decision]
     limits: dict[str, Number]
     best: Schedule
 
@@ -108,20 +134,40 @@ class _Settling:
             self.keep_most_of(candidates[half:])
 
     def _keep(self, candidates: Sequence[int]) -> bool:
+        """Whether these can be where they were: in the order of then, or in that of the answer."""
         activities = list(self.problem.activities)
+        there = list(self.now)
         for i in candidates:
-            earlier = self.problem.earlier[i]
-            assert earlier is not None
-            activities[i] = replace(activities[i], start=earlier.start)
+            activities[i] = replace(activities[i], start=int(self.before[i].start))
+            length = self._length(i)
+            there[i] = replace(self.before[i], end=self.before[i].start + length)
         problem = replace(self.problem, activities=tuple(activities), earlier=())
+        same_choices = all(
+            (self.before[i].mode, self.before[i].chosen) == (self.now[i].mode, self.now[i].chosen)
+            for i in candidates
+        )
+        for decisions in (there, self.now) if same_choices else (there,):
+            if self._can_be(problem, decisions):
+                self.problem = replace(problem, earlier=self.problem.earlier)
+                self.now = decisions
+                return True
+        return False
+
+    def _length(self, i: int) -> Moment:
+        """How long an activity was to take, as far as it still may."""
+        activity, before = self.problem.activities[i], self.before[i]
+        least, most = activity.duration_min, activity.duration_max
+        if activity.details.modes and before.mode is not None:
+            mode = activity.details.modes[before.mode]
+            least, most = mode.duration_min, mode.duration_max
+        return max(least, min(most, before.end - before.start))
+
+    def _can_be(self, problem: Problem, decisions: Sequence[Decision]) -> bool:
         try:
-            placed = retime(problem, self.decisions)
+            schedule = schedule_of(self.problem, retime(problem, decisions))
         except AnswerError:
             return False
-        schedule = schedule_of(self.problem, placed)
-        costs = _costs(self.problem, schedule)
-        if any(costs[name] > limit for name, limit in self.limits.items()):
+        if not _is_within(self.limits, _costs(self.problem, schedule)):
             return False
-        self.problem = replace(problem, earlier=self.problem.earlier)
         self.best = schedule
         return True

@@ -102,7 +102,8 @@ def _can_hold(
     initial = problem.variables[condition.var].initial
     if condition.at == "all":
         if fact.end <= fact.start:
-            return True
+            instant = problem.activities[i].is_fixed
+            return not instant or condition.value in _values_at(fact.start, others, initial)
         breaks = any(fact.start < t < fact.end and v != condition.value for t, v, _ in others)
         return not breaks and condition.value in _values_at(fact.start, writes, initial)
     time = fact.end if condition.at == "end" else fact.start

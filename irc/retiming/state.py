@@ -103,8 +103,7 @@ def _tell(stories: list[_Story], i: int, activity: Activity, decision: Decision)
     one = is_one_happening(activity, decision)
     start_key = (decision.start, decision.rank)
     start = (start_key, Happening(i, False))
-    end_key = (decision.end, decision.rank if activity.is_fixed else decision.end_rank)
-    end = start if one else (end_key, Happening(i, True))
+    end = start if one else ((decision.end, decision.end_rank), Happening(i, True))
     for var, value, at in activity.details.conditions:
         if one or at == "start":
             stories[var].reads.append(_Access(*start, value))
