@@ -128,7 +128,8 @@ class Run:
                 over = judged.over
                 played.append(one)
                 figures.counts["steps"] += 1
-                figures.counts["infeasible" if judged.infeasible else "valid"] += 1
+                figures.counts["infeasible"] += judged.infeasible
+                figures.counts["valid"] += one.step.schedule.answered
                 figures.counts["compared"] += judged.compared
                 figures.counts["equal"] += judged.equal
                 figures.counts["worse"] += judged.worse is not None
@@ -138,7 +139,8 @@ class Run:
                 if judged.why_not is not None:
                     figures.why_not[judged.why_not] += 1
                 if judged.faults:
-                    figures.counts["infeasible" if judged.infeasible else "valid"] -= 1
+                    figures.counts["infeasible"] -= judged.infeasible
+                    figures.counts["valid"] -= one.step.schedule.answered
                     self.fault(figures, operation, seed, judged.faults, one.step)
                     return
         except (InputError, EngineFailed, HangError) as error:

@@ -6,6 +6,7 @@ is found which can be finished together.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -30,9 +31,14 @@ GIVEN_UP_TRIED = 200
 def best_continuation(remainder: Remainder) -> Found:
     """The best continuation that gives up as few half-done groups as possible."""
     half_done = remainder.frozen.half_done()
-    if half_done and not remainder.backend.proves and engine_of(PROVER).missing() is None:
+    has_prover = not remainder.backend.proves and engine_of(PROVER).missing() is None
+    if half_done and has_prover:
         return _as_proven(remainder)
     outcome, problem = remainder.attempt(())
+    if outcome.status is Status.UNKNOWN and has_prover:
+        proven, whole = replace(_prover(remainder), began=time.perf_counter()).attempt(())
+        if proven.status is Status.INFEASIBLE:
+            return proven, whole, ()
     if outcome.schedule is not None or not half_done:
         return outcome, problem, ()
     found, certain = _smallest(remainder, half_done, outcome.status is not Status.UNKNOWN)
@@ -42,14 +48,18 @@ def best_continuation(remainder: Remainder) -> Found:
     return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
 
 
-def _as_proven(remainder: Remainder) -> Found:
-    """The continuation that gives up what the prover has, so that no time is lost on the rest."""
+def _prover(remainder: Remainder) -> Remainder:
+    """The same for the prover, with its share of the time."""
     means, seconds = remainder.means, remainder.means.limits.seconds
     if seconds is not None:
         limits = replace(means.limits, seconds=seconds * PROVER_SHARE)
         means = replace(means, limits=limits, on_progress=None)
-    prover = replace(remainder, backend=get_backend(PROVER), engine=engine_of(PROVER), means=means)
-    proven = best_continuation(prover)
+    return replace(remainder, backend=get_backend(PROVER), engine=engine_of(PROVER), means=means)
+
+
+def _as_proven(remainder: Remainder) -> Found:
+    """The continuation that gives up what the prover has, so that no time is lost on the rest."""
+    proven = best_continuation(_prover(remainder))
     if proven[0].status is Status.INFEASIBLE:
         return proven
     return (*remainder.attempt(proven[2]), proven[2])

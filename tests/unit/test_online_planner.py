@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from irc.backend import Limits
 from irc.schedule import Status
 from irc_pddl21 import Pddl21
 from online_cases import action, entry, plan, repaired, starts, task
@@ -83,3 +84,16 @@ def test_what_must_be_and_is_too_late_is_proven_at_once() -> None:
     step = repaired(whole, old, 4, sooner, **PLANNER)
     assert step.schedule.status is Status.INFEASIBLE
     assert step.notes[0].message == "'cook' must end by 3 s, and could not before 6 s"
+
+
+def test_where_the_planner_finds_nothing_it_is_proven_that_there_is_nothing() -> None:
+    whole = task(
+        action("wash", 2, effects=[{"at": "end", "var": "clean"}]),
+        action("cook", 2, effects=[{"at": "end", "var": "clean", "value": False}]),
+        action("dry", 2, release=4, conditions=[{"at": "start", "var": "clean"}]),
+        state=[{"id": "clean"}],
+    )
+    old = plan(entry("wash", 0, 2), entry("dry", 4, 6), entry("cook", 4, 6))
+    dirty = {"op": "set_state", "var": "clean", "value": False}
+    step = repaired(whole, old, 3, dirty, **PLANNER, limits=Limits(1, workers=1))
+    assert step.schedule.status is Status.INFEASIBLE
