@@ -10,9 +10,10 @@ way back leads through the frozen problem, which is re-timed as a whole.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 from irc.compiler import schedule_of
 from irc.lower_choices import NEVER
@@ -141,6 +142,8 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
     arcs = _Arcs(facts, now, places, activities, names)
     for arc in problem.arcs:
         arcs.add(arc, keep=bool(problem.variables))
+    if problem.variables:
+        arcs.arcs += _twins(problem, facts, places)
     deadline = problem.deadline
     return Rebased(
         problem,
@@ -220,6 +223,21 @@ def _in_dispute(problem: Problem, facts: Mapping[int, Fact], now: int) -> set[in
         found |= more
         contested.update(*(ended[i] for i in more))
     return found
+
+
+def _twins(problem: Problem, facts: Mapping[int, Fact], places: Mapping[int, int]) -> Iterator[Arc]:
+    """Of what began together and ends together, the ends come in the order of the starts.
+
+    (With a fixed duration both have the same rank.)
+    """
+    alike: dict[tuple[int, int], list[int]] = {}
+    for i in sorted(places):
+        if i in facts and problem.activities[i].is_fixed:
+            alike.setdefault((facts[i].start, facts[i].end), []).append(i)
+    for its in alike.values():
+        for i, j in pairwise(sorted(its, key=lambda i: facts[i].rank)):
+            if facts[i].rank < facts[j].rank:
+                yield Arc(places[i], places[j], to_end=True, origin=-1)
 
 
 def _touched(activity: Activity, *, at_end: bool = False) -> set[int]:
