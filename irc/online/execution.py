@@ -17,7 +17,7 @@ from irc.online.state import ExecutionState
 from irc.online.step import Means, Step
 from irc.schedule import Schedule
 from irc.source import Source
-from irc.times import Instant, Number, format_number
+from irc.times import Instant, Number, format_number, parse_instant
 
 DEFAULT_SECONDS = 60.0
 
@@ -96,7 +96,7 @@ class Execution:
 
     def advance(self, to: Instant) -> None:
         """Lets time pass. Raises `InputError` for a time that has passed already."""
-        time = self.task.number(to)
+        time = self.task.number(parse_instant(to))
         if time < self.now:
             raise _in_the_past(
                 "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None

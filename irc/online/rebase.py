@@ -17,10 +17,10 @@ from functools import cached_property
 from irc.compiler import schedule_of
 from irc.lower_choices import NEVER
 from irc.online.facts import Fact, choices_of, ticks_of
+from irc.online.lags import Lags, fresh_name, twins
 from irc.passes.unroll import unroll
 from irc.problem import (
     Activity,
-    Arc,
     Details,
     Earlier,
     Problem,
@@ -32,9 +32,6 @@ from irc.problem import (
 )
 from irc.retime import ABSENT, Decision, retime
 from irc.schedule import Entry, Schedule
-
-_NOW = "now"
-"""What the instant is called that lags to the past are counted from."""
 
 
 class PastError(Exception):
@@ -138,9 +135,11 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
             activities.append(_shifted(activity, now, facts))
         else:
             activities.append(_residual(activity, fact, now, names))
-    arcs = _Arcs(facts, now, places, activities, names)
+    arcs = Lags(facts, now, places, activities, names)
     for arc in problem.arcs:
         arcs.add(arc, keep=bool(problem.variables))
+    if problem.variables:
+        arcs.arcs += twins(problem, facts, places)
     deadline = problem.deadline
     return Rebased(
         problem,
@@ -265,7 +264,7 @@ def _residual(activity: Activity, fact: Fact, now: int, names: Counter[str]) -> 
     details = activity.details
     name = activity.id
     if names[name] > 1:  # An occurrence of an action of which more may follow.
-        name = _fresh(f"{name} ({details.occurrence})", names)
+        name = fresh_name(f"{name} ({details.occurrence})", names)
         shortest = longest = max(0, fact.end - now)
     own = Details(
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
@@ -288,97 +287,6 @@ def _residual(activity: Activity, fact: Fact, now: int, names: Counter[str]) -> 
         duration_max=longest,
         details=own,
     )
-
-
-def _fresh(name: str, names: Counter[str]) -> str:
-    while name in names:
-        name += "'"
-    names[name] += 1
-    return name
-
-
-class _Arcs:
-    """The arcs between what is left, and what arcs to the past come to."""
-
-    def __init__(
-        self,
-        facts: Mapping[int, Fact],
-        now: int,
-        places: Mapping[int, int],
-        activities: list[Activity],
-        names: Counter[str],
-    ) -> None:
-        self.facts, self.now, self.places = facts, now, places
-        self.activities, self.names = activities, names
-        self.arcs: list[Arc] = []
-        self.anchor: int | None = None
-
-    def add(self, arc: Arc, *, keep: bool) -> None:
-        """Adds an arc of the frozen problem.
-
-        With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
-        """
-        left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
-            arc.after, arc.to_end
-        )
-        if keep and left:
-            self.arcs.append(
-                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
-            )
-            return
-        before = self._known(arc.before, at_end=arc.from_end)
-        after = self._known(arc.after, at_end=arc.to_end)
-        if before is None and after is None:
-            self.arcs.append(
-                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
-            )
-        elif before is not None and after is None:
-            least = before + arc.min_lag
-            most = None if arc.max_lag is None else before + arc.max_lag
-            self._between(self.places[arc.after], arc.to_end, least, most)
-        elif before is None and after is not None:
-            least_before = None if arc.max_lag is None else after - arc.max_lag
-            self._between(self.places[arc.before], arc.from_end, least_before, after - arc.min_lag)
-
-    def _is_to_come(self, i: int, at_end: bool) -> bool:
-        """Whether a point of an activity is one of what is left."""
-        fact = self.facts.get(i)
-        return fact is None or (i in self.places and (at_end or fact.start == self.now))
-
-    def _known(self, i: int, *, at_end: bool) -> int | None:
-        """When a point of a fact is, from now on; None where it is still to be decided."""
-        fact = self.facts.get(i)
-        if fact is None:
-            return None
-        if not at_end:
-            return fact.start - self.now
-        if i in self.places and not self.activities[self.places[i]].is_fixed:
-            return None
-        return fact.end - self.now
-
-    def _between(self, i: int, at_end: bool, least: int | None, most: int | None) -> None:
-        """A point of activity i lies between two instants."""
-        activity = self.activities[i]
-        if least is not None and (activity.is_fixed or not at_end):
-            release = least - activity.duration_min if at_end else least
-            activity, least = replace(activity, release=max(activity.release, release)), None
-        if most is not None and (activity.is_fixed or at_end):
-            deadline = max(NEVER, most if at_end else most + activity.duration_min)
-            if activity.deadline is None or deadline < activity.deadline:
-                activity = replace(activity, deadline=deadline)
-            most = None
-        self.activities[i] = activity
-        if least is not None and least > 0:
-            self.arcs.append(Arc(self._anchor(), i, False, at_end, least, None, -1))
-        if most is not None:
-            self.arcs.append(Arc(i, self._anchor(), at_end, False, -most, None, -1))
-
-    def _anchor(self) -> int:
-        """An activity that stands for the present."""
-        if self.anchor is None:
-            self.anchor = len(self.activities)
-            self.activities.append(Activity(_fresh(_NOW, self.names), 0, 0, start=0))
-        return self.anchor
 
 
 def _later(resource: Renewable, now: int) -> Renewable:

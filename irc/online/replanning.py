@@ -26,6 +26,10 @@ from irc.times import Number
 
 __all__ = ["Means", "Step", "solve_step"]
 
+CHOICES_APART = 400
+"""With more alternatives than this in all, pools are merged though what moves within one counts:
+the members are then told apart after solving, each action with its own of before if it is free."""
+
 
 def solve_step(
     task: Task, history: History, at: Number, means: Means, events: tuple[Event, ...] = ()
@@ -42,7 +46,8 @@ def solve_step(
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     problem = replace(lower(task, instants), stability=means.stability)
-    problem = merge_pools(problem, overloaded(problem, state.running))
+    if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
+        problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
     remainder = Remainder(task, frozen, history, at, backend, engine, means)
     with refusals_told(task):
@@ -66,6 +71,16 @@ def solve_step(
         task,
         notes,
         tuple(problem.groups[k].id for k in given_up),
+    )
+
+
+def _choices(problem: Problem) -> int:
+    """Among how many alternatives uses choose, all together."""
+    return sum(
+        len(claim.alternatives)
+        for activity in problem.activities
+        for claim in activity.claims
+        if len(claim.alternatives) > 1
     )
 
 
