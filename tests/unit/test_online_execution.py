@@ -206,7 +206,9 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
     problem = run_passes(problem)
     problem = replace(problem, earlier=earlier)
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
-    assert starts(settled(problem, found, Fraction(0))) == {"a": 0, "b": 2, "c": 2}
+    old = (entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3))
+    put_back = settled(problem, found, old, Fraction(0), lambda whole: False)
+    assert starts(put_back) == {"a": 0, "b": 2, "c": 2}
 
 
 # --- simulations ---
