@@ -202,12 +202,12 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
         resources=VAN,
     )
     problem = lower(document)
-    earlier = (Earlier(0, None, (0,)), Earlier(2, 0, ()), Earlier(2, None, ()))
+    earlier = (Earlier(5, None, (0,)), Earlier(2, 0, ()), Earlier(2, None, ()))
     problem = run_passes(problem)
     problem = replace(problem, earlier=earlier)
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
-    old = (entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3))
-    put_back = settled(problem, found, old, Fraction(0), lambda whole: False)
+    old = (entry("a", 5, 9, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3))
+    put_back = settled(problem, found, old, Fraction(0), lambda _: True)
     assert starts(put_back) == {"a": 0, "b": 2, "c": 2}
 
 
