@@ -28,7 +28,7 @@ from irc.schedule import Entry, Schedule
 from irc.times import Number
 from oracles.state_brute_force import Optimum, TooLargeError, optimum
 
-CANCELLED, ABANDONED = "cancelled", "abandoned"
+CANCELLED = "cancelled"
 
 
 class NotCompared(Exception):
@@ -50,10 +50,6 @@ class Frozen:
     @property
     def cancelled(self) -> bool:
         return self.entry.status == CANCELLED
-
-    @property
-    def abandoned(self) -> bool:
-        return self.entry.status == ABANDONED
 
 
 @dataclass(frozen=True)
@@ -199,11 +195,11 @@ class _Draft:
     # --- groups ----------------------------------------------------------------------------------
 
     def half_done(self) -> list[str]:
-        """Optional groups of which something has started, not all, and which nobody gave up."""
+        """Optional groups of which something has started, and not all."""
         found = []
         for group in self.source.groups:
             begun = [name for name in group.actions if name in self.facts]
-            if group.required or not begun or self._given_up_before(group):
+            if group.required or not begun:
                 continue
             if set(begun) != set(group.actions):
                 found.append(group.id)
@@ -213,9 +209,6 @@ class _Draft:
             if any(not set(members).isdisjoint(other.actions) for other in others):
                 raise NotCompared("a half-done group that shares actions with another")
         return found
-
-    def _given_up_before(self, group: Group) -> bool:
-        return any(f.abandoned for name in group.actions for f in self.facts.get(name, ()))
 
     # --- the task --------------------------------------------------------------------------------
 
@@ -233,7 +226,7 @@ class _Draft:
 
     def task(self, given_up: frozenset[str]) -> Task:
         """All of it, with the named half-done groups given up."""
-        dropped = {g.id for g in self.source.groups if g.id in given_up or self._given_up_before(g)}
+        dropped = {g.id for g in self.source.groups if g.id in given_up}
         absent = {
             name
             for g in self.source.groups
@@ -342,11 +335,7 @@ class _Draft:
     def _limit(self, action: Action) -> Number | None:
         """The earliest deadline that concerns an action."""
         stated = [action.deadline, self.source.deadline]
-        stated += [
-            g.deadline
-            for g in self.source.groups
-            if action.id in g.actions and not self._given_up_before(g)
-        ]
+        stated += [g.deadline for g in self.source.groups if action.id in g.actions]
         return min((self.source.number(d) for d in stated if d is not None), default=None)
 
     def _later_limit(self, fact: Frozen, action: Action) -> Number | None:

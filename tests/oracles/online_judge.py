@@ -18,7 +18,7 @@ from irc.online.step import Step
 from irc.schedule import Entry, Schedule, Status
 from irc.times import Number
 from oracles.online_continuation import (
-    ABANDONED,
+    CANCELLED,
     Continuation,
     Frozen,
     NotCompared,
@@ -122,7 +122,7 @@ def _history(facts: Sequence[Frozen], schedule: Schedule, at: Number) -> Iterato
             yield f"history: {name} had started, and is not as it was: {entry}"
         elif not fact.least <= entry.end <= fact.most:
             yield f"history: {name} ends at {entry.end}, not in [{fact.least}, {fact.most}]"
-        elif entry.status != fact.entry.status and entry.status != ABANDONED:
+        elif (entry.status == CANCELLED) != (fact.entry.status == CANCELLED):
             yield f"history: {name} has the status {entry.status}, not {fact.entry.status}"
     for entry in now.values():
         if entry.start < at:
@@ -204,9 +204,7 @@ def _compare(
     elif found.infeasible:
         found.faults.append(f"compare: called infeasible, and {_shown(exact)} is possible")
     else:
-        lost = {f.entry.id for f in facts if f.abandoned}
-        groups = {g.id for g in task.groups if not lost.isdisjoint(g.actions)}
-        found.faults += _compared(found, task, exact, step, groups)
+        found.faults += _compared(found, task, exact, step)
     found.equal = len(found.faults) == before and found.worse is None
 
 
@@ -215,15 +213,12 @@ def _compared(
     task: Task,
     exact: Continuation,
     step: Step,
-    before: set[str],
 ) -> Iterator[str]:
-    """`before` are the groups that earlier steps gave up."""
     assert exact.best is not None
     true = values(task, step.schedule.entries)
     reached = tuple(true[name] for name in exact.objective)
-    given_up = [name for name in step.abandoned if name not in before]
-    if len(given_up) != exact.abandoned:
-        yield f"abandoned: {given_up}, where {exact.abandoned} would do"
+    if len(step.abandoned) != exact.abandoned:
+        yield f"abandoned: {[*step.abandoned]}, where {exact.abandoned} would do"
         return
     if reached == exact.best.vector or task.objective[0] == "minimize_changes":
         return

@@ -366,10 +366,8 @@ def _set_goals(rng: random.Random, moment: Moment) -> list[Document] | None:
             likely = written.get(variable.id, [])
             value = rng.choice(likely if likely and rng.random() < 0.8 else variable.values)
             goals.append({"var": variable.id, "value": value})
-    cancelled = {e.id for e in moment.schedule.entries if e.status == "cancelled"}
-    optional = [
-        a.id for a in moment.task.actions if a.occurs == "optional" and a.id not in cancelled
-    ]
+    ended = {e.id for e in moment.schedule.entries if e.status == "cancelled"}
+    optional = [a.id for a in moment.task.actions if a.occurs == "optional" and a.id not in ended]
     if optional and rng.random() < 0.3:
         goals.append(rng.choice(optional))
     return [{"op": "set_goals", "goals": goals}]
