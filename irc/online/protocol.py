@@ -42,7 +42,7 @@ class Request:
 _FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "advance": ("to",),
-        "observe": ("action", "started", "finished", "replan"),
+        "observe": ("action", "occurrence", "started", "finished", "replan"),
         "apply": ("event", "replan"),
         "replan": (),
         "state": (),
@@ -117,6 +117,10 @@ def _check_fields(do: str, raw: Mapping[str, Any], findings: Findings) -> None:
     if not isinstance(action, str) or not action:
         message = "'action': expected the id of an action in double quotes"
         findings.add(Code.WRONG_TYPE, message, ("action",))
+    number = raw.get("occurrence", 1)
+    if type(number) is not int or number < 1:
+        message = "'occurrence': expected a whole number, 1 or more"
+        findings.add(Code.WRONG_TYPE, message, ("occurrence",))
     if do == "observe" and raw.get("started") is None and raw.get("finished") is None:
         findings.add(
             Code.MISSING_FIELD,

@@ -197,7 +197,10 @@ class Session:
         )
         try:
             report = self.execution.observe(
-                request.raw["action"], started=started, finished=finished
+                request.raw["action"],
+                started=started,
+                finished=finished,
+                occurrence=request.raw.get("occurrence", 1),
             )
         except InputError as error:
             raise InputError(_placed(error.report, request)) from None

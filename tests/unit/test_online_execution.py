@@ -7,7 +7,8 @@ from fractions import Fraction
 
 import pytest
 
-from irc.diagnostics import InputError
+import irc
+from irc.diagnostics import Code, InputError
 from irc.lower import lower
 from irc.model import Task
 from irc.online import Execution, simulate
@@ -208,6 +209,22 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
     verdicts = iter([False, True])
     new = settled(problem, found, old, Fraction(0), lambda _: next(verdicts))
     assert starts(new) == {"a": 0, "b": 2, "c": 2}
+
+
+def test_what_happened_to_one_of_several_occurrences_is_kept_by_the_history() -> None:
+    thrice = task(action("a", 4, "van", occurs={"min": 3, "max": 3}), resources=VAN)
+    run = Execution(thrice, irc.solve(thrice))
+    run.advance(5)
+    run.observe("a", finished=5)
+    run.observe("a", occurrence=2, started=5)
+    step = run.replan()
+    assert [(e.start, e.end) for e in step.schedule.entries] == [(0, 5), (5, 9), (9, 13)]
+    assert step.running == ("a",)
+    assert [note.code for note in step.notes] == [Code.CARRIED]
+    with pytest.raises(InputError, match="no occurrence 4"):
+        run.observe("a", occurrence=4, started=5)
+    with pytest.raises(InputError, match="already observed to have started at 5"):
+        run.observe("a", occurrence=2, started=4)
 
 
 # --- simulations ---

@@ -135,6 +135,16 @@ def test_what_was_observed_is_planned_around_when_it_is_asked_for() -> None:
         ('{"do": "replan", "to": 5}', "IRC102", "/to"),
         ('{"do": "observe", "action": "ann"}', "IRC101", ""),
         ('{"do": "observe", "action": "an", "started": 1}', "IRC201", "/action"),
+        (
+            '{"do": "observe", "action": "ann", "occurrence": 0, "started": 1}',
+            "IRC103",
+            "/occurrence",
+        ),
+        (
+            '{"do": "observe", "action": "ann", "occurrence": 2, "started": 1}',
+            "IRC704",
+            "/occurrence",
+        ),
         ('{"do": "observe", "action": "ann", "started": 7}', "IRC705", "/started"),
         ('{"do": "apply", "event": "#jams"}', "IRC201", "/event"),
         ('{"do": "apply", "event": 3}', "IRC103", "/event"),
