@@ -161,7 +161,8 @@ class Builder:
             else:
                 self.model.minimize(built.values[name])
         if self.hint is not None:
-            add_hint(self, built, *self.hint)
+            decisions, choices = self.hint
+            add_hint(self, built, decisions, lambda i, c, r: choices[i][c] == r)
             built.hint = self.hint
         elif problem.start_from and self.hints:
             add_places(self, built, problem.start_from)
