@@ -212,6 +212,13 @@ class Backend(ABC):
     def engines(self) -> Mapping[str, Engine]:
         """The engines by name; the one called "auto" is the default."""
 
+    def engine(self, name: str = "auto") -> Engine:
+        """The engine called `name`. Raises `UnknownTarget` with a suggestion if there is none."""
+        engines = self.engines()
+        if name not in engines:
+            raise UnknownTarget("engine", name, list(engines))
+        return engines[name]
+
     def refuter(self) -> Refuter | None:
         """What can say why a problem of this target has no schedule, for `irc explain`, if any."""
         return None

@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from irc.backend import (
     MANIFEST_VERSION,
-    Backend,
-    Engine,
     EngineFailed,
     EngineMissing,
     Limits,
     OnProgress,
     Outcome,
     Program,
-    UnknownTarget,
     get_backend,
 )
 from irc.canonical import task_sha256
@@ -78,7 +75,7 @@ def solve_task(
     """
     began = time.perf_counter()
     backend = get_backend(target)
-    runner = _engine(backend, engine)
+    runner = backend.engine(engine)
     problem = lower_for(task, backend)
     if shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
@@ -231,13 +228,6 @@ def validate_schedule(
     from irc.validation import validate
 
     return validate(task, schedule, at)
-
-
-def _engine(backend: Backend, name: str) -> Engine:
-    engines = backend.engines()
-    if name not in engines:
-        raise UnknownTarget("engine", name, list(engines))
-    return engines[name]
 
 
 def schedule_of(problem: Problem, placed: Sequence[Placed]) -> Schedule:

@@ -52,7 +52,7 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
             for i in map(actions.__getitem__, ids)
         ),
         resources=renewables,
-        shared=tuple(_shared(r, k) for k, r in enumerate(renewables)),
+        shared=tuple(shared_of(r, k) for k, r in enumerate(renewables)),
         arcs=_arcs(task, index, to_ticks),
         deadline=None if task.deadline is None else ticks_or_none(task.deadline, to_ticks),
     )
@@ -108,7 +108,8 @@ def _renewable(task: Task, index: int, to_ticks: ToTicks) -> Renewable:
     return Renewable(resource.id, resource.capacity, at, tuple(sorted(windows)))
 
 
-def _shared(resource: Renewable, k: int) -> Shared:
+def shared_of(resource: Renewable, k: int) -> Shared:
+    """What encoders see of a resource (the k-th) that is no part of a pool."""
     if not resource.windows:
         return Shared(resource.id, resource.capacity, (k,))
     greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))

@@ -27,6 +27,12 @@ SCHEDULE_VERSION = "1"
 
 _NOTHING: Mapping[str, int] = MappingProxyType({})
 
+CANCELLED = "cancelled"
+"""The status of an entry that was ended before it was done."""
+
+ABANDONED = "abandoned"
+"""The status of what ran for an optional order that cannot be finished any more."""
+
 
 class Status(StrEnum):
     """How an attempt to solve ended. `optimal` and `infeasible` are said only with a proof."""
@@ -51,6 +57,11 @@ class Entry:
     rank: int = 0
     end_rank: int | None = None
     status: str | None = None
+
+    @property
+    def last_rank(self) -> int:
+        """The rank of its end: where none is given, that of its start."""
+        return self.rank if self.end_rank is None else self.end_rank
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from irc.problem import Activity, Earlier, Group, Problem
-from irc.schedule import Entry, Schedule
+from irc.schedule import CANCELLED, Entry, Schedule
 from irc.times import Number
 
 TIMES = frozenset(["makespan", "tardiness"])
 """Objectives whose values are times; the others are plain numbers."""
-
-CANCELLED = "cancelled"
-"""The status of an entry that was ended before it was done."""
 
 
 def in_units(problem: Problem, objective: str, value: int) -> Number:
@@ -52,6 +49,13 @@ def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
         "cost": cost,
         "changes": _changes(problem, by_id),
     }
+
+
+def costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
+    """Each objective of the problem, in order, as something that should be small: less is better,
+    so a reward counts as its negative."""
+    values = worth(problem, schedule)
+    return {name: -values[name] if name == "reward" else values[name] for name in problem.levels}
 
 
 def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from irc.problem import Problem
 from irc.schedule import Schedule
 from irc.times import Number
-from irc.worth import worth
+from irc.worth import costs
 
 Worth = tuple[Number, ...]
 """One value for each objective, in order; less is better (a reward counts as its negative)."""
@@ -13,5 +13,5 @@ Worth = tuple[Number, ...]
 
 def worth_of(problem: Problem, schedule: Schedule) -> Worth:
     """The values of a schedule, times in the task's unit."""
-    values = worth(problem, schedule)
-    return tuple(-values[name] if name == "reward" else values[name] for name in problem.objectives)
+    values = costs(problem, schedule)
+    return tuple(values[name] for name in problem.objectives)

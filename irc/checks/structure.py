@@ -483,9 +483,7 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
 
 def _check_precedence(task: Task, names: Names, times: Times, findings: Findings) -> None:
     actions = names.actions
-    repeatable = {
-        a.id for a in task.actions if a.occurs != "once" and a.occurrence_bounds[1] not in (0, 1)
-    }
+    repeatable = {a.id for a in task.actions if a.may_repeat}
     seen: set[Any] = set()
     for k, edge in enumerate(task.precedence):
         before, after = edge.before, edge.after

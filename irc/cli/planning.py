@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from irc.backend import Limits, UnknownTarget, get_backend
+from irc.backend import Limits, get_backend
 from irc.canonical import task_sha256
 from irc.checks import run_checks
 from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
@@ -41,9 +41,7 @@ class Planning:
 
     def require_engine(self) -> None:
         """Raises `UnknownTarget` where there is no such target or engine, before it is needed."""
-        engines = get_backend(self.target).engines()
-        if self.engine not in engines:
-            raise UnknownTarget("engine", self.engine, list(engines))
+        get_backend(self.target).engine(self.engine)
 
     def execution(
         self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None

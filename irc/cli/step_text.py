@@ -19,10 +19,9 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
-from irc.online.history import CANCELLED
 from irc.online.simulation import Simulation
 from irc.online.step import Step
-from irc.schedule import Entry, Schedule, Status
+from irc.schedule import CANCELLED, Entry, Schedule, Status
 from irc.times import Number
 
 _STYLES = {

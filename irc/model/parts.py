@@ -105,6 +105,11 @@ class Action(Node):
         return self.model_fields_set <= _SIMPLE and type(self.duration) is int and self.duration > 0
 
     @property
+    def may_repeat(self) -> bool:
+        """Whether more than one occurrence is possible."""
+        return self.occurs != "once" and self.occurrence_bounds[1] not in (0, 1)
+
+    @property
     def occurrence_bounds(self) -> tuple[int, int | None]:
         """The least and the greatest number of occurrences (None: no greatest)."""
         if isinstance(self.occurs, str):

@@ -11,10 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from irc.lower import shared_of
 from irc.online.facts import Fact
 from irc.online.state_conflicts import without_broken_conditions
 from irc.online.stock_conflicts import with_stock_lent
-from irc.problem import Activity, Arc, Problem, Renewable, Shared, Window
+from irc.problem import Activity, Arc, Problem, Renewable, Window
 from irc.schedule import Entry
 
 
@@ -123,7 +124,13 @@ def _with_room(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
     return replace(
         problem,
         resources=resources,
-        shared=tuple(_shared(s, resources, changed) for s in problem.shared),
+        # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
+        shared=tuple(
+            shared_of(resources[s.members[0]], s.members[0])
+            if len(s.members) == 1 and s.members[0] in changed
+            else s
+            for s in problem.shared
+        ),
     )
 
 
@@ -144,14 +151,3 @@ def _windows(resource: Renewable, load: list[tuple[int, int]]) -> tuple[Window, 
     if not short:
         return None
     return tuple(w for w in pieces if w.capacity != resource.capacity)
-
-
-def _shared(
-    shared: Shared, resources: tuple[Renewable, ...], changed: Mapping[int, tuple[Window, ...]]
-) -> Shared:
-    if len(shared.members) > 1 or shared.members[0] not in changed:
-        # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
-        return shared
-    resource = resources[shared.members[0]]
-    greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
-    return Shared(resource.id, greatest, shared.members, resource.capacity, resource.windows)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.online.history import CANCELLED
 from irc.problem import Activity, Earlier, Problem
-from irc.schedule import Entry
+from irc.schedule import CANCELLED, Entry
 from irc.times import Number
 
 
@@ -52,9 +51,8 @@ def ticks_of(problem: Problem, time: Number) -> int:
 def fact_of(problem: Problem, activity: Activity, entry: Entry, *, running: bool) -> Fact:
     """What an entry says of an activity that has begun. Raises `UnexplainedError`."""
     mode, resources = choices_of(problem, activity, entry)
-    end_rank = entry.rank if entry.end_rank is None else entry.end_rank
     start, end = ticks_of(problem, entry.start), ticks_of(problem, entry.end)
-    return Fact(entry, start, end, mode, resources, running, entry.rank, end_rank)
+    return Fact(entry, start, end, mode, resources, running, entry.rank, entry.last_rank)
 
 
 def earlier_of(problem: Problem, activity: Activity, entry: Entry) -> Earlier | None:

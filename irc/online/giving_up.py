@@ -12,11 +12,11 @@ from dataclasses import replace
 from itertools import combinations
 
 from irc.backend import Outcome, get_backend
-from irc.online.remainder import PROVER, Remainder, engine_of
+from irc.online.remainder import PROVER, Remainder
 from irc.problem import Problem
 from irc.schedule import Status
 from irc.times import Number
-from irc.worth import worth
+from irc.worth import costs
 
 Found = tuple[Outcome, Problem, tuple[int, ...]]
 """An outcome, the problem it answers, and the groups given up."""
@@ -31,7 +31,7 @@ GIVEN_UP_TRIED = 200
 def best_continuation(remainder: Remainder) -> Found:
     """The best continuation that gives up as few half-done groups as possible."""
     half_done = remainder.frozen.half_done()
-    has_prover = not remainder.backend.proves and engine_of(PROVER).missing() is None
+    has_prover = not remainder.backend.proves and get_backend(PROVER).engine().missing() is None
     if half_done and has_prover:
         return _as_proven(remainder)
     outcome, problem = remainder.attempt(())
@@ -54,7 +54,8 @@ def _prover(remainder: Remainder) -> Remainder:
     if seconds is not None:
         limits = replace(means.limits, seconds=seconds * PROVER_SHARE)
         means = replace(means, limits=limits, on_progress=None)
-    return replace(remainder, backend=get_backend(PROVER), engine=engine_of(PROVER), means=means)
+    prover = get_backend(PROVER)
+    return replace(remainder, backend=prover, engine=prover.engine(), means=means)
 
 
 def _as_proven(remainder: Remainder) -> Found:
@@ -89,5 +90,4 @@ def _smallest(
 def _value(problem: Problem, outcome: Outcome) -> tuple[Number, ...]:
     """The objectives in their order; less is better."""
     assert outcome.schedule is not None
-    values = worth(problem, outcome.schedule)
-    return tuple(-values[n] if n == "reward" else values[n] for n in problem.levels)
+    return tuple(costs(problem, outcome.schedule).values())

@@ -24,15 +24,9 @@ from irc.model.events import (
 )
 from irc.online.ending import is_over
 from irc.online.state import ExecutionState, Key, key_of, state_at
-from irc.schedule import Entry, Schedule
+from irc.schedule import CANCELLED, Entry, Schedule
 from irc.source import Pointer
 from irc.times import Clock, Number, format_number
-
-CANCELLED = "cancelled"
-"""The status of what was running when it was cancelled."""
-
-ABANDONED = "abandoned"
-"""The status of what ran for an optional order that cannot be finished any more."""
 
 
 @dataclass
@@ -166,7 +160,7 @@ def _cancel_actions(step: _Step, change: CancelActions, at: Pointer) -> None:
         found = step.occurrences(name)
         done = [e for e in found if step.is_frozen(e) and not step.is_running(e)]
         action = step.action(name)
-        repeats = action is not None and action.occurrence_bounds[1] not in (0, 1)
+        repeats = action is not None and action.may_repeat
         if done and not repeats:
             step.tell(
                 Code.ALREADY_DONE,
@@ -224,7 +218,7 @@ def _set_duration(step: _Step, change: SetDuration, at: Pointer) -> None:
         if not step.is_frozen(entry):
             continue
         if not step.is_running(entry):
-            if action is not None and action.occurrence_bounds[1] in (0, 1):
+            if action is not None and not action.may_repeat:
                 step.tell(
                     Code.ALREADY_DONE,
                     f"action {change.action!r} ended at {step.text(entry.end)}, "
@@ -286,7 +280,7 @@ def _observe(step: _Step, change: Observe, at: Pointer) -> None:
         length = length_of(action, entry, step.clock)
         entry = replace(entry, end=started + (planned if length is None else length))
     if entry is None or (finished is not None and entry.start > finished):
-        if action.occurrence_bounds[1] not in (0, 1):
+        if action.may_repeat:
             step.tell(
                 Code.OBSERVED,
                 f"when occurrence {change.occurrence} of {change.action!r} started is not known, "

@@ -18,7 +18,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.lower_choices import NEVER
 from irc.online.freeze import with_groups
 from irc.online.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
-from irc.online.remainder import PROVER, Remainder, engine_of
+from irc.online.remainder import PROVER, Remainder
 from irc.passes import order_from_state
 from irc.problem import Activity, Problem
 from irc.retime import AnswerError
@@ -44,7 +44,8 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
     problem = order_from_state(with_groups(frozen, frozen.half_done()))
     problem = replace(problem, earlier=(), recurring={})
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
-    prover = replace(remainder, backend=get_backend(PROVER), engine=engine_of(PROVER))
+    backend = get_backend(PROVER)
+    prover = replace(remainder, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None:
         return ()
     search = _Search(problem, helpers.union(frozen.facts), prover, until)

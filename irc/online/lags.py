@@ -9,18 +9,11 @@ from itertools import pairwise
 
 from irc.lower_choices import NEVER
 from irc.online.facts import Fact
+from irc.online.names import fresh_name
 from irc.problem import Activity, Arc, Problem
 
 _NOW = "now"
 """What the instant is called that lags to the past are counted from."""
-
-
-def fresh_name(name: str, names: Counter[str]) -> str:
-    """A name that nothing has, after `name`; from now on it is taken."""
-    while name in names:
-        name += "'"
-    names[name] += 1
-    return name
 
 
 class Lags:
@@ -103,6 +96,7 @@ class Lags:
         """An activity that stands for the present."""
         if self.anchor is None:
             self.anchor = len(self.activities)
+            # (Nothing else is named after this one.)
             self.activities.append(Activity(fresh_name(_NOW, self.names), 0, 0, start=0))
         return self.anchor
 

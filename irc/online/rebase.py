@@ -17,7 +17,8 @@ from functools import cached_property
 from irc.compiler import schedule_of
 from irc.lower_choices import NEVER
 from irc.online.facts import Fact, choices_of, ticks_of
-from irc.online.lags import Lags, fresh_name, twins
+from irc.online.lags import Lags, twins
+from irc.online.names import fresh_name
 from irc.passes.unroll import unroll
 from irc.problem import (
     Activity,
@@ -88,7 +89,7 @@ class Rebased:
             if i in self.places:
                 entry = entries[self.problem.activities[self.places[i]].id][0]
                 end = self.now + ticks_of(self.whole, entry.end)
-                end_rank = rank + (entry.rank if entry.end_rank is None else entry.end_rank)
+                end_rank = rank + entry.last_rank
                 start_rank = rank + entry.rank if fact.start == self.now else fact.rank
             mode = 0 if activity.details.modes else None
             chosen = tuple(use.alternatives[0] for use in activity.uses)
@@ -102,14 +103,13 @@ class Rebased:
 
     def _placed(self, whole: Problem, activity: Activity, entry: Entry, rank: int) -> Decision:
         mode, chosen = choices_of(whole, activity, entry)
-        end_rank = entry.rank if entry.end_rank is None else entry.end_rank
         return Decision(
             self.now + ticks_of(self.whole, entry.start),
             self.now + ticks_of(self.whole, entry.end),
             chosen or (),
             mode=mode,
             rank=rank + entry.rank,
-            end_rank=rank + end_rank,
+            end_rank=rank + entry.last_rank,
         )
 
 
@@ -265,6 +265,7 @@ def _residual(activity: Activity, fact: Fact, now: int, names: Counter[str]) -> 
     name = activity.id
     if names[name] > 1:  # An occurrence of an action of which more may follow.
         name = fresh_name(f"{name} ({details.occurrence})", names)
+        names[name] += 1
         shortest = longest = max(0, fact.end - now)
     own = Details(
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),

@@ -18,14 +18,12 @@ from irc.backend import (
     ObjectiveLevel,
     Outcome,
     Program,
-    UnknownTarget,
-    get_backend,
 )
 from irc.compiler import SHORTCUT_ENGINE, schedule_of
 from irc.diagnostics import Code, Diagnostic
 from irc.model import Task
 from irc.online.freeze import Frozen, with_groups
-from irc.online.history import ABANDONED, CANCELLED, History
+from irc.online.history import History
 from irc.online.rebase import PastError, rebase
 from irc.online.repair import repaired
 from irc.online.settle import settled
@@ -39,7 +37,7 @@ from irc.passes.mandatory import mandatory_places
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.retime import AnswerError, earliest_schedule
-from irc.schedule import Entry, Schedule, Status
+from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
 from irc.times import Number
 from irc.worth import worth
 
@@ -58,14 +56,6 @@ _PASSES = (
     resource_bounds,
     bound_on_grid,
 )
-
-
-def engine_of(target: str, name: str = "auto") -> Engine:
-    """An engine of a target by its name. Raises `UnknownTarget`."""
-    engines = get_backend(target).engines()
-    if name not in engines:
-        raise UnknownTarget("engine", name, list(engines))
-    return engines[name]
 
 
 @dataclass

@@ -69,7 +69,7 @@ def _before(problem: Problem, i: int, fact: Fact | None, plan: Mapping[Key, Entr
         chosen,
         mode=mode,
         rank=entry.rank,
-        end_rank=entry.rank if entry.end_rank is None else entry.end_rank,
+        end_rank=entry.last_rank,
     )
 
 

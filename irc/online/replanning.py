@@ -16,7 +16,7 @@ from irc.online.freeze import Frozen, freeze
 from irc.online.giving_up import best_continuation
 from irc.online.history import History, ids
 from irc.online.infeasibility import what_is_in_the_way
-from irc.online.remainder import Remainder, engine_of
+from irc.online.remainder import Remainder
 from irc.online.step import Means, Step, moved
 from irc.passes.contention import merge_pools
 from irc.pipeline import refusals_told
@@ -42,7 +42,7 @@ def solve_step(
     began = time.perf_counter()
     state = history.state(at)
     backend = get_backend(means.target)
-    engine = engine_of(means.target, means.engine)
+    engine = backend.engine(means.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     problem = replace(lower(task, instants), stability=means.stability)

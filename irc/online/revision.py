@@ -187,7 +187,7 @@ def _observe(draft: _Draft, change: Observe) -> None:
     """
     name, clock = change.action, draft.clock
     action = draft.actions[name]
-    if action.occurrence_bounds[1] not in (0, 1):
+    if action.may_repeat:
         return
     if change.started is not None:
         started = clock.number(change.started)

@@ -20,7 +20,7 @@ from irc.problem import Activity, Problem
 from irc.retime import ABSENT, AnswerError, Decision, Moment, retime
 from irc.schedule import Entry, Schedule
 from irc.times import Number
-from irc.worth import worth
+from irc.worth import costs
 
 PATIENCE = 1.0
 """Seconds."""
@@ -86,13 +86,13 @@ def _decision(problem: Problem, activity: Activity, entry: Entry) -> Decision:
         chosen or (),
         mode=mode,
         rank=entry.rank,
-        end_rank=entry.rank if entry.end_rank is None else entry.end_rank,
+        end_rank=entry.last_rank,
     )
 
 
 def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[str, Number]:
     """What each objective, as something to be small, may come to."""
-    values = dict(_costs(problem, schedule))
+    values = _costs(problem, schedule)
     if values and stability:
         last = [*values][-1]
         size = max(values[last], -values[last])
@@ -101,12 +101,8 @@ def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[s
 
 
 def _costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
-    values = worth(problem, schedule)
-    return {
-        name: -values[name] if name == "reward" else values[name]
-        for name in problem.objectives
-        if name != "changes"
-    }
+    """The objectives but for the changes, less is better."""
+    return {k: value for k, value in costs(problem, schedule).items() if k != "changes"}
 
 
 def _is_within(limits: dict[str, Number], costs: dict[str, Number]) -> bool:

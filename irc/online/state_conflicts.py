@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from irc.online.facts import Fact
+from irc.online.names import fresh_name
 from irc.problem import Activity, Condition, Details, Problem
 from irc.schedule import Entry
 
@@ -58,12 +59,8 @@ def _held_until_broken(
     breaks = [t for t, v, j in writes if j != i and now < t < fact.end and v != condition.value]
     if not breaks:
         return []
-    name = (
-        f"{problem.activities[i].id} needs {problem.variables[condition.var].id} until {breaks[0]}"
-    )
-    taken = {a.id for a in problem.activities}
-    while name in taken:
-        name += "'"
+    who, var = problem.activities[i].id, problem.variables[condition.var].id
+    name = fresh_name(f"{who} needs {var} until {breaks[0]}", {a.id for a in problem.activities})
     length = breaks[0] - now
     details = Details(conditions=(condition,))
     helper = Activity(name, length, length, release=now, start=now, details=details)

@@ -15,6 +15,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from irc.online.facts import Fact
+from irc.online.names import fresh_name
 from irc.problem import Activity, Problem, StockChange
 
 _Loans = list[int]
@@ -120,9 +121,7 @@ def _loans(happened: Sequence[_Happened], room: int, now: int, supply: int | Non
 def _with_twin(problem: Problem, k: int) -> tuple[Problem, int]:
     """A reservoir's bounds as those of two, for each needs loans of its own; and the upper one."""
     reservoir, twin = problem.reservoirs[k], len(problem.reservoirs)
-    name, names = f"{reservoir.id} at most", {r.id for r in problem.reservoirs}
-    while name in names:
-        name += "'"
+    name = fresh_name(f"{reservoir.id} at most", {r.id for r in problem.reservoirs})
 
     def doubled(activity: Activity) -> Activity:
         stock = activity.details.stock

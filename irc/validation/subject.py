@@ -252,11 +252,7 @@ def _check_references(
     resources: dict[str, Resource],
     variables: dict[str, StateVariable],
 ) -> None:
-    repeatable = {
-        action.id
-        for action in actions.values()
-        if action.occurs != "once" and action.occurrence_bounds[1] not in (0, 1)
-    }
+    repeatable = {action.id for action in actions.values() if action.may_repeat}
     renewable = {r.id for r in resources.values() if r.kind == "renewable"}
     stocks = {r.id for r in resources.values() if r.kind == "reservoir"}
     for action in actions.values():

@@ -18,7 +18,7 @@ from irc.online.conflicts import overloaded
 from irc.online.facts import ticks_of
 from irc.online.freeze import freeze
 from irc.online.giving_up import best_continuation
-from irc.online.remainder import Remainder, engine_of
+from irc.online.remainder import Remainder
 from irc.online.step import Means
 from irc.passes.contention import merge_pools
 from irc.times import Number
@@ -43,7 +43,8 @@ def remainder(execution: Execution) -> Remainder:
     problem = merge_pools(problem, overloaded(problem, history.state(at).running))
     frozen = freeze(problem, history, at, ticks_of(problem, at))
     means = Means(limits=LIMITS)
-    return Remainder(task, frozen, history, at, get_backend("cpsat"), engine_of("cpsat"), means)
+    backend = get_backend("cpsat")
+    return Remainder(task, frozen, history, at, backend, backend.engine(), means)
 
 
 def answer(left: Remainder) -> tuple[str, tuple[Number, ...], int]:
