@@ -12,8 +12,8 @@ from types import MappingProxyType
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
-from irc.source import Pointer, Source
-from irc.times import (
+from irc.diagnostics.source import Pointer, Source
+from irc.model.times import (
     Number,
     TimeError,
     exact,

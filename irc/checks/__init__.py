@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from irc.checks.structure import check_structure
 from irc.checks.temporal import check_temporal
 from irc.diagnostics import Code, Diagnostic, Findings, Report
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes.mandatory import mandatory_part
 from irc.problem import Problem

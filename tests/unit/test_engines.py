@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 
 import irc
-from irc.backend import EngineFailed, EngineMissing, Limits, Outcome, get_backend
 from irc.schedule import Status
+from irc.targets import EngineFailed, EngineMissing, Limits, Outcome, get_backend
 from irc_pddl21.encode import encode
 
 pytestmark = pytest.mark.skipif(

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from irc.times import (
+from irc.model.times import (
     MAX_DIGITS,
     Clock,
     Quantity,
