@@ -32,7 +32,8 @@ from irc.execution import replan, simulate
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.canonical import written_task
-from irc.model.times import Number, json_number
+from irc.model.quantities import Number
+from irc.model.times import json_number
 from irc.schedule import Schedule, dump_json
 from irc.targets import EngineFailed, Limits
 from oracles.online_judge import judge_step

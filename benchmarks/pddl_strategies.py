@@ -29,7 +29,8 @@ from irc.model import Task
 from irc.schedule import Schedule, Status
 from irc.targets import EngineFailed, Limits, Program, Refusal, get_backend
 from irc.validation import validate
-from irc_pddl21.engines import Aries, Kairos, Optic, Portfolio
+from irc_pddl21.engines import Portfolio
+from irc_pddl21.planners import Aries, Kairos, Optic
 from irc_pddl21.session import Tactics
 from irc_pddl21.strategy import solve_with
 from oracles.generators import contended_task

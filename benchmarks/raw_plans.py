@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from irc.driver.solve import compile_task
+from irc.driver.compile import compile_task
 from irc.model import Task
 from irc.targets import Program
 from irc.targets.process import ProcessLimits, run

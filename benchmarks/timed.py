@@ -10,7 +10,7 @@ from irc.api import validate
 from irc.diagnostics import InputError
 from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Schedule, Status
 from irc.targets import EngineFailed, Limits
 

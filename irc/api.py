@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Findings, InputError, Report
+from irc.driver.compile import check_task, compile_task
 from irc.driver.extract import extract_answer
 from irc.driver.judge import validate_schedule
-from irc.driver.solve import check_task, compile_task, solve_task
+from irc.driver.solve import solve_task
 from irc.frontends.files import parse_task, read_task
 from irc.model import Task
 from irc.model.from_document import to_task
-from irc.model.times import Number, parse_instant
+from irc.model.quantities import Number
+from irc.model.times import parse_instant
 from irc.schedule import Schedule
 from irc.targets import Limits, OnProgress, Program
 from irc.validation import Verdict

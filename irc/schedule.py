@@ -13,15 +13,8 @@ from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
-from irc.model.times import (
-    Number,
-    TimeError,
-    exact,
-    format_number,
-    json_number,
-    parse_number,
-    parse_span,
-)
+from irc.model.quantities import Number, TimeError, exact
+from irc.model.times import format_number, json_number, parse_number, parse_span
 
 SCHEDULE_VERSION = "1"
 

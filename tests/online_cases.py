@@ -12,7 +12,7 @@ from irc.execution.history import History
 from irc.execution.step import Step
 from irc.lowering.lower import lower
 from irc.model import Event, Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
 from irc.targets import Limits

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from irc.diagnostics import Code, Diagnostic
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.passes.unroll import unroll
 from irc.problem import Problem
 from irc.problem.objective_values import in_units, worth

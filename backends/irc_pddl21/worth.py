@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import costs
 from irc.schedule import Schedule

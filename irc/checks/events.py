@@ -44,7 +44,8 @@ from irc.model.events import (
     SetRelease,
     SetState,
 )
-from irc.model.times import Number, TimeError, format_number
+from irc.model.quantities import Number, TimeError
+from irc.model.times import format_number
 
 
 def check_event(

@@ -10,7 +10,8 @@ from irc.diagnostics import Code, Findings, did_you_mean
 from irc.diagnostics.source import Pointer
 from irc.model import Action, DurationRange, Resource, Task, Use
 from irc.model.base import write_time
-from irc.model.times import Clock, Instant, Number, TimeError
+from irc.model.quantities import Number, TimeError
+from irc.model.times import Clock, Instant
 
 if TYPE_CHECKING:
     from irc.checks.unknown_names import Guesses
@@ -82,8 +83,11 @@ def _some(names: Iterable[str]) -> str:
     return shown if len(listed) <= 5 else f"{shown}, …"
 
 
-def check_structure(task: Task, findings: Findings) -> None:
-    """Adds every structural fault of a task to `findings`."""
+def check_structure(task: Task, findings: Findings) -> tuple[Names, Times]:
+    """Adds every structural fault of a task, but for its events, to `findings`.
+
+    Returns the names that the task declares and its times, for checks of its events.
+    """
     clock = task.clock
     names = Names(task, findings)
     _check_unique(task.actions, "action", ("actions",), findings)
@@ -107,10 +111,7 @@ def check_structure(task: Task, findings: Findings) -> None:
         else:
             check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
-    if task.events:
-        from irc.checks.events import check_events
-
-        check_events(task, names, times)
+    return names, times
 
 
 def _removed(*pointers: Pointer) -> Fix:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from irc.cli import EXIT_INPUT, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_USE
 from irc.cli.output import (
     CheckFormat,
     Format,

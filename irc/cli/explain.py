@@ -7,13 +7,14 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
-from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER
 from irc.cli.output import Format, put, put_json
 from irc.diagnostics.source import Source, pointer_text
 from irc.diagnostics.text import excerpt
 from irc.explanation import Explanation
 from irc.explanation.result import Step, Told
-from irc.model.times import Number, format_number
+from irc.model.quantities import Number
+from irc.model.times import format_number
 from irc.schedule import Status
 
 SLACK_ROWS = 60

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from enum import StrEnum
 from typing import Any, NoReturn
 
-from irc.cli import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
+from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
 from irc.diagnostics import Diagnostic, InputError, Report, Severity
 from irc.diagnostics.source import Source
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from irc.checks import run_checks
-from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.output import Format, fail, tell_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
@@ -17,7 +17,7 @@ from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json.document import read_document
 from irc.model import Task
 from irc.model.canonical import task_sha256
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Schedule, Status, schedule_from_json
 from irc.targets import Limits, get_backend
 

@@ -40,7 +40,7 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
-from irc.model.times import Number, exact
+from irc.model.quantities import Number, exact
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
 from irc.retiming.slack import slacks, to_ticks

@@ -27,7 +27,8 @@ from irc.frontends.convert import written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
 from irc.model import Task
 from irc.model.canonical import task_sha256
-from irc.model.times import Number, TimeError, format_number, json_number
+from irc.model.quantities import Number, TimeError
+from irc.model.times import format_number, json_number
 from irc.schedule import Schedule, dump_json
 from irc.service.protocol import own_event
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FrameType
 from typing import IO, NoReturn
 
-from irc.cli import EXIT_DONE, EXIT_USE
+from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
 from irc.cli.output import Format, errors_told, fail, say, tell_notes
 from irc.cli.planning import (
     Planning,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from irc.cli import EXIT_INPUT
+from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.output import Format, errors_told, put, put_json, say, tell_notes
 from irc.cli.planning import (
     Planning,

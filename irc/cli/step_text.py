@@ -21,7 +21,7 @@ from irc.cli.table import (
 )
 from irc.execution.simulation import Simulation
 from irc.execution.step import Step
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import CANCELLED, Entry, Schedule, Status
 
 _STYLES = {

@@ -12,7 +12,7 @@ from rich.cells import cell_len
 from rich.text import Text
 
 from irc.cli.page import Page, grouped, natural
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry
 
 

@@ -62,7 +62,8 @@ class Report:
         """The text a person reads: each finding with the source line under a caret."""
         from irc.diagnostics.text import render
 
-        return render(self.located(), notes=notes)
+        located = self.located()
+        return render(located.diagnostics, located.source, notes=notes)
 
 
 def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:

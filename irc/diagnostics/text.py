@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import unicodedata
 from collections import Counter
+from collections.abc import Iterable
 
 from irc.diagnostics.finding import Code, Diagnostic, Severity
-from irc.diagnostics.report import Report
 from irc.diagnostics.source import Source, pointer_text
 
 SHOWN_PER_CODE = 50
@@ -15,16 +15,16 @@ SHOWN_PER_CODE = 50
 _WIDEST_EXCERPT = 100
 
 
-def render(report: Report, *, notes: bool = True) -> str:
-    """The text of a located report; without its notes if these are not wanted."""
+def render(diagnostics: Iterable[Diagnostic], source: Source | None, *, notes: bool = True) -> str:
+    """The text of located diagnostics; without the notes if these are not wanted."""
     shown: Counter[Code] = Counter()
     blocks = []
-    for d in report:
+    for d in diagnostics:
         if d.severity is Severity.NOTE and not notes:
             continue
         shown[d.code] += 1
         if shown[d.code] <= SHOWN_PER_CODE:
-            blocks.append(_block(d, report.source))
+            blocks.append(_block(d, source))
     blocks += [
         f"… and {count - SHOWN_PER_CODE} more of {code.id} ({code.summary})"
         for code, count in shown.items()

@@ -1,4 +1,4 @@
-"""The road from a task to a program: check, lower, encode. What follows is in `irc.driver.solve`."""
+"""From a task to a program: check, lower, encode. `irc.driver.solve` does the rest."""
 
 from __future__ import annotations
 

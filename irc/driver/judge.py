@@ -10,7 +10,7 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.model import Task
 from irc.model.canonical import task_sha256
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import worth
 from irc.schedule import ObjectiveValue, Schedule, Status

@@ -6,9 +6,8 @@ import time
 from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import check_task, compile_task, later_events, lower_for, refusals_told
-from irc.driver.extract import extract_answer
-from irc.driver.judge import Answer, _approved, finish, validate_schedule
+from irc.driver.compile import later_events, lower_for, refusals_told
+from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.problem import Problem
 from irc.retiming.retime import earliest_schedule
@@ -25,18 +24,6 @@ from irc.targets import (
 
 if TYPE_CHECKING:
     pass
-
-__all__ = [
-    "Answer",
-    "check_task",
-    "compile_task",
-    "extract_answer",
-    "finish",
-    "lower_for",
-    "schedule_of",
-    "solve_task",
-    "validate_schedule",
-]
 
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""

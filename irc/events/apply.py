@@ -31,7 +31,7 @@ from irc.model.events import (
     SetRelease,
     SetState,
 )
-from irc.model.times import Number
+from irc.model.quantities import Number
 
 _UNKNOWN: Mapping[str, Number] = MappingProxyType({})
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irc.model import Resource, Window
-from irc.model.times import Clock, Number
+from irc.model.quantities import Number
+from irc.model.times import Clock
 
 
 @dataclass(frozen=True)

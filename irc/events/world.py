@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from irc.model import Action, Precedence
-from irc.model.times import Clock, Number, format_number
+from irc.model.quantities import Number
+from irc.model.times import Clock, format_number
 
 
 def world_change(

@@ -12,7 +12,7 @@ from dataclasses import replace
 from itertools import combinations
 
 from irc.execution.continuation import PROVER, Remainder
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import costs
 from irc.schedule import Status

@@ -20,7 +20,7 @@ from irc.execution.state import key_of
 from irc.execution.step import Means
 from irc.execution.warm_start import repaired
 from irc.model import Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.passes import order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
 from irc.passes.critical_path import heads_and_tails

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Activity, Earlier, Problem
 from irc.schedule import CANCELLED, Entry
 

@@ -15,7 +15,8 @@ from irc.execution.replanning import solve_step
 from irc.execution.state import ExecutionState
 from irc.execution.step import Means, Step
 from irc.model import Event, Task
-from irc.model.times import Instant, Number, format_number, parse_instant
+from irc.model.quantities import Number
+from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
 from irc.targets import Limits, OnProgress
 

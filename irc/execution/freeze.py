@@ -16,7 +16,7 @@ from irc.execution.conflicts import relaxed
 from irc.execution.executed import Fact, as_fact, earlier_of, fact_of
 from irc.execution.history import History
 from irc.lowering.choices import NEVER
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Activity, Earlier, Group, Problem
 from irc.schedule import Entry
 

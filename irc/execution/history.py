@@ -1,7 +1,7 @@
 """The schedule that is being carried out, and what events and observations make of it.
 
-`irc.execution.apply` revises the task; here the schedule follows: what was observed replaces what was
-planned, a new duration moves the end of what is running, a cancellation ends it.
+`irc.events.apply` revises the task; here the schedule follows: an observation replaces what was
+planned, a new duration moves the end of a running action, a cancellation ends it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from irc.model.events import (
     SetDuration,
     SetGoals,
 )
-from irc.model.times import Clock, Number, format_number
+from irc.model.quantities import Number
+from irc.model.times import Clock, format_number
 from irc.schedule import CANCELLED, Entry, Schedule
 
 
@@ -75,8 +76,8 @@ class History:
     def take(self, task: Task, event: Event, findings: Findings, at: Pointer = ()) -> None:
         """Follows an event that revises `task`; adds what contradicts the history to `findings`.
 
-        The event must fit the task (`irc.execution.check_event`). After a fault the history is of no
-        use any more.
+        The event must fit the task (`irc.checks.events.check_event`). After a fault the history
+        cannot be used any more.
         """
         step = _Step(
             self,

@@ -18,7 +18,7 @@ from irc.execution.infeasibility import what_is_in_the_way
 from irc.execution.step import Means, Step, moved
 from irc.lowering.lower import lower
 from irc.model import Event, Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.schedule import Schedule, Status

@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from irc.execution.executed import UnexplainedError, choices_of, ticks_of
 from irc.execution.state import key_of
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Activity, Problem
 from irc.problem.decisions import ABSENT, AnswerError, Decision, Moment
 from irc.problem.objective_values import costs

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 
 Key = tuple[str, int]

@@ -11,7 +11,8 @@ from irc.diagnostics import Diagnostic
 from irc.execution.history import History
 from irc.execution.state import Key, key_of
 from irc.model import Event, Task
-from irc.model.times import Number, json_number
+from irc.model.quantities import Number
+from irc.model.times import json_number
 from irc.schedule import Entry, Schedule
 from irc.targets import Limits, OnProgress
 

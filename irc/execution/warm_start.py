@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from irc.execution.executed import Fact, UnexplainedError, choices_of
 from irc.execution.state import Key
-from irc.model.times import exact
+from irc.model.quantities import exact
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.resource_profile import NEVER
 from irc.passes.serial_sgs import list_schedule

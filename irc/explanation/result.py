@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from irc.diagnostics.source import Pointer, Source, pointer_text
-from irc.model.times import Number, format_number, json_number
+from irc.model.quantities import Number
+from irc.model.times import format_number, json_number
 from irc.schedule import Schedule, Status
 
 EXPLANATION_VERSION = "1"

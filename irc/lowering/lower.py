@@ -17,7 +17,8 @@ from irc.lowering.elements import (
     ticks_or_none,
 )
 from irc.model import Action, DurationRange, Precedence, Task
-from irc.model.times import Clock, Instant, Number, TimeError, common_tick
+from irc.model.quantities import Number, TimeError
+from irc.model.times import Clock, Instant, common_tick
 from irc.problem import Activity, Arc, Problem, Renewable, Window
 
 _FROM_END = {"finish-start", "finish-finish"}

@@ -14,7 +14,8 @@ from irc.lsp.critical_times import Outlook, outlook
 from irc.lsp.mentions import Kind, Mention
 from irc.lsp.names import Names
 from irc.model.parts import Action, Resource, Use
-from irc.model.times import Quantity, format_number
+from irc.model.quantities import Quantity
+from irc.model.times import format_number
 
 _MOST_LISTED = 12
 _TICKS = re.compile("`+")

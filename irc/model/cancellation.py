@@ -8,7 +8,8 @@ valid, and nothing of it can happen later.
 from __future__ import annotations
 
 from irc.model import Action
-from irc.model.times import Clock, Number
+from irc.model.quantities import Number
+from irc.model.times import Clock
 
 
 def ended(action: Action, at: Number, clock: Clock) -> Action:

@@ -15,7 +15,8 @@ from typing import Any
 
 from irc.model import Task
 from irc.model.base import Node, write_time
-from irc.model.times import Clock, Number, TimeError, json_number
+from irc.model.quantities import Number, TimeError
+from irc.model.times import Clock, json_number
 
 _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
 """Arrays whose order means nothing and where a repetition counts once."""

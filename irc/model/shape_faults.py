@@ -16,7 +16,7 @@ from irc.diagnostics.suggest import certain_keyword, closest
 from irc.model import Task
 from irc.model.lazy import Lazy, PartError, adapter
 from irc.model.parts import PRECEDENCE_ALIASES
-from irc.model.times import TimeError
+from irc.model.quantities import TimeError
 
 _ALIASES = {new: old for old, new in (*PRECEDENCE_ALIASES.items(), ("dependencies", "precedence"))}
 _CANONICAL = {old: new for new, old in _ALIASES.items()}

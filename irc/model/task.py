@@ -18,7 +18,8 @@ from irc.model.parts import (
     objective_names,
     without_aliases,
 )
-from irc.model.times import Clock, Number, TimeError, parse_instant, unit_seconds
+from irc.model.quantities import Number, TimeError
+from irc.model.times import Clock, parse_instant, unit_seconds
 from irc.model.times import Instant as InstantValue
 
 

@@ -7,7 +7,7 @@ from datetime import datetime
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 
-from irc.model.times import (
+from irc.model.quantities import (
     DAY,
     MAX_DIGITS,
     MONTH_NAMES,

@@ -23,6 +23,7 @@ from irc.problem.problem import (
 )
 
 __all__ = [
+    "PLAIN",
     "Activity",
     "Arc",
     "Bound",
@@ -33,7 +34,6 @@ __all__ = [
     "Effect",
     "Group",
     "Mode",
-    "PLAIN",
     "Problem",
     "Renewable",
     "Requirement",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem.problem import Activity, Earlier, Group, Problem
 from irc.schedule import CANCELLED, Entry, Schedule
 

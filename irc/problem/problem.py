@@ -1,6 +1,6 @@
 """What a solver needs: the task in whole ticks, in a fixed order, with the way back.
 
-A `Problem` is made by `irc.lowering.lower` and refined by `irc.passes`; nothing downstream reads a `Task`.
+`irc.lowering` makes a `Problem`, `irc.passes` refine it; nothing downstream reads a `Task`.
 All times are integers in ticks; `tick` says how many of the task's time units one tick is.
 Actions, resources and arcs are referred to by index; the canonical order (by id) makes the same
 task give the same bytes, however its arrays were written.
@@ -14,7 +14,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 from irc.diagnostics.source import Pointer
-from irc.model.times import Number, exact, format_number
+from irc.model.quantities import Number, exact
+from irc.model.times import format_number
 
 if TYPE_CHECKING:
     from irc.problem.decisions import Placed

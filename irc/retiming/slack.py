@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import floor
 
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
 from irc.problem.temporal_network import Network, earliest

@@ -13,7 +13,8 @@ from irc.frontends.events import to_events
 from irc.frontends.json.document import decode_bytes
 from irc.frontends.json.value import read_value
 from irc.model import Event, Task
-from irc.model.times import Number, TimeError, json_number, parse_instant
+from irc.model.quantities import Number, TimeError
+from irc.model.times import json_number, parse_instant
 
 MAX_LINE = 16 * 1024 * 1024
 """Bytes of one request; longer lines are refused."""

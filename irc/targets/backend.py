@@ -100,7 +100,7 @@ class Program:
     def decode(self, answer: str) -> Schedule:
         """The exact schedule that an engine's raw answer stands for (not yet validated).
 
-        Raises `irc.retiming.retime.AnswerError` where there is none.
+        Raises `irc.problem.decisions.AnswerError` where there is none.
         """
         return self.backend.decode(self.problem, self.names, answer)
 
@@ -146,7 +146,10 @@ class Backend(ABC):
 
     @abstractmethod
     def decode(self, problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
-        """A raw answer → the exact schedule. Raises `irc.retiming.retime.AnswerError` if there is none."""
+        """Returns the exact schedule of a raw answer.
+
+        Raises `irc.problem.decisions.AnswerError` where there is none.
+        """
 
     @abstractmethod
     def engines(self) -> Mapping[str, Engine]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic, did_you_mean
-from irc.model.times import Number
+from irc.model.quantities import Number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics import InputError
+from irc.driver.compile import lower_for
 from irc.driver.judge import finish, validate_schedule
-from irc.driver.solve import lower_for
 from irc.model import Task
 from irc.schedule import Status
 from irc.targets import Backend, Engine, Limits, Program, refused_features

@@ -9,7 +9,7 @@ different amounts (`irc.validation.choices`). Where a bound is reached the verdi
 from __future__ import annotations
 
 from irc.model import Task
-from irc.model.times import Number, TimeError
+from irc.model.quantities import Number, TimeError
 from irc.schedule import Schedule
 from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values

@@ -19,7 +19,8 @@ from irc.model import (
     Task,
     Use,
 )
-from irc.model.times import Clock, Number
+from irc.model.quantities import Number
+from irc.model.times import Clock
 from irc.schedule import Entry, Schedule
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"

@@ -24,7 +24,7 @@ from typing import Any
 
 from irc.model import Action, DurationRange, Event, Group, Precedence, Resource, Task, Window
 from irc.model.events import AddGroups, CancelActions, CancelGroups, Observe
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from oracles.state_brute_force import Optimum, TooLargeError, optimum
 

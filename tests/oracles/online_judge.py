@@ -15,7 +15,7 @@ from irc.events.apply import apply
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.events import AddActions
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule, Status
 from oracles.online_continuation import (
     CANCELLED,

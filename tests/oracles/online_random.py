@@ -17,7 +17,8 @@ import irc
 from irc.checks.events import check_event
 from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.model.times import Number, exact, json_number
+from irc.model.quantities import Number, exact
+from irc.model.times import json_number
 from irc.schedule import Entry, Schedule
 from oracles.generators import random_task
 from oracles.state_generators import state_task

@@ -31,7 +31,7 @@ from itertools import product
 from types import MappingProxyType
 
 from irc.model import Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Schedule
 from oracles.state_relaxation import Windows, promises, relaxed_windows
 from oracles.state_task import Plain, read

@@ -9,7 +9,7 @@ import pytest
 from irc.execution import replan
 from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Schedule
 from irc.targets import Limits
 from oracles.online_judge import judge_step

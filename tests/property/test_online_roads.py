@@ -19,7 +19,7 @@ from irc.execution.executed import ticks_of
 from irc.execution.freeze import freeze
 from irc.execution.step import Means
 from irc.lowering.lower import lower
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.problem.objective_values import worth
 from irc.targets import get_backend

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import irc
 from irc.model import Task
-from irc.model.times import exact, format_number, unit_seconds
+from irc.model.quantities import exact
+from irc.model.times import format_number, unit_seconds
 from irc.schedule import Status
 from oracles.brute_force import longest_path
 from oracles.generators import contended_task, hostile_names, random_task

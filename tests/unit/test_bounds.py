@@ -17,7 +17,7 @@ from ortools.sat.python import cp_model
 
 from irc.lowering.lower import lower
 from irc.model import Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.passes import destructive
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails

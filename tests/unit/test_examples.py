@@ -12,7 +12,8 @@ import pytest
 import irc
 from irc.api import validate
 from irc.diagnostics import Code
-from irc.model.times import Number, parse_number
+from irc.model.quantities import Number
+from irc.model.times import parse_number
 from irc.schedule import Status
 from irc.targets import get_backend, refused_features
 

@@ -15,7 +15,7 @@ from irc.driver.compile import compile_task
 from irc.lowering.elements import natural_order
 from irc.lowering.lower import lower
 from irc.model import Task
-from irc.model.times import exact
+from irc.model.quantities import exact
 from irc.passes.mandatory import mandatory_part
 from irc.problem import Arc, Problem, Requirement
 from oracles.brute_force import optimal_makespan

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import irc
 from irc.diagnostics import Code, InputError
-from irc.model.times import exact
+from irc.model.quantities import exact
 from irc.schedule import (
     Entry,
     ObjectiveValue,

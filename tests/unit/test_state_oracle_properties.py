@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from irc.model import Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
 from oracles.brute_force import optimal_makespan

@@ -9,7 +9,7 @@ import pytest
 import irc
 from irc.events.apply import apply
 from irc.model import Event, Task
-from irc.model.times import TimeError
+from irc.model.quantities import TimeError
 from irc.schedule import Entry, ObjectiveValue, Schedule
 from irc.validation import SHOWN_PER_RULE, InexactTimeError, Verdict, validate
 

@@ -26,7 +26,7 @@ from test_validate_properties import (
 )
 
 from irc.model import Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import Verdict, validate
 

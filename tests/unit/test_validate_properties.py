@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from irc.model import Action, DurationRange, StateGoal, Task
-from irc.model.times import Number
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
 

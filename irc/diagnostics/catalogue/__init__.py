@@ -1,8 +1,8 @@
 """What each diagnostic means: an explanation, what to do, a bad and a good example.
 
 The texts stand in the `.toml` files beside this module, one for each family of codes. They are the
-one source of `irc explain-code`, of `docs/diagnostics.md` (`python -m irc.diagnostics.catalogue`), and of the
-rules in SARIF. Tests run every example.
+one source of `irc explain-code`, of `docs/diagnostics.md` and of the rules in SARIF. Tests run
+every example. `python -m irc.diagnostics.catalogue` prints the page.
 
 A new code gets a table in the file of its family (or in a new file, which is found by itself):
 

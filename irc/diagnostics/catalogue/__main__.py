@@ -1,4 +1,4 @@
-"""`python -m irc.diagnostics.catalogue > docs/diagnostics.md` writes the page of all diagnostics."""
+"""`python -m irc.diagnostics.catalogue` prints the page of all diagnostics, docs/diagnostics.md."""
 
 from __future__ import annotations
 

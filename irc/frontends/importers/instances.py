@@ -15,7 +15,8 @@ from typing import Any, NoReturn
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.json.document import MAX_DEPTH
-from irc.model.times import Span, TimeError, parse_span
+from irc.model.quantities import Span, TimeError
+from irc.model.times import parse_span
 
 _DIGITS = 100
 """Longer whole numbers are no amounts of anything."""
