@@ -3,8 +3,7 @@
 An activity is an interval; a resource of which only one claim fits at a time is a
 `NoOverlap`, any other a `Cumulative`; a choice is one optional interval for each alternative.
 An interval of size 0 must not be seen by `NoOverlap` (it would break inside another), so what
-may have no length is optional there. `irc_cpsat.builder` has a method for most kinds of element,
-modules beside it what state, stock, calendars and objectives need.
+may have no length is optional there.
 """
 
 from __future__ import annotations
@@ -14,10 +13,17 @@ from typing import Any
 
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
-from irc_cpsat.builder import Builder, Hint, Model
-from irc_cpsat.depth import FILE_DEPTH
-
-__all__ = ["MODEL_FILE", "Builder", "Hint", "Model", "build_model", "encode_files"]
+from irc_cpsat.encoding.activities import add_activities
+from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.hints import add_hints
+from irc_cpsat.encoding.objectives import add_makespan, add_objective, values_of
+from irc_cpsat.encoding.occurrences import FILE_DEPTH, add_occurrences
+from irc_cpsat.encoding.overflow import refuse_overflow
+from irc_cpsat.encoding.precedence import add_precedence
+from irc_cpsat.encoding.presence import add_presence
+from irc_cpsat.encoding.reservoirs import add_reservoirs
+from irc_cpsat.encoding.resources import add_resources
+from irc_cpsat.encoding.state import add_state
 
 MODEL_FILE = "model.pbtxt"
 
@@ -28,7 +34,41 @@ def build_model(problem: Problem, *, bounds: bool = True, hints: bool = True) ->
     Of actions that may repeat there are `FILE_DEPTH` occurrences, unless `problem` is unrolled
     already. Raises `Refusal` where sums would not fit 64 bits.
     """
-    return Builder(unroll(problem, FILE_DEPTH), bounds, hints).build()
+    return write_model(Builder(unroll(problem, FILE_DEPTH), bounds, hints))
+
+
+def write_model(builder: Builder, *, objective: bool = True) -> Model:
+    """Adds all elements to a builder's model; without `objective` any schedule will do.
+
+    Raises `Refusal` where sums would not fit 64 bits.
+    """
+    refuse_overflow(builder.problem, builder.safe_horizon, builder.rank_count)
+    add_presence(builder)
+    add_activities(builder)
+    add_precedence(builder)
+    add_occurrences(builder)
+    literals = add_resources(builder)
+    add_reservoirs(builder)
+    add_state(builder)
+    makespan = add_makespan(builder)
+    built = Model(
+        model=builder.model,
+        problem=builder.problem,
+        starts=builder.starts,
+        ends=builder.ends,
+        makespan=makespan,
+        literals=literals,
+        sizes=builder.sizes,
+        positive=builder.positive,
+        present=builder.present,
+        modes=builder.modes,
+        ranks=builder.ranks,
+        values=values_of(builder, makespan, literals),
+    )
+    if objective:
+        add_objective(built)
+    add_hints(builder, built)
+    return built
 
 
 def encode_files(problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:

@@ -1,9 +1,9 @@
-"""Why not: CP-SAT as the solver behind `irc explain`.
+"""Conflicts: CP-SAT as the solver behind `irc explain`.
 
 The statements of a task are assumptions over the model of a problem that states nothing. Times
 are posted as differences of time points, each enforced by its statement; a claim's interval is
 present only under the statement of its use and those of the capacities it takes from. Everything
-else is the encoding of `irc_cpsat.encode`.
+else is the encoding of `irc_cpsat.encoding`.
 """
 
 from __future__ import annotations
@@ -19,26 +19,30 @@ from irc.explanation.statements import ORIGIN, Statement
 from irc.problem import Claim, Problem
 from irc.retime import AnswerError
 from irc.schedule import Status
-from irc_cpsat.encode import Builder
-from irc_cpsat.engines import schedule_from
+from irc_cpsat.encoding.builder import Builder
+from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.solving.solution import schedule_from
 
-_STEPS = 20.0
+_DECISION_WORK = 20.0
 """The limit of a decision in CP-SAT's own deterministic measure of work (about a second each),
 which does not depend on the machine: the same task gets the same answer."""
 
-_CORE_STEPS = 0.5
+_CORE_WORK = 0.5
 """The limit for a core. Without one the search for a conflict starts from all statements, which
-takes little longer; where a core is hard to find it would be large, too."""
+takes little longer; a core that is hard to find would be large, too."""
 
 
 class CpSatRefuter:
     """One worker, a fixed seed, and no objective."""
 
     def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
-        """What CP-SAT says is enough for infeasibility; to be checked (google/or-tools#5141)."""
+        """The statements that CP-SAT calls sufficient for infeasibility.
+
+        To be checked: google/or-tools#5141.
+        """
         builder = _AssumptionBuilder(assumptions)
         model = builder.assumed()
-        solver = _solver(seconds, _CORE_STEPS)
+        solver = _solver(seconds, _CORE_WORK)
         if solver.solve(model) != cp_model.INFEASIBLE:
             return None
         found = solver.sufficient_assumptions_for_infeasibility()
@@ -47,8 +51,9 @@ class CpSatRefuter:
 
     def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
         """Solves for any schedule, and re-times the one that is found."""
-        built = Builder(problem, bounds=False, hints=False, horizon=horizon).build(objective=False)
-        solver = _solver(seconds, _STEPS)
+        builder = Builder(problem, bounds=False, hints=False, horizon=horizon)
+        built = write_model(builder, objective=False)
+        solver = _solver(seconds, _DECISION_WORK)
         status = solver.solve(built.model)
         if status == cp_model.INFEASIBLE:
             return Status.INFEASIBLE
@@ -61,16 +66,18 @@ class CpSatRefuter:
         return Status.UNKNOWN
 
 
-def _solver(seconds: float, steps: float) -> cp_model.CpSolver:
+def _solver(seconds: float, work: float) -> cp_model.CpSolver:
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = 0
     solver.parameters.max_time_in_seconds = seconds
-    solver.parameters.max_deterministic_time = steps
+    solver.parameters.max_deterministic_time = work
     return solver
 
 
 class _AssumptionBuilder(Builder):
+    """A builder whose times, uses and capacities hold under assumptions."""
+
     def __init__(self, assumptions: Assumptions) -> None:
         super().__init__(
             assumptions.problem, bounds=False, hints=False, horizon=assumptions.horizon
@@ -79,11 +86,12 @@ class _AssumptionBuilder(Builder):
         self.literals: dict[Statement, cp_model.IntVar] = {}
 
     def assumed(self) -> cp_model.CpModel:
-        self.build(objective=False)
+        """The model in which every statement is an assumption."""
+        write_model(self, objective=False)
         for src, dst, weight, statement in self.assumptions.differences:
             # What reaches beyond the horizon never binds, and may be beyond 64 bits.
             if weight > -self.horizon and statement is not None:
-                apart = self.model.add(self._moment(dst) - self._moment(src) >= weight)
+                apart = self.model.add(self._time(dst) - self._time(src) >= weight)
                 apart.only_enforce_if(self._literal(statement))
         self.model.add_assumptions(list(self.literals.values()))
         return self.model
@@ -93,18 +101,19 @@ class _AssumptionBuilder(Builder):
             self.literals[statement] = self.model.new_bool_var(str(statement))
         return self.literals[statement]
 
-    def _moment(self, point: int) -> Any:
+    def _time(self, point: int) -> Any:
         if point == ORIGIN:
             return 0
         activity, is_end = divmod(point - 1, 2)
         return self.end(activity) if is_end else self.starts[activity]
 
-    def _all_of(
+    def taking(
         self, i: int, claim: Claim, r: int, *literals: cp_model.IntVar | None
     ) -> cp_model.IntVar | None:
+        """As without statements, and only if the use and the capacities are stated."""
         capacities: Mapping[int, Statement] = self.assumptions.capacities
         stated = [
             self.assumptions.uses[i, claim.use],
             *(capacities[member] for member in self.problem.shared[r].members),
         ]
-        return super()._all_of(i, claim, r, *literals, *map(self._literal, stated))
+        return super().taking(i, claim, r, *literals, *map(self._literal, stated))

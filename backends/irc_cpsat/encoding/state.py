@@ -11,12 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from irc.problem import Activity, Condition
-
-if TYPE_CHECKING:
-    from irc_cpsat.builder import Builder, Literal
+from irc_cpsat.encoding.builder import Builder, Literal
 
 _BEFORE_ALL = -1
 """The moment of the initial values."""
@@ -36,12 +34,14 @@ class _Owner:
 
 def add_state(builder: Builder) -> None:
     """Adds every variable's effects, conditions and goals."""
-    state = _State(builder)
+    if not builder.problem.variables:
+        return
+    encoder = _StateEncoder(builder)
     for v in range(len(builder.problem.variables)):
-        state.variable(v)
+        encoder.add_variable(v)
 
 
-class _State:
+class _StateEncoder:
     def __init__(self, builder: Builder) -> None:
         self.builder = builder
         self.model = builder.model
@@ -57,14 +57,14 @@ class _State:
             for condition in activity.details.conditions:
                 self.conditions[condition.var].append((i, condition))
 
-    def variable(self, v: int) -> None:
-        """All that happens to one variable."""
+    def add_variable(self, v: int) -> None:
+        """Adds the effects, conditions and goals of one variable."""
         owners = self._owners(v)
         for i, condition in self.conditions[v]:
-            self._condition(i, condition, owners)
+            self._add_condition(i, condition, owners)
         for var, value in self.problem.goals:
             if var == v:
-                self._goal(value, owners)
+                self._add_goal(value, owners)
 
     # --- happenings ---
 
@@ -94,7 +94,7 @@ class _State:
         return True if activity.duration_max == 0 else None
 
     def _is_stretched(self, i: int) -> Literal:
-        """Start and end are two happenings."""
+        """A literal that says that start and end are two happenings."""
         if i not in self.stretched:
             literal = self.model.new_bool_var("")
             start, end = self._point(i, at_end=False), self._point(i, at_end=True)
@@ -129,13 +129,13 @@ class _State:
         return owners
 
     def _distinct_effects(self, v: int) -> list[tuple[int, int, bool]]:
-        """What has no duration gives a value once, though both its ends say so."""
+        """The effects on a variable; an instant gives a value once, though both its ends do."""
         effects = self.effects[v]
-        said = set(effects)
+        given = set(effects)
         return [
             (i, value, at_end)
             for i, value, at_end in effects
-            if not (at_end and self._one_happening(i) is True and (i, value, False) in said)
+            if not (at_end and self._one_happening(i) is True and (i, value, False) in given)
         ]
 
     def _effect_literal(self, i: int, value: int, at_end: bool, v: int) -> Literal | None:
@@ -148,24 +148,24 @@ class _State:
 
     # --- conditions ---
 
-    def _condition(self, i: int, condition: Condition, owners: Sequence[_Owner]) -> None:
+    def _add_condition(self, i: int, condition: Condition, owners: Sequence[_Owner]) -> None:
         if condition.at != "all":
-            self._read(i, condition.value, condition.at == "end", owners, ())
+            self._add_read(i, condition.value, condition.at == "end", owners, ())
             return
         one = self._one_happening(i)
         if one is True:
-            self._read(i, condition.value, False, owners, ())
+            self._add_read(i, condition.value, False, owners, ())
         elif one is False:
-            self._hold(i, condition.value, owners, ())
+            self._add_hold(i, condition.value, owners, ())
         else:
             stretched = self._is_stretched(i)
-            self._read(i, condition.value, False, owners, (~stretched,))
-            self._hold(i, condition.value, owners, (stretched,))
+            self._add_read(i, condition.value, False, owners, (~stretched,))
+            self._add_hold(i, condition.value, owners, (stretched,))
 
-    def _read(
+    def _add_read(
         self, i: int, value: int, at_end: bool, owners: Sequence[_Owner], when: Sequence[Any]
     ) -> None:
-        """The variable has the value just before a happening, which nobody else's change meets."""
+        """The variable has the value just before a happening, and no other change is at it."""
         point = self._point(i, at_end=at_end)
         own = [o for o in owners if o.activity == i]
         for owner, chosen in self._supporters(i, value, owners, when):
@@ -189,7 +189,7 @@ class _State:
             self.model.add(owner.end >= point + 1).only_enforce_if(chosen, stretched)
             self.model.add(owner.end >= point).only_enforce_if(chosen, ~stretched)
 
-    def _hold(self, i: int, value: int, owners: Sequence[_Owner], when: Sequence[Any]) -> None:
+    def _add_hold(self, i: int, value: int, owners: Sequence[_Owner], when: Sequence[Any]) -> None:
         """From just after the start to just before the end; the same value may be given again."""
         start, end = self._point(i, at_end=False), self._point(i, at_end=True)
         alone = sum(o.value == value for o in owners) == 1
@@ -219,7 +219,7 @@ class _State:
         escapes += [~literal for literal in when]
         self.model.add_bool_or(escapes)
 
-    def _goal(self, value: int, owners: Sequence[_Owner]) -> None:
+    def _add_goal(self, value: int, owners: Sequence[_Owner]) -> None:
         supporters = []
         for owner in owners:
             if owner.value != value:
@@ -234,7 +234,7 @@ class _State:
     def _supporters(
         self, i: int, value: int, owners: Sequence[_Owner], when: Sequence[Any]
     ) -> list[tuple[_Owner, Literal]]:
-        """One literal for each that could give the value; exactly one where it is needed."""
+        """One literal for each owner that gives the value; exactly one holds where it is needed."""
         found = []
         for owner in owners:
             if owner.value != value:

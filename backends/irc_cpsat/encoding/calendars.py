@@ -1,19 +1,14 @@
-"""Calendars in a CP-SAT model."""
+"""Calendars in a CP-SAT model: fixed intervals for the capacity that is missing."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
 from irc.problem import Shared
-
-if TYPE_CHECKING:
-    from irc_cpsat.builder import Builder, Users
+from irc_cpsat.encoding.builder import Builder, ResourceUses
 
 
-def with_windows(builder: Builder, shared: Shared, users: Users) -> Users:
-    """What is missing from the greatest capacity is held by an interval that cannot move."""
-    filled = replace(users, intervals=list(users.intervals), amounts=list(users.amounts))
+def with_windows(builder: Builder, shared: Shared, uses: ResourceUses) -> ResourceUses:
+    """The uses of a resource, and a fixed interval for what each window lacks of its capacity."""
+    filled = ResourceUses(list(uses.intervals), list(uses.amounts))
     base = shared.capacity if shared.base is None else shared.base
     at = 0
     for window in (*shared.windows, None):
@@ -26,9 +21,8 @@ def with_windows(builder: Builder, shared: Shared, users: Users) -> Users:
 
 
 def _fill(
-    builder: Builder, filled: Users, shared: Shared, start: int, end: int, capacity: int
+    builder: Builder, filled: ResourceUses, shared: Shared, start: int, end: int, capacity: int
 ) -> None:
     if start < end and capacity < shared.capacity:
         away = builder.model.new_fixed_size_interval_var(start, end - start, f"away {shared.id}")
-        filled.intervals.append(away)
-        filled.amounts.append(shared.capacity - capacity)
+        filled.add(away, shared.capacity - capacity)

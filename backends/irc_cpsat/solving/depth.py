@@ -1,8 +1,8 @@
-"""How many occurrences of a repeated action a model needs.
+"""The number of occurrences of a repeated action that a model needs: its depth.
 
 A model holds a number of occurrences, so it is deepened until a schedule is found. Since
 occurrences of one action do not overlap, at most makespan / duration of them fit into a schedule:
-where the model holds as many, nothing better was left out.
+a model that holds as many leaves no better schedule out.
 """
 
 from __future__ import annotations
@@ -13,25 +13,22 @@ from dataclasses import replace
 from irc.passes.unroll import slots
 from irc.problem import Activity, Problem
 
-FIRST = 1
-GREATEST = 64
-"""Depths that are tried without being asked for by a proof."""
-
-FILE_DEPTH = 4
-"""So many occurrences of an action that may repeat are in a model that is written out."""
+FIRST_DEPTH = 1
+GREATEST_DEPTH = 64
+"""The depths that are tried without being asked for by a proof."""
 
 SLOTS_LIMIT = 4_000
-"""A model has so many occurrences of repeated actions at most."""
+"""The greatest number of occurrences of repeated actions in a model."""
 
 
 def depths(problem: Problem) -> Iterator[int]:
-    """Depths to try, each twice the one before; one alone where nothing repeats."""
+    """The depths to try, each twice the previous one; a single one where nothing repeats."""
     repeated = [a for a in problem.activities if a.details.repeats is not None]
     if not repeated:
         yield 1
         return
-    depth = FIRST
-    while depth <= GREATEST and _total(repeated, depth) <= SLOTS_LIMIT:
+    depth = FIRST_DEPTH
+    while depth <= GREATEST_DEPTH and _total(repeated, depth) <= SLOTS_LIMIT:
         yield depth
         if all(slots(a, depth) == slots(a, depth + 1) for a in repeated):
             return
@@ -43,16 +40,16 @@ def _total(repeated: list[Activity], depth: int) -> int:
 
 
 def enough(problem: Problem, limit: int | None) -> int | None:
-    """The depth that holds every schedule that ends by `limit` (ticks); None where none does."""
+    """The depth that holds every schedule that ends by `limit` (ticks), or None."""
     fitting = [_fitting(a, limit) for a in problem.activities if a.details.repeats is not None]
     known = [count for count in fitting if count is not None]
     return max([1, *known]) if len(known) == len(fitting) else None
 
 
 def within(problem: Problem, limit: int) -> Problem:
-    """The problem without what ends after `limit` (ticks), and so with fewer occurrences.
+    """The problem with a deadline at `limit` (ticks), and so with fewer occurrences.
 
-    Where a schedule that long is known, no shorter one is lost.
+    If a schedule that long is known, no shorter one is lost.
     """
     deadline = limit if problem.deadline is None else min(limit, problem.deadline)
     activities = tuple(_capped(a, deadline) for a in problem.activities)
@@ -68,7 +65,7 @@ def _capped(activity: Activity, limit: int) -> Activity:
 
 
 def _fitting(activity: Activity, limit: int | None) -> int | None:
-    """How many occurrences fit one after another into the time up to `limit`, if that is known."""
+    """The number of occurrences that fit one after another before `limit`, if that is known."""
     fitting: int | None = None
     if limit is not None and activity.duration_min > 0:
         fitting = max(0, limit - activity.release) // activity.duration_min
@@ -79,6 +76,6 @@ def _fitting(activity: Activity, limit: int | None) -> int | None:
 
 
 def fits_a_model(problem: Problem, depth: int) -> bool:
-    """Whether a model of that depth is small enough to be tried."""
+    """Whether a model of this depth is small enough to be tried."""
     repeated = [a for a in problem.activities if a.details.repeats is not None]
     return _total(repeated, depth) <= SLOTS_LIMIT
