@@ -1,4 +1,4 @@
-"""Lexicographic optimisation: the objectives in their order, each among the best of the previous."""
+"""Lexicographic optimisation: the objectives in order, each among the best of those before."""
 
 from __future__ import annotations
 
