@@ -122,8 +122,9 @@ class Tree:
             elif isinstance(node, ast.ImportFrom):
                 base = _base(node, package)
                 yield from ((f"{base}.{alias.name}", node.lineno, kind) for alias in node.names)
-            elif isinstance(node, ast.Constant) and node.value in self.files and "." in node.value:
-                yield node.value, node.lineno, "lazy"
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                if "." in node.value and node.value in self.files:
+                    yield node.value, node.lineno, "lazy"
 
 
 def _base(node: ast.ImportFrom, package: str) -> str:
