@@ -4,7 +4,7 @@ State, stock, calendars and objectives have modules of their own, as have hints.
 
 An activity is a start and, where it can move by itself, an end; what may be absent has a literal.
 Where state is left, every happening also has a rank, and `moment = time × ranks + rank` is one
-integer that orders happenings (design, section 3, rule 6).
+integer that orders happenings (docs/semantics.md, rule 6).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Online: events revise a task while it runs (design: "Online").
+"""Online: events revise a task while it runs (docs/semantics.md, "While a task runs").
 
 `apply` revises a task by one event, `check_event` says what is wrong with an event for a task;
 `Execution` holds a task that is being carried out, `replan` repairs a schedule once, `simulate`
