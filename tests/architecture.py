@@ -122,9 +122,11 @@ class Tree:
             elif isinstance(node, ast.ImportFrom):
                 base = _base(node, package)
                 yield from ((f"{base}.{alias.name}", node.lineno, kind) for alias in node.names)
-            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-                if "." in node.value and node.value in self.files:
-                    yield node.value, node.lineno, "lazy"
+            elif isinstance(node, ast.Constant) and self._is_module_name(node.value):
+                yield str(node.value), node.lineno, "lazy"
+
+    def _is_module_name(self, value: object) -> bool:
+        return isinstance(value, str) and "." in value and value in self.files
 
 
 def _base(node: ast.ImportFrom, package: str) -> str:
