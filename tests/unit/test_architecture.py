@@ -132,9 +132,8 @@ def test_the_page_has_the_same_order() -> None:
 
 @pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
 def test_the_files_that_a_page_names_are_there(page: str) -> None:
-    named = re.findall(
-        r"`((?:irc|backends|grammars|tests|docs)/[\w./-]+)`", (ROOT / page).read_text()
-    )
+    text = (ROOT / page).read_text("utf-8")
+    named = re.findall(r"`((?:irc|backends|grammars|tests|docs)/[\w./-]+)`", text)
     assert len(named) > 5
     assert not (lost := sorted({name for name in named if not (ROOT / name).exists()})), told(lost)
 
