@@ -69,3 +69,32 @@ def test_links_within_the_page_lead_to_a_heading_or_an_anchor() -> None:
     for heading in re.findall(r"^#+ (.*)$", PAGE, re.MULTILINE):
         there.add(re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-"))
     assert {*re.findall(r"\]\(#([^)]+)\)", PAGE)} <= there
+
+
+CITED = re.compile(
+    r"\brules? (\d(?:\.\d+)?)((?:, \d(?:\.\d+)?)*)(?: and (\d(?:\.\d+)?))?", re.IGNORECASE
+)
+
+
+def test_every_rule_that_the_code_cites_is_on_the_page() -> None:
+    there = {*BY_NAME.values(), *re.findall(r"^### Rule (\d):", PAGE, re.MULTILINE)}
+    root = Path(__file__).resolve().parents[2]
+    lost = []
+    for path in (p for folder in ("irc", "backends") for p in (root / folder).rglob("*.py")):
+        for first, more, last in CITED.findall(path.read_text("utf-8")):
+            cited = {first, last, *more.split(", ")} - {""}
+            lost += [f"{path.relative_to(root)}: rule {rule}" for rule in sorted(cited - there)]
+    assert not lost
+
+
+def test_headings_that_the_code_cites_are_on_the_page() -> None:
+    headings = set(re.findall(r"^#+ (.*)$", PAGE, re.MULTILINE))
+    root = Path(__file__).resolve().parents[2]
+    cited = {
+        heading
+        for folder in ("irc", "backends", "tests/oracles")
+        for path in (root / folder).rglob("*.py")
+        for heading in re.findall(r'docs/semantics\.md, "([^"]+)"', path.read_text("utf-8"))
+    }
+    assert cited
+    assert cited <= headings
