@@ -31,7 +31,7 @@ def examples() -> Iterator[Any]:
             yield pytest.param(task, body, rule or None, id=f"{number}: {rule or 'valid'}")
 
 
-@pytest.mark.parametrize(("task", "schedule", "rule"), examples())
+@pytest.mark.parametrize(("task", "schedule", "rule"), list(examples()))
 def test_an_example_breaks_the_rule_that_it_names_and_no_other(
     task: str, schedule: str, rule: str | None
 ) -> None:
