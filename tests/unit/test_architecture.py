@@ -52,7 +52,7 @@ def sources() -> Tree:
     )
 
 
-def told(faults: object) -> str:
+def listed(faults: object) -> str:
     """The faults, one a line, as the message of an assertion."""
     return "\n".join(map(str, faults)) if isinstance(faults, (list, set)) else str(faults)
 
@@ -61,25 +61,25 @@ def told(faults: object) -> str:
 
 
 def test_every_package_has_its_place_in_the_order() -> None:
-    assert not (faults := unknown_stages(sources())), told(faults)
+    assert not (faults := unknown_stages(sources())), listed(faults)
 
 
 def test_no_stage_imports_a_later_one() -> None:
-    assert not (faults := upward_imports(sources())), told(faults)
+    assert not (faults := upward_imports(sources())), listed(faults)
 
 
 def test_no_packages_need_each_other() -> None:
-    assert not (faults := package_circles(sources())), told(faults)
+    assert not (faults := package_circles(sources())), listed(faults)
 
 
 def test_no_modules_need_each_other_to_be_loaded() -> None:
-    assert not (faults := module_circles(sources())), told(faults)
+    assert not (faults := module_circles(sources())), listed(faults)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_backend_has_no_circle_at_all(backend: str) -> None:
     tree = read_tree(ROOT / "backends" / backend)
-    assert not (faults := module_circles(tree, ("module", "lazy", "typing"))), told(faults)
+    assert not (faults := module_circles(tree, ("module", "lazy", "typing"))), listed(faults)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -87,19 +87,19 @@ def test_a_backend_imports_no_stage_behind_targets_and_no_other_backend(backend:
     faults = imports_beyond(sources(), backend, BACKENDS_SEE)
     for other in {*BACKENDS} - {backend}:
         faults += imports_between(sources(), backend, other)
-    assert not faults, told(faults)
+    assert not faults, listed(faults)
 
 
 def test_no_module_of_irc_imports_a_backend() -> None:
     faults = [f for name in BACKENDS for f in imports_between(sources(), "irc", name)]
-    assert not faults, told(faults)
+    assert not faults, listed(faults)
 
 
 def test_the_validator_stands_apart() -> None:
     faults = imports_beyond(sources(), "irc.validation", VALIDATION_SEES)
     for stage in NEVER_SEE_VALIDATION:
         faults += imports_between(sources(), f"irc.{stage}", "irc.validation")
-    assert not faults, told(faults)
+    assert not faults, listed(faults)
 
 
 def test_importing_irc_loads_nothing_heavy() -> None:
@@ -109,18 +109,18 @@ def test_importing_irc_loads_nothing_heavy() -> None:
 
 
 def test_few_modules_lie_loose() -> None:
-    assert len(found := loose_modules(ROOT / "irc")) <= AT_MOST_LOOSE, told(found)
+    assert len(found := loose_modules(ROOT / "irc")) <= AT_MOST_LOOSE, listed(found)
 
 
 def test_functions_are_short() -> None:
     found = functions(sources())
     too_long = [f for f in found if f.lines > LONGEST]
-    assert not too_long, told(too_long)
+    assert not too_long, listed(too_long)
     assert percentile(found, 0.95) <= LINES_OF_95_PERCENT
 
 
 def test_every_package_says_what_it_is_for() -> None:
-    assert not (faults := packages_without_a_sentence(sources())), told(faults)
+    assert not (faults := packages_without_a_sentence(sources())), listed(faults)
 
 
 def test_the_page_has_the_same_order() -> None:
@@ -135,7 +135,7 @@ def test_the_files_that_a_page_names_are_there(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")
     named = re.findall(r"`((?:irc|backends|grammars|tests|docs)/[\w./-]+)`", text)
     assert len(named) > 5
-    assert not (lost := sorted({name for name in named if not (ROOT / name).exists()})), told(lost)
+    assert not (lost := sorted({name for name in named if not (ROOT / name).exists()})), listed(lost)
 
 
 # --- the checks themselves ----------------------------------------------------------------------
