@@ -135,7 +135,8 @@ def test_the_files_that_a_page_names_are_there(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")
     named = re.findall(r"`((?:irc|backends|grammars|tests|docs)/[\w./-]+)`", text)
     assert len(named) > 5
-    assert not (lost := sorted({name for name in named if not (ROOT / name).exists()})), listed(lost)
+    lost = sorted({name for name in named if not (ROOT / name).exists()})
+    assert not lost, listed(lost)
 
 
 # --- the checks themselves ----------------------------------------------------------------------
