@@ -14,12 +14,12 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from irc.backend import Limits
-from irc.compiler import solve_task
 from irc.diagnostics import InputError
+from irc.driver.solve import solve_task
 from irc.frontends.importers.asyncplan import import_asyncplan
 from irc.model import Task
 from irc.schedule import Status
+from irc.targets import Limits
 from raw_plans import raw_plan_faults
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "asyncplan_xxl"

@@ -29,8 +29,8 @@ from unified_planning.shortcuts import (
 )
 
 from graphs import random_graph
+from irc.driver.compile import compile_task
 from irc.frontends.files import parse_task
-from irc.pipeline import compile_task
 
 
 def through_irc(text: str) -> int:

@@ -17,11 +17,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from irc.backend import Limits
-from irc.compiler import solve_task
 from irc.diagnostics import InputError
+from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
+from irc.targets import Limits
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, random_task
 

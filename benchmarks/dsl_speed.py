@@ -16,10 +16,10 @@ import statistics
 import time
 
 from graphs import random_graph
-from irc.canonical import written_task
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.files import parse_task
 from irc.model import Task
+from irc.model.canonical import written_task
 
 
 def seconds(text: str, name: str, runs: int) -> float:

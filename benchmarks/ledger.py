@@ -15,9 +15,9 @@ from collections import Counter
 from pathlib import Path
 
 import irc
-from irc.backend import backends, refused_features
 from irc.model import Task
 from irc.schedule import Status
+from irc.targets import backends, refused_features
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -20,7 +20,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from crash_runs import MODES, Kitchen, LostError
-from irc.online.journal import Journal
+from irc.service.journal import Journal
 
 KILLS_PER_JOURNAL = 20
 

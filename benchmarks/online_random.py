@@ -27,14 +27,15 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from irc.backend import EngineFailed, Limits
-from irc.canonical import written_task
 from irc.diagnostics import InputError
+from irc.execution import replan, simulate
+from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.online import replan, simulate
-from irc.online.step import Step
+from irc.model.canonical import written_task
+from irc.model.quantities import Number
+from irc.model.times import json_number
 from irc.schedule import Schedule, dump_json
-from irc.times import Number, json_number
+from irc.targets import EngineFailed, Limits
 from oracles.online_judge import judge_step
 from oracles.online_random import OPERATIONS, Played, play
 

@@ -21,8 +21,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from irc.backend import EngineFailed, Limits
 from irc.diagnostics import InputError
+from irc.targets import EngineFailed, Limits
 from oracles.online_orders_play import Played, play
 from timed import spread
 

@@ -24,11 +24,11 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from irc.backend import EngineFailed, Limits
 from irc.diagnostics import InputError
+from irc.execution import simulate
 from irc.frontends.convert import load_importer
 from irc.model import Task
-from irc.online import simulate
+from irc.targets import EngineFailed, Limits
 from oracles.online_robo import Verdict, judge
 from timed import spread
 

@@ -20,11 +20,11 @@ import time
 from fractions import Fraction
 
 import irc
-from irc.backend import Limits
+from irc.execution import Execution
+from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.online import Execution
-from irc.online.step import Step
 from irc.schedule import Schedule
+from irc.targets import Limits
 
 
 def task_of(rng: random.Random, actions: int, resources: int, even: bool) -> Task:

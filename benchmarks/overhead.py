@@ -21,10 +21,10 @@ from functools import partial
 
 from ortools.sat.python import cp_model
 
-from irc.backend import Limits
-from irc.compiler import solve_task
+from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import Status
+from irc.targets import Limits
 
 
 def job_shop(seed: int) -> Task:

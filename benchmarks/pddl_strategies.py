@@ -20,15 +20,17 @@ from statistics import median
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from irc.backend import EngineFailed, Limits, Program, Refusal, get_backend
-from irc.compiler import finish, solve_task
 from irc.diagnostics import InputError
+from irc.driver.compile import lower_for
+from irc.driver.judge import finish
+from irc.driver.solve import solve_task
 from irc.frontends.files import read_task
 from irc.model import Task
-from irc.pipeline import lower_for
 from irc.schedule import Schedule, Status
+from irc.targets import EngineFailed, Limits, Program, Refusal, get_backend
 from irc.validation import validate
-from irc_pddl21.engines import Aries, Kairos, Optic, Portfolio
+from irc_pddl21.engines import Portfolio
+from irc_pddl21.planners import Aries, Kairos, Optic
 from irc_pddl21.session import Tactics
 from irc_pddl21.strategy import solve_with
 from oracles.generators import contended_task

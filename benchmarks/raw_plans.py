@@ -9,17 +9,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from irc.backend import Program
-from irc.compiler import compile_task
+from irc.driver.compile import compile_task
 from irc.model import Task
-from irc.process import ProcessLimits, run
+from irc.targets import Program
+from irc.targets.process import ProcessLimits, run
 
 _STEP = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*:\s*\(([^)\s]+)\)\s*(?:\[(\d+(?:\.\d+)?)\])?")
 
 
 def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0) -> str:
     """What the engine prints for the program's two files, which are written into `folder`."""
-    from irc.backend import Limits
+    from irc.targets import Limits
     from irc_pddl21.planners import Kairos, Optic
     from irc_pddl21.runs import Job, Wish
 

@@ -20,13 +20,13 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from hypothesis import HealthCheck, given, seed, settings  # noqa: E402
 
-from irc.canonical import written_task  # noqa: E402
 from irc.frontends.dsl.formatter import formatted  # noqa: E402
 from irc.frontends.dsl.printer import print_task  # noqa: E402
 from irc.frontends.dsl.task import dsl_task  # noqa: E402
 from irc.frontends.files import parse_task, read_task  # noqa: E402
 from irc.frontends.importers.asyncplan import import_asyncplan  # noqa: E402
 from irc.model import Task  # noqa: E402
+from irc.model.canonical import written_task  # noqa: E402
 from irc.schedule import dump_json  # noqa: E402
 from oracles.generators import hostile_names, random_task, tasks  # noqa: E402
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from irc.api import validate
-from irc.backend import EngineFailed, Limits
-from irc.compiler import solve_task
 from irc.diagnostics import InputError
+from irc.driver.solve import solve_task
 from irc.model import Task
+from irc.model.quantities import Number
 from irc.schedule import Schedule, Status
-from irc.times import Number
+from irc.targets import EngineFailed, Limits
 
 
 @dataclass(frozen=True)

@@ -6,20 +6,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from irc.backend import Limits, OnProgress, Program
-from irc.compiler import (
-    check_task,
-    compile_task,
-    extract_answer,
-    solve_task,
-    validate_schedule,
-)
 from irc.diagnostics import Findings, InputError, Report
+from irc.driver.compile import check_task, compile_task
+from irc.driver.extract import extract_answer
+from irc.driver.judge import validate_schedule
+from irc.driver.solve import solve_task
 from irc.frontends.files import parse_task, read_task
-from irc.frontends.shape import to_task
 from irc.model import Task
+from irc.model.from_document import to_task
+from irc.model.quantities import Number
+from irc.model.times import parse_instant
 from irc.schedule import Schedule
-from irc.times import Number, parse_instant
+from irc.targets import Limits, OnProgress, Program
 from irc.validation import Verdict
 
 if TYPE_CHECKING:
@@ -95,7 +93,7 @@ def solve(
     `time_limit` in seconds of wall-clock time, `memory_limit` in MB. With `shortcut` a task
     without contention is solved by its critical path alone. The task is planned as of t = 0: its
     events are not seen. Raises `InputError`,
-    `irc.backend.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
     if time_limit is not None and not time_limit > 0:
         raise ValueError(f"time_limit must be more than 0 seconds, not {time_limit}")
@@ -142,7 +140,7 @@ def validate(
     `at` is a time of the task, as a number of its unit or a text such as "5 min": what began
     before is history, and what it alone causes is `carried`, not held against the schedule.
     Raises `InputError` where the task is faulty or the schedule says it is of another task, and
-    `irc.times.TimeError` where `at` is no time of it.
+    `irc.model.times.TimeError` where `at` is no time of it.
     """
     known = _task(task)
     moment = None if at is None else known.number(parse_instant(at))

@@ -12,16 +12,9 @@ from types import MappingProxyType
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
-from irc.source import Pointer, Source
-from irc.times import (
-    Number,
-    TimeError,
-    exact,
-    format_number,
-    json_number,
-    parse_number,
-    parse_span,
-)
+from irc.diagnostics.source import Pointer, Source
+from irc.model.quantities import Number, TimeError, exact
+from irc.model.times import format_number, json_number, parse_number, parse_span
 
 SCHEDULE_VERSION = "1"
 

@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from irc.backend import Limits
-from irc.compiler import solve_task
+from irc.driver.solve import solve_task
+from irc.execution import Execution
 from irc.model import Task
-from irc.online import Execution
-from irc.online.session import Session
+from irc.service.session import Session
+from irc.targets import Limits
 
 TASK: dict[str, Any] = {
     "name": "crashing kitchen",

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from irc.backend import Limits
-from irc.lower import lower
+from irc.execution import replan
+from irc.execution.executed import ticks_of
+from irc.execution.freeze import Frozen, freeze
+from irc.execution.history import History
+from irc.execution.step import Step
+from irc.lowering.lower import lower
 from irc.model import Event, Task
-from irc.online import replan
-from irc.online.facts import ticks_of
-from irc.online.freeze import Frozen, freeze
-from irc.online.history import History
-from irc.online.step import Step
+from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
-from irc.times import Number
+from irc.targets import Limits
 
 LIMITS = Limits(20, workers=1)
 

@@ -15,10 +15,10 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.horizon import safe_horizon, within
-from irc.list_schedule import quick_schedule
+from irc.passes.serial_sgs import quick_schedule
 from irc.problem import Activity, Claim, Problem, Shared
-from irc.retime import Decision
+from irc.problem.decisions import Decision
+from irc.problem.horizon import safe_horizon, within
 from irc_cpsat.calendars import with_windows
 from irc_cpsat.hints import add_earlier, add_hint, add_places
 from irc_cpsat.names import name_of

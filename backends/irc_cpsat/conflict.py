@@ -13,12 +13,12 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.backend import EngineFailed
-from irc.explanation.refuter import Assumptions
-from irc.explanation.statements import ORIGIN, Statement
 from irc.problem import Claim, Problem
-from irc.retime import AnswerError
+from irc.problem.decisions import AnswerError
+from irc.problem.statements import ORIGIN, Statement
 from irc.schedule import Status
+from irc.targets import EngineFailed
+from irc.targets.refuter import Assumptions
 from irc_cpsat.encode import Builder
 from irc_cpsat.engines import schedule_from
 

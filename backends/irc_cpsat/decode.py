@@ -6,10 +6,11 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from irc.compiler import schedule_of
 from irc.passes.unroll import unroll
 from irc.problem import Activity, Problem
-from irc.retime import ABSENT, AnswerError, Decision, retime
+from irc.problem.decisions import ABSENT, AnswerError, Decision
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
 from irc_cpsat.depth import FILE_DEPTH
 

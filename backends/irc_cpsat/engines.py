@@ -8,7 +8,15 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from irc.backend import (
+from irc.diagnostics import Code, Diagnostic
+from irc.model.quantities import Number
+from irc.passes.unroll import unroll
+from irc.problem import Problem
+from irc.problem.objective_values import in_units, worth
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
+from irc.schedule import Schedule, Status
+from irc.targets import (
     Engine,
     EngineFailed,
     Limits,
@@ -18,14 +26,6 @@ from irc.backend import (
     Program,
     Progress,
 )
-from irc.compiler import schedule_of
-from irc.diagnostics import Code, Diagnostic
-from irc.passes.unroll import unroll
-from irc.problem import Problem
-from irc.retime import retime
-from irc.schedule import Schedule, Status
-from irc.times import Number
-from irc.worth import in_units, worth
 from irc_cpsat.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
 
 if TYPE_CHECKING:

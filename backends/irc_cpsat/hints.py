@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from irc.retime import Decision, Placed
+    from irc.problem.decisions import Decision, Placed
     from irc_cpsat.builder import Builder, Model
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.problem import Problem
-from irc.retime import ABSENT, Decision
+from irc.problem.decisions import ABSENT, Decision
 from irc.schedule import Status
 from irc_cpsat.builder import Model
 

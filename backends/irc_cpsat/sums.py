@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from irc.backend import Refusal
 from irc.problem import Problem
+from irc.targets import Refusal
 
 MAX_SUM = 2**62
 """A model that comes near the limit is refused."""

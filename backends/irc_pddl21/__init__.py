@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from irc.backend import Backend, Engine
-from irc.features import Feature
+from irc.model.features import Feature
 from irc.problem import Problem
+from irc.targets import Backend, Engine
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule

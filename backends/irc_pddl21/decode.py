@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from irc.compiler import schedule_of
 from irc.passes.unroll import unroll
 from irc.problem import Problem
-from irc.retime import ABSENT, AnswerError, Decision, retime
+from irc.problem.decisions import ABSENT, AnswerError, Decision
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
 from irc_pddl21.loose import rounded
 from irc_pddl21.plan_reader import PlanBlock, PlanLog, PlanStep, read_plans

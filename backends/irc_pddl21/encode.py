@@ -26,10 +26,10 @@ from fractions import Fraction
 from math import ceil
 from typing import Any
 
-from irc.backend import Refusal
-from irc.lower_choices import NEVER
+from irc.lowering.choices import NEVER
 from irc.passes.restrict import drop_ample_stock, settle_presence
 from irc.problem import PLAIN, Activity, Problem
+from irc.targets import Refusal
 from irc_pddl21.domain import Change, Comparison, Encoding, Operator, TimedLiteral
 from irc_pddl21.grounded import Grounded, Meaning, names_of
 from irc_pddl21.names import NameTable

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import ClassVar
 
-from irc.backend import (
+from irc.diagnostics import Code, Diagnostic
+from irc.targets import (
     Engine,
     EngineFailed,
     EngineMissing,
@@ -17,7 +18,6 @@ from irc.backend import (
     Program,
     Refusal,
 )
-from irc.diagnostics import Code, Diagnostic
 from irc_pddl21.planners import Aries, Kairos, Optic
 from irc_pddl21.runs import DEFAULT_SECONDS, Planner
 from irc_pddl21.strategy import better, proven

@@ -11,9 +11,9 @@ import random
 import time
 from dataclasses import replace
 
-from irc.list_schedule import Choice, list_schedule
+from irc.passes.serial_sgs import Choice, list_schedule
 from irc.problem import Activity, Problem
-from irc.retime import Decision
+from irc.problem.decisions import Decision
 from irc_pddl21.neighbourhood import Known
 
 ROUNDS = 12_000

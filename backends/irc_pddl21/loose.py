@@ -14,7 +14,7 @@ from dataclasses import replace
 from math import floor
 
 from irc.problem import Activity, Problem
-from irc.retime import AnswerError, Decision, Moment
+from irc.problem.decisions import AnswerError, Decision, Moment
 
 Node = tuple[int, bool]
 """A rank of its own: an activity's; and its end's (True) where its duration is a range."""

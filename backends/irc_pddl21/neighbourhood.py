@@ -12,9 +12,9 @@ import random
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from irc.list_schedule import Choice
+from irc.passes.serial_sgs import Choice
 from irc.problem import Activity, Arc, Problem
-from irc.retime import Decision
+from irc.problem.decisions import Decision
 from irc.schedule import Schedule
 
 Known = Mapping[int, tuple[Decision, Choice]]

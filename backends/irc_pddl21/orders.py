@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from irc.network import Network, components, is_acyclic
 from irc.problem import Problem
+from irc.problem.temporal_network import Network, components, is_acyclic
 
 Point = int
 """The start (2i) or the end (2i + 1) of activity i."""

@@ -11,9 +11,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import ClassVar
 
-from irc.backend import EngineMissing, Refusal
-from irc.horizon import safe_horizon
 from irc.problem import Problem
+from irc.problem.horizon import safe_horizon
+from irc.targets import EngineMissing, Refusal
 from irc_pddl21.encode import EPSILON
 from irc_pddl21.runs import Job, Planner
 

@@ -15,8 +15,8 @@ from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import count
 
-from irc.list_schedule import quick_makespan
 from irc.passes import resource_bounds
+from irc.passes.serial_sgs import quick_makespan
 from irc.problem import Problem
 from irc.schedule import Schedule
 from irc_pddl21.hints import hint, hinted_makespan

@@ -17,7 +17,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from irc.backend import (
+from irc.diagnostics import Code, Diagnostic
+from irc.problem import Problem
+from irc.problem.decisions import AnswerError
+from irc.schedule import Schedule, Status
+from irc.targets import (
     Engine,
     EngineFailed,
     EngineMissing,
@@ -27,11 +31,7 @@ from irc.backend import (
     Program,
     Progress,
 )
-from irc.diagnostics import Code, Diagnostic
-from irc.problem import Problem
-from irc.process import CommandNotFound, Ended, ProcessLimits, ProcessResult, run
-from irc.retime import AnswerError
-from irc.schedule import Schedule, Status
+from irc.targets.process import CommandNotFound, Ended, ProcessLimits, ProcessResult, run
 from irc_pddl21.decode import Accept, best_of
 from irc_pddl21.encode import DOMAIN_FILE, EPSILON, PROBLEM_FILE, encode
 from irc_pddl21.grounded import names_of

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field, replace
 
-from irc.backend import EngineFailed, Limits, OnProgress, Outcome, Program, Refusal
 from irc.diagnostics import Code, Diagnostic
 from irc.problem import Problem
 from irc.schedule import Schedule, Status
+from irc.targets import EngineFailed, Limits, OnProgress, Outcome, Program, Refusal
 from irc_pddl21.runs import DEFAULT_SECONDS, Planner, Wish
 from irc_pddl21.worth import worth_of
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import takewhile
 
-from irc.backend import Limits, ObjectiveLevel, OnProgress, Outcome, Program
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.restrict import settle_presence
 from irc.problem import Problem
+from irc.problem.objective_values import in_units, worth
 from irc.schedule import Status
-from irc.worth import in_units, worth
+from irc.targets import Limits, ObjectiveLevel, OnProgress, Outcome, Program
 from irc_pddl21.rewards import RewardSearch, shortest_of_best
 from irc_pddl21.runs import Planner
 from irc_pddl21.selection import SELECTIVE, Selections, Worths, optional_items

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import comb
 
-from irc.backend import Refusal
 from irc.problem import Activity, Claim, Problem
+from irc.targets import Refusal
 from irc_pddl21.domain import TimedLiteral
 from irc_pddl21.grounded import Grounded
 from irc_pddl21.names import NameTable

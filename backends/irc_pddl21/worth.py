@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from irc.model.quantities import Number
 from irc.problem import Problem
+from irc.problem.objective_values import costs
 from irc.schedule import Schedule
-from irc.times import Number
-from irc.worth import costs
 
 Worth = tuple[Number, ...]
 """One value for each objective, in order; less is better (a reward counts as its negative)."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from irc.checks.structure import check_structure
 from irc.checks.temporal import check_temporal
 from irc.diagnostics import Code, Diagnostic, Findings, Report
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes.mandatory import mandatory_part
 from irc.problem import Problem
@@ -38,7 +38,11 @@ def run_checks(
     """
     findings = Findings(list(earlier))
     before = len(findings.items)
-    check_structure(task, findings)
+    names, times = check_structure(task, findings)
+    if task.events:
+        from irc.checks.events import check_events
+
+        check_events(task, names, times)
     complete = complete and not any(d.code in _DROPS for d in findings.items[before:])
     problem = lower(task)
     # What cannot hold of the part that every schedule contains cannot hold at all.

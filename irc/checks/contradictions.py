@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from irc.checks.facts import ShownFact, fact_places, goal_places, shown_value
 from irc.diagnostics import Code, Findings
+from irc.diagnostics.source import Pointer
 from irc.model import Task
 from irc.problem import Activity, Problem
-from irc.source import Pointer
 
 
 def check_contradictions(

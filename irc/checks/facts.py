@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from irc.diagnostics.source import Pointer
 from irc.model import Task
 from irc.problem import Activity
-from irc.source import Pointer
 
 
 @dataclass(frozen=True, slots=True)

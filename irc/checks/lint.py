@@ -15,7 +15,7 @@ def _is_meant(resource: str, unknown: set[str]) -> bool:
     """Whether one of the unknown names, each told already, may be this resource's misspelt."""
     if not unknown or len(unknown) > _MOST_MISSPELT:
         return False
-    from irc.suggest import closest
+    from irc.diagnostics.suggest import closest
 
     return any(closest(name, [resource]) for name in unknown)
 
@@ -41,7 +41,7 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
     redundant = redundant_arcs(problem)
     if not redundant:
         return
-    from irc.fixes import removed
+    from irc.diagnostics.fix import removed
 
     for k in redundant:
         arc = problem.arcs[k]

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from irc.checks.required import greatest_occurrences, least_occurrences
 from irc.diagnostics import Code, Findings
+from irc.diagnostics.source import Pointer
 from irc.model import Task
 from irc.problem import Activity, Problem, Reservoir, StockChange
-from irc.source import Pointer
 
 _UNLIMITED = float("inf")
 

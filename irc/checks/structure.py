@@ -7,14 +7,15 @@ from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
+from irc.diagnostics.source import Pointer
 from irc.model import Action, DurationRange, Resource, Task, Use
 from irc.model.base import write_time
-from irc.source import Pointer
-from irc.times import Clock, Instant, Number, TimeError
+from irc.model.quantities import Number, TimeError
+from irc.model.times import Clock, Instant
 
 if TYPE_CHECKING:
     from irc.checks.unknown_names import Guesses
-    from irc.fixes import Fix
+    from irc.diagnostics.fix import Fix
     from irc.model import Condition, Effect, Group, StateGoal, StateVariable
     from irc.model.events import SetState
 
@@ -61,7 +62,7 @@ class Names:
             hint = f"no {kind} is declared; {_HOW_TO_DECLARE[kind]}"
         fix: Fix = ()
         if certain and guess is not None and guess != unlike:
-            from irc.fixes import replaced
+            from irc.diagnostics.fix import replaced
 
             fix = replaced(pointer, guess)
         message = f"there is no {kind} {name!r}"
@@ -82,8 +83,11 @@ def _some(names: Iterable[str]) -> str:
     return shown if len(listed) <= 5 else f"{shown}, …"
 
 
-def check_structure(task: Task, findings: Findings) -> None:
-    """Adds every structural fault of a task to `findings`."""
+def check_structure(task: Task, findings: Findings) -> tuple[Names, Times]:
+    """Adds every structural fault of a task, but for its events, to `findings`.
+
+    Returns the names that the task declares and its times, for checks of its events.
+    """
     clock = task.clock
     names = Names(task, findings)
     _check_unique(task.actions, "action", ("actions",), findings)
@@ -107,14 +111,11 @@ def check_structure(task: Task, findings: Findings) -> None:
         else:
             check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
-    if task.events:
-        from irc.online.checking import check_events
-
-        check_events(task, names, times)
+    return names, times
 
 
 def _removed(*pointers: Pointer) -> Fix:
-    from irc.fixes import removed
+    from irc.diagnostics.fix import removed
 
     return removed(*pointers)
 
@@ -318,7 +319,7 @@ def _tell_value(
     hint = f"its values are {_some(texts)}"
     fix: Fix = ()
     if meant is not None:
-        from irc.fixes import replaced
+        from irc.diagnostics.fix import replaced
 
         hint, fix = f"did you mean `{_value_text(meant)}`?", replaced(at, meant)
         if str(meant) != meant:

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections import Counter
 
 from irc.diagnostics import Code, Findings
-from irc.network import Times, earliest
+from irc.diagnostics.source import Pointer
 from irc.problem import Activity, Arc, Problem
-from irc.source import Pointer
-from irc.timing import DURATION, TimingNetwork, timing_network
+from irc.problem.temporal_network import Times, earliest
+from irc.problem.time_points import DURATION, TimingNetwork, timing_network
 
 _LONGEST_SHOWN = 8
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from irc.suggest import Certain, closest
+from irc.diagnostics.suggest import Certain, closest
 
 MOST_GUESSES = 50
 """After so many different unknown names no more guesses are made: each takes a look at all names,

@@ -8,11 +8,7 @@ import signal
 import sys
 from types import FrameType
 
-EXIT_DONE = 0
-EXIT_INPUT = 1
-EXIT_USE = 2
-EXIT_NO_ANSWER = 3
-EXIT_ENGINE = 4
+from irc.cli.exit_codes import EXIT_INPUT
 
 
 def main() -> None:

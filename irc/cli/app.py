@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -33,9 +33,9 @@ from irc.cli.output import (
 )
 
 if TYPE_CHECKING:
-    from irc.backend import Program
-    from irc.compiler import Answer
+    from irc.driver.judge import Answer
     from irc.frontends.files import Reading
+    from irc.targets import Program
 
 
 def build_app(only: str | None = None) -> typer.Typer:
@@ -118,8 +118,8 @@ def compile_(
     format: FormatOption = Format.text,
 ) -> None:
     """Write a task as a target's own files and manifest.json; without -o print the text."""
-    from irc.backend import MANIFEST_FILE
-    from irc.pipeline import compile_task
+    from irc.driver.compile import compile_task
+    from irc.targets import MANIFEST_FILE
 
     with errors_told(format):
         reading = _read(file)
@@ -127,7 +127,7 @@ def compile_(
         _tell_reading(reading, format)
         tell_notes(program.notes)
         if output is not None:
-            from irc.files import write_folder
+            from irc.driver.files import write_folder
 
             write_folder(output, {**program.files, MANIFEST_FILE: program.manifest_text()})
             listed = [*program.files, MANIFEST_FILE]
@@ -170,9 +170,9 @@ def solve(
     format: FormatOption = Format.text,
 ) -> None:
     """Compile a task, run an engine, and show the exact schedule that the validator approved."""
-    from irc.backend import Limits
     from irc.cli.progress import progress_shown
-    from irc.compiler import solve_task
+    from irc.driver.solve import solve_task
+    from irc.targets import Limits
 
     with errors_told(format):
         reading = _read(file)
@@ -198,8 +198,8 @@ def explain(
 ) -> None:
     """Show why a task has no schedule, or what makes its schedule as long as it is."""
     from irc.cli.explain import put_explanation
+    from irc.driver.compile import later_events
     from irc.explanation import explain_task
-    from irc.pipeline import later_events
 
     with errors_told(format):
         reading = _read(file)
@@ -215,7 +215,7 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     schedule = answer.schedule
     tell_notes(answer.notes)
     if output is not None:
-        from irc.files import write_whole
+        from irc.driver.files import write_whole
 
         write_whole(output, dump_json(schedule.as_json()))
     if format is Format.json:
@@ -240,9 +240,9 @@ def extract(
     format: FormatOption = Format.text,
 ) -> None:
     """Turn an engine's raw output back into an exact, validated schedule of the task."""
-    from irc.compiler import extract_answer
+    from irc.driver.extract import extract_answer
     from irc.frontends.files import read_bytes, read_text
-    from irc.frontends.json_document import read_document
+    from irc.frontends.json.document import read_document
 
     with errors_told(format):
         if manifest == answer == "-":
@@ -269,9 +269,9 @@ def validate(
 ) -> None:
     """Judge a schedule by the rules alone, with reasons; knows no backend."""
     from irc.cli.moments import moment_of
-    from irc.compiler import validate_schedule
+    from irc.driver.judge import validate_schedule
     from irc.frontends.files import read_text
-    from irc.frontends.json_document import read_document
+    from irc.frontends.json.document import read_document
     from irc.schedule import schedule_from_json
 
     with errors_told(format):
@@ -356,7 +356,7 @@ def targets(
 ) -> None:
     """Show what each target can take, and why not this file."""
     from irc.cli.targets import put_targets
-    from irc.pipeline import later_events
+    from irc.driver.compile import later_events
 
     with errors_told(format):
         reading = None if file is None else _read(file)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from irc.cli import EXIT_INPUT, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_USE
 from irc.cli.output import (
     CheckFormat,
     Format,
@@ -29,7 +29,7 @@ def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
     with errors_told(plain):
         checked = [(file, *_checked(file, fix)) for file in files]
     if format is CheckFormat.sarif:
-        from irc.sarif import sarif_log
+        from irc.diagnostics.sarif import sarif_log
 
         put_json(sarif_log([(file, report) for file, report, _ in checked]))
     elif format is CheckFormat.json:
@@ -44,8 +44,8 @@ def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
 def _checked(file: str, fix: bool) -> tuple[Report, Report | None]:
     """The report of a file; where repairs are wanted, that of the repaired file and the repaired
     findings."""
+    from irc.driver.compile import check_task
     from irc.frontends.files import read_task
-    from irc.pipeline import check_task
 
     try:
         reading = read_task(file)

@@ -29,7 +29,7 @@ from irc.model.events import (
     SetRelease,
     SetState,
 )
-from irc.times import Clock, Instant, format_number
+from irc.model.times import Clock, Instant, format_number
 
 NAMES_SHOWN = 8
 """Of more names the first ones are told, and how many there are besides."""

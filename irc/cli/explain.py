@@ -7,14 +7,15 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
-from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER
 from irc.cli.output import Format, put, put_json
-from irc.diagnostic_text import excerpt
+from irc.diagnostics.source import Source, pointer_text
+from irc.diagnostics.text import excerpt
 from irc.explanation import Explanation
 from irc.explanation.result import Step, Told
+from irc.model.quantities import Number
+from irc.model.times import format_number
 from irc.schedule import Status
-from irc.source import Source, pointer_text
-from irc.times import Number, format_number
 
 SLACK_ROWS = 60
 """A longer list of slacks is cut; JSON has all of it."""

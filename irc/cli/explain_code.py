@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from textwrap import fill
 
-from irc.catalogue import Entry, load_catalogue, load_families
-from irc.cli import EXIT_USE
+from irc.cli.exit_codes import EXIT_USE
 from irc.cli.output import Format, fail, put, put_json
 from irc.diagnostics import did_you_mean
+from irc.diagnostics.catalogue import Entry, load_catalogue, load_families
 
 CODES_VERSION = "1"
 

@@ -7,7 +7,7 @@ import os
 import signal
 from importlib.util import find_spec
 
-from irc.cli import EXIT_ENGINE
+from irc.cli.exit_codes import EXIT_ENGINE
 from irc.cli.output import Format, fail
 
 

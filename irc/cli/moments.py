@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from irc.cli import EXIT_USE
+from irc.cli.exit_codes import EXIT_USE
 from irc.cli.output import Format, fail
 from irc.model import Task
-from irc.times import Number, TimeError, parse_instant
+from irc.model.quantities import Number, TimeError
+from irc.model.times import parse_instant
 
 
 def moment_of(task: Task, at: str, format: Format) -> Number:

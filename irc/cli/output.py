@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from enum import StrEnum
 from typing import Any, NoReturn
 
-from irc.cli import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
+from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
 from irc.diagnostics import Diagnostic, InputError, Report, Severity
-from irc.source import Source
+from irc.diagnostics.source import Source
 
 DIAGNOSTICS_VERSION = "1"
 
@@ -89,8 +89,8 @@ def fail(code: int, message: str, format: Format) -> NoReturn:
 @contextmanager
 def errors_told(format: Format) -> Iterator[None]:
     """Turns the project's errors into messages and exit codes; nothing ends in a traceback."""
-    from irc.backend import EngineFailed, EngineMissing, UnknownTarget
-    from irc.files import WriteError
+    from irc.driver.files import WriteError
+    from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 
     try:
         yield

@@ -17,7 +17,8 @@ from rich.cells import cell_len, set_cell_size
 from rich.console import Console
 from rich.text import Text
 
-from irc.times import Number, format_number, unit_seconds
+from irc.model.quantities import Number
+from irc.model.times import format_number, unit_seconds
 
 PIPED_WIDTH = 100
 """Columns where standard output is no terminal and nothing else says how many."""

@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from irc.backend import Limits, get_backend
-from irc.canonical import task_sha256
 from irc.checks import run_checks
-from irc.cli import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.output import Format, fail, tell_notes
-from irc.compiler import solve_task
 from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.diagnostics.source import Source
+from irc.driver.solve import solve_task
+from irc.execution.execution import Execution
 from irc.frontends.files import STANDARD_INPUT, read_task, read_text
-from irc.frontends.json_document import read_document
+from irc.frontends.json.document import read_document
 from irc.model import Task
-from irc.online.execution import Execution
+from irc.model.canonical import task_sha256
+from irc.model.quantities import Number
 from irc.schedule import Schedule, Status, schedule_from_json
-from irc.source import Source
-from irc.times import Number
+from irc.targets import Limits, get_backend
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from irc.backend import OnProgress, Progress
     from irc.model import Task
+    from irc.targets import OnProgress, Progress
 
 
 @contextmanager

@@ -40,14 +40,14 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
+from irc.model.quantities import Number, exact
 from irc.problem import Problem
-from irc.retime import AnswerError
+from irc.problem.decisions import AnswerError
+from irc.retiming.slack import slacks, to_ticks
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
-from irc.slack import slacks, to_ticks
-from irc.times import Number, exact
 
 if TYPE_CHECKING:
-    from irc.compiler import Answer
+    from irc.driver.judge import Answer
 
 CHART_ROWS = 40
 """A chart with more rows is cut; every resource keeps its fair share."""

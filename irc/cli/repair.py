@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from irc.diagnostics import Diagnostic, InputError, Report
-from irc.files import write_whole
-from irc.fixes import apply_fixes, text_edits
+from irc.diagnostics.patching import apply_fixes, text_edits
+from irc.driver.compile import check_task
+from irc.driver.files import write_whole
 from irc.frontends.files import parse_task, read_bytes
-from irc.frontends.json_document import decode_bytes
-from irc.pipeline import check_task
+from irc.frontends.json.document import decode_bytes
 
 MOST_ROUNDS = 8
 """A repair can bring to light what could not be seen before; that is repaired in the next round."""
@@ -27,7 +27,7 @@ def repair_file(file: str, report: Report) -> tuple[Report, Report]:
 
     `report` is what is to be said of the file as it is, located. The file is written only if
     something was repaired: whole, in its own encoding, with its own line ends, and changed
-    nowhere else. Raises `InputError` or `irc.files.WriteError`.
+    nowhere else. Raises `InputError` or `irc.driver.files.WriteError`.
     """
     if report.source is None or not text_edits(report, report.source):
         return report, Report()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from irc.canonical import task_sha256
 from irc.cli.moments import moment_of
 from irc.cli.output import Format, errors_told, put_json, say, tell_notes
 from irc.cli.planning import (
@@ -17,19 +16,21 @@ from irc.cli.planning import (
     require_task,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.files import write_whole
+from irc.diagnostics.source import Source
+from irc.diagnostics.suggest import closest
+from irc.driver.files import write_whole
+from irc.events.apply import apply
+from irc.execution.execution import Execution
+from irc.execution.simulation import in_order
+from irc.execution.step import Step
 from irc.frontends.convert import written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
 from irc.model import Task
-from irc.online import apply
-from irc.online.execution import Execution
-from irc.online.protocol import own_event
-from irc.online.simulation import in_order
-from irc.online.step import Step
+from irc.model.canonical import task_sha256
+from irc.model.quantities import Number, TimeError
+from irc.model.times import format_number, json_number
 from irc.schedule import Schedule, dump_json
-from irc.source import Source
-from irc.suggest import closest
-from irc.times import Number, TimeError, format_number, json_number
+from irc.service.protocol import own_event
 
 STEP_VERSION = "1"
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FrameType
 from typing import IO, NoReturn
 
-from irc.cli import EXIT_DONE, EXIT_USE
+from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
 from irc.cli.output import Format, errors_told, fail, say, tell_notes
 from irc.cli.planning import (
     Planning,
@@ -22,10 +22,10 @@ from irc.cli.planning import (
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.frontends.files import STANDARD_INPUT
 from irc.model import Task
-from irc.online.journal import Journal, JournalError
-from irc.online.protocol import MAX_LINE
-from irc.online.session import Session, first_schedule
 from irc.schedule import Schedule
+from irc.service.journal import Journal, JournalError
+from irc.service.protocol import MAX_LINE
+from irc.service.session import Session, first_schedule
 
 
 def run_file(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from irc.cli import EXIT_INPUT
+from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.output import Format, errors_told, put, put_json, say, tell_notes
 from irc.cli.planning import (
     Planning,
@@ -18,9 +18,9 @@ from irc.cli.planning import (
 )
 from irc.cli.replan import STEP_VERSION
 from irc.diagnostics import Code
-from irc.files import write_folder, write_whole
-from irc.online.simulation import Simulation, simulate
-from irc.online.step import Step
+from irc.driver.files import write_folder, write_whole
+from irc.execution.simulation import Simulation, simulate
+from irc.execution.step import Step
 from irc.schedule import Schedule, dump_json
 from irc.validation import Verdict, validate
 

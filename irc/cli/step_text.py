@@ -19,10 +19,10 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
-from irc.online.simulation import Simulation
-from irc.online.step import Step
+from irc.execution.simulation import Simulation
+from irc.execution.step import Step
+from irc.model.quantities import Number
 from irc.schedule import CANCELLED, Entry, Schedule, Status
-from irc.times import Number
 
 _STYLES = {
     Status.OPTIMAL: "bold green",

@@ -12,8 +12,8 @@ from rich.cells import cell_len
 from rich.text import Text
 
 from irc.cli.page import Page, grouped, natural
+from irc.model.quantities import Number
 from irc.schedule import Entry
-from irc.times import Number
 
 
 class Column(NamedTuple):

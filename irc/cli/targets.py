@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from irc.backend import Backend, backends, refused_features
 from irc.cli.output import Format, put, put_json
-from irc.features import Feature, features_of
+from irc.diagnostics.source import pointer_text
 from irc.model import Task
-from irc.source import pointer_text
+from irc.model.features import Feature, features_of
+from irc.targets import Backend, backends, refused_features
 
 
 def put_targets(task: Task | None, format: Format) -> None:

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
+from irc.explanation.explain import explain_task
 from irc.explanation.result import Explanation
-from irc.explanation.road import explain_task
 
 __all__ = ["Explanation", "explain_task"]

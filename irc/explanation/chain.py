@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from typing import NamedTuple
 
-from irc.explanation.statements import (
+from irc.problem import Problem
+from irc.problem.decisions import Decision
+from irc.problem.statements import (
     KINDS,
     ORIGIN,
     Difference,
@@ -26,10 +28,9 @@ from irc.explanation.statements import (
     how_time_is,
     start_point,
 )
-from irc.problem import Problem
-from irc.retime import Decision, resource_orders
+from irc.retiming.resources import resource_orders
+from irc.retiming.slack import to_ticks
 from irc.schedule import Schedule
-from irc.slack import to_ticks
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from irc.backend import EngineFailed
 from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
-from irc.explanation.refuter import Assumptions, Refuter
-from irc.explanation.statements import (
+from irc.passes.contention import drop_uncontended, merge_pools
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.energy import energy_bound
+from irc.passes.serial_sgs import list_schedule
+from irc.problem import Activity, Claim, Problem
+from irc.problem.horizon import safe_horizon
+from irc.problem.statements import (
     Kind,
     Statement,
     all_statements,
@@ -23,13 +27,9 @@ from irc.explanation.statements import (
     end_point,
     problem_of,
 )
-from irc.horizon import safe_horizon
-from irc.list_schedule import list_schedule
-from irc.passes.contention import drop_uncontended, merge_pools
-from irc.passes.critical_path import heads_and_tails
-from irc.passes.energy import energy_bound
-from irc.problem import Activity, Claim, Problem
 from irc.schedule import Status
+from irc.targets import EngineFailed
+from irc.targets.refuter import Assumptions, Refuter
 
 _ORDER = (
     Kind.USE,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from irc.explanation.minimise import Conflict
-from irc.explanation.statements import Kind, Side, Statement
 from irc.problem import Activity, Problem
+from irc.problem.statements import Kind, Side, Statement
 
 
 def demand_conflict(problem: Problem) -> Conflict | None:

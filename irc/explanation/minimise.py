@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 
-from irc.explanation.statements import KINDS, Side, Statement
 from irc.problem import Problem
+from irc.problem.statements import KINDS, Side, Statement
 
 _PARTS = 4
 """Groups that cannot all be left out are tried again in so many parts."""

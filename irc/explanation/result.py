@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from irc.diagnostics.source import Pointer, Source, pointer_text
+from irc.model.quantities import Number
+from irc.model.times import format_number, json_number
 from irc.schedule import Schedule, Status
-from irc.source import Pointer, Source, pointer_text
-from irc.times import Number, format_number, json_number
 
 EXPLANATION_VERSION = "1"
 

@@ -1,6 +1,6 @@
 """Conflicts of time alone: positive cycles of the temporal network, found without a solver.
 
-Every demand on time is a difference of two time points (`irc.explanation.statements`); they can
+Every demand on time is a difference of two time points (`irc.problem.statements`); they can
 hold together unless some of them form a cycle of positive length. Source: Dechter, Meiri, Pearl,
 "Temporal constraint networks", AIJ 49 (1991).
 """
@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
-from irc.explanation.statements import (
+from irc.problem import Problem
+from irc.problem.statements import (
     ORIGIN,
     Difference,
     Kind,
@@ -21,8 +22,7 @@ from irc.explanation.statements import (
     differences_of,
     how_time_is,
 )
-from irc.network import Network, earliest
-from irc.problem import Problem
+from irc.problem.temporal_network import Network, earliest
 
 STEPS = 6_000_000
 """So many constraints are looked at in search of a cycle of few statements."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from irc.explanation.statements import Kind, Side, Statement
+from irc.model.times import format_number
 from irc.problem import Arc, Problem
-from irc.times import format_number
+from irc.problem.statements import Kind, Side, Statement
 
 
 def in_words(problem: Problem, statement: Statement) -> str:

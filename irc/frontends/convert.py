@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 
-from irc.backend import UnknownTarget
-from irc.canonical import written_task
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.files import write_folder, write_whole
+from irc.driver.files import write_folder, write_whole
 from irc.frontends.files import read_task, read_text
 from irc.model import Task
+from irc.model.canonical import written_task
 from irc.schedule import dump_json
+from irc.targets import UnknownTarget
 
 Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
 """(text, name) → (file stem, task) of each instance in the text."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics.source import Pointer, Source
 from irc.frontends.files import read_text
-from irc.frontends.json_value import find_value
-from irc.frontends.shape import to_task
+from irc.frontends.json.value import find_value
 from irc.model import Event
-from irc.source import Pointer, Source
+from irc.model.from_document import to_task
 
 _DSL = re.compile(r"\ufeff?(?:[ \t]*(?:#[^\n]*)?\r?\n)*event\b")
 """How a text begins that is events in the DSL, whatever its file is called."""

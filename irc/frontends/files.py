@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.frontends.json_document import MAX_BYTES, RawDocument, decode_bytes, read_document
+from irc.frontends.json.document import MAX_BYTES, RawDocument, decode_bytes, read_document
 from irc.frontends.language import language_of
-from irc.frontends.shape import to_task
 from irc.model import Task
+from irc.model.from_document import to_task
 
 STANDARD_INPUT = "-"
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.files import write_whole
+from irc.driver.files import write_whole
 from irc.frontends.files import STANDARD_INPUT, read_text
 from irc.frontends.language import language_of
 
@@ -33,8 +33,8 @@ def lay_out(text: str, name: str) -> Layout:
         from irc.frontends.dsl.formatter import formatted
 
         return Layout(text, formatted(text, name))
-    from irc.frontends.json_document import read_document
-    from irc.frontends.json_layout import laid_out
+    from irc.frontends.json.document import read_document
+    from irc.frontends.json.layout import laid_out
 
     document = read_document(text, name)
     around = [d for d in document.notes.items if d.code is Code.SURROUNDED]

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings
-from irc.frontends.shape import to_task
-from irc.source import Pointer
+from irc.diagnostics.source import Pointer
+from irc.model.from_document import to_task
 
 _ROUNDS = 3
 """Taking a fault away can uncover another one in the same element."""

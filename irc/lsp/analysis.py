@@ -10,11 +10,11 @@ from typing import Any
 
 from irc.checks import run_checks
 from irc.diagnostics import Findings, InputError, Report
+from irc.diagnostics.source import Source
 from irc.frontends.language import Language, language_of
-from irc.frontends.shape import to_task
 from irc.model import Task
+from irc.model.from_document import to_task
 from irc.problem import Problem
-from irc.source import Source
 
 MOST_CHARACTERS = 8_000_000
 """A longer text is not checked while it is typed."""
@@ -80,7 +80,7 @@ def _english(text: str, name: str, _path: Path | None) -> Analysis:
 
 
 def _json(text: str, name: str, _path: Path | None) -> Analysis:
-    from irc.frontends.json_document import read_document
+    from irc.frontends.json.document import read_document
 
     return _raw("json", read_document, text, name)
 

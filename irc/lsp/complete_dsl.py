@@ -27,7 +27,7 @@ from irc.lsp.mentions import Kind
 from irc.lsp.names import Names
 from irc.lsp.suggestions import MOST_OFFERED, Suggestion
 from irc.model.parts import ObjectiveName
-from irc.times import UNIT_SECONDS
+from irc.model.quantities import UNIT_SECONDS
 
 KEYWORDS = {
     **{word.upper(): word for word in STATEMENT_WORDS | CLAUSE_WORDS | {"in"}},

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
+from irc.diagnostics.source import Pointer
 from irc.lsp.lenient_json import JsonCursor, read_leniently
 from irc.lsp.mentions import Kind, mentions
 from irc.lsp.suggestions import MOST_OFFERED, Suggestion
-from irc.source import Pointer
 
 _NAMED = {
     **dict.fromkeys(("before", "after", "predecessor", "successor", "action"), Kind.ACTION),

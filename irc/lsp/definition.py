@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from irc.diagnostics.source import Source
 from irc.lsp.analysis import Analysis
 from irc.lsp.dsl import PoolStatement, Word, included, includes, pools
 from irc.lsp.mentions import Kind
 from irc.lsp.names import Names, Spot
-from irc.source import Source
 
 
 def definitions(analysis: Analysis, names: Names, offset: int, path: Path | None) -> list[Spot]:

@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
-from irc.catalogue import load_catalogue
 from irc.diagnostics import Code
+from irc.diagnostics.catalogue import load_catalogue
 from irc.lsp.analysis import Analysis
+from irc.lsp.critical_times import Outlook, outlook
 from irc.lsp.mentions import Kind, Mention
 from irc.lsp.names import Names
-from irc.lsp.outlook import Outlook, outlook
 from irc.model.parts import Action, Resource, Use
-from irc.times import Quantity, format_number
+from irc.model.quantities import Quantity
+from irc.model.times import format_number
 
 _MOST_LISTED = 12
 _TICKS = re.compile("`+")

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from irc.source import Pointer
+from irc.diagnostics.source import Pointer
 
 _TOKEN = re.compile(
     r'(?P<text>"(?:[^"\\\r\n]|\\.)*+(?P<closed>")?)|(?P<mark>[{}\[\],:])|(?P<other>[^\s{}\[\],:"]+)'

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from irc.source import Pointer
+from irc.diagnostics.source import Pointer
 
 
 class Kind(StrEnum):

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from irc.diagnostics.source import Pointer, Range, Source
 from irc.lsp.analysis import Analysis
 from irc.lsp.mentions import Kind, Mention, mentions
-from irc.source import Pointer, Range, Source
 
 Key = tuple[Kind, str, str | None]
 """What is named: the kind, the name and, of a value, its state variable."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from irc.diagnostics.source import Pointer
 from irc.lsp.analysis import Analysis
 from irc.lsp.mentions import Kind, Mention
 from irc.lsp.names import Names
-from irc.source import Pointer
 
 
 @dataclass(frozen=True, slots=True)

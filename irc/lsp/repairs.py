@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from irc.diagnostics import Code, Diagnostic
-from irc.fixes import TextEdit, text_edits
+from irc.diagnostics.patching import TextEdit, text_edits
+from irc.diagnostics.suggest import closest
 from irc.lsp.analysis import Analysis
 from irc.lsp.names import Names
-from irc.suggest import closest
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,10 @@ from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
 from irc._version import __version__
-from irc.lsp.desk import Desk
 from irc.lsp.documents import Change, Documents
 from irc.lsp.positions import Encoding
 from irc.lsp.service import Service
+from irc.lsp.worker import Desk
 
 PAUSE_SECONDS = 0.02
 """How long further changes are waited for before a text is checked: keys may come in bursts."""

@@ -10,12 +10,12 @@ from irc.lsp import convert
 from irc.lsp.complete_dsl import complete_dsl
 from irc.lsp.complete_json import complete_json
 from irc.lsp.definition import definitions, pool_at
-from irc.lsp.desk import Desk, Known
 from irc.lsp.findings import Shown, shown
 from irc.lsp.hover import Mark, about_code, about_pool, code, plain
 from irc.lsp.layout import layout_edit
 from irc.lsp.outline import outline
 from irc.lsp.repairs import all_certain, repairs
+from irc.lsp.worker import Desk, Known
 
 
 class Service:

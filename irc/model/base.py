@@ -6,9 +6,10 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, WithJsonSchema
 
-from irc.times import Instant as _Instant
-from irc.times import Quantity, json_number, parse_instant, parse_span
-from irc.times import Span as _Span
+from irc.model.quantities import Quantity
+from irc.model.quantities import Span as _Span
+from irc.model.times import Instant as _Instant
+from irc.model.times import json_number, parse_instant, parse_span
 
 
 class Node(BaseModel):

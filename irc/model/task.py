@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
+from irc.diagnostics.source import Source
 from irc.model.base import Instant, Node
 from irc.model.lazy import Events, Goals, Groups, State
 from irc.model.parts import (
@@ -17,9 +18,9 @@ from irc.model.parts import (
     objective_names,
     without_aliases,
 )
-from irc.source import Source
-from irc.times import Clock, Number, TimeError, parse_instant, unit_seconds
-from irc.times import Instant as InstantValue
+from irc.model.quantities import Number, TimeError
+from irc.model.times import Clock, parse_instant, unit_seconds
+from irc.model.times import Instant as InstantValue
 
 
 class Task(Node):

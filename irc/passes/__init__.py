@@ -29,8 +29,8 @@ def resource_bounds(problem: Problem) -> Problem:
     core = mandatory_part(problem)
     if core is not problem:
         return replace(problem, bound=resource_bounds(heads_and_tails(core)).bound)
-    from irc.list_schedule import quick_makespan
     from irc.passes.energy import energy_bound
+    from irc.passes.serial_sgs import quick_makespan
 
     problem = energy_bound(problem)
     reached = quick_makespan(problem)

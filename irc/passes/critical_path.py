@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.network import earliest
 from irc.passes.fixed_load import release_behind_fixed
 from irc.passes.mandatory import mandatory_part, mandatory_places
 from irc.problem import Bound, Problem
-from irc.timing import timing_network
+from irc.problem.temporal_network import earliest
+from irc.problem.time_points import timing_network
 
 
 def heads_and_tails(problem: Problem) -> Problem:

@@ -26,11 +26,11 @@ from dataclasses import dataclass, field, replace
 from itertools import permutations
 from typing import NamedTuple
 
-from irc.network import earliest
+from irc.model.times import format_number
 from irc.passes.energy import Load, loads, thinned
 from irc.problem import Bound, Problem
-from irc.times import format_number
-from irc.timing import PointMap, TimingNetwork, timing_network
+from irc.problem.temporal_network import earliest
+from irc.problem.time_points import PointMap, TimingNetwork, timing_network
 
 BASE_STEPS = 40_000
 STEPS_PER_ACTIVITY = 1_000

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from irc.model.times import format_number
 from irc.problem import Bound, Problem
-from irc.times import format_number
 
 POOLS_LIMIT = 32
 """So many sets of alternatives are looked at, unions of overlapping ones among them."""

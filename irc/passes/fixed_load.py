@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from irc.passes.resource_profile import NEVER, Profile
 from irc.problem import Activity, Claim, Problem
-from irc.profile import NEVER, Profile
 
 
 def release_behind_fixed(problem: Problem) -> Problem:

@@ -2,9 +2,9 @@
 
 Fix the choices and the order on every resource as some optimal schedule has them. In the least
 solution of the resulting temporal network, which is optimal too, every time is a floor plus the
-lengths of edges (`irc.horizon`). So it is congruent to some floor, modulo what divides all edges.
-An event at t = 2.29 makes ticks of 0.01, yet durations of whole seconds leave two residues: those
-of 0 and of 0.29. A bound of 51.97 is one of 52 then, and proofs are shorter by as much.
+lengths of edges (`irc.problem.horizon`). So it is congruent to some floor, modulo what divides all
+edges. An event at t = 2.29 makes ticks of 0.01, yet durations of whole seconds leave two residues:
+those of 0 and of 0.29. A bound of 51.97 is then one of 52, and proofs are shorter by as much.
 """
 
 from __future__ import annotations

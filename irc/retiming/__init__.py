@@ -2,5 +2,5 @@
 
 `selection`: what was chosen, as a problem of only that. `state`, `stock`, `calendar`: what each of
 them demands of the order and of the times. `ranks`: the order within an instant. `rich`: all of it
-together. Only tasks that need it load this package; see `irc.retime`.
+together. Only tasks that need it load this package; see `irc.retiming.retime`.
 """

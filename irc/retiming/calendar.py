@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from irc.problem import Problem, Renewable
-from irc.retime import Decision
+from irc.problem.decisions import Decision
 
 FOREVER = 1 << 62
 """Later than any time that 64 bits hold."""

@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from irc.network import Network, earliest
 from irc.problem import Problem
-from irc.retime import AnswerError, Placed
+from irc.problem.decisions import AnswerError, Placed
+from irc.problem.temporal_network import Network, earliest
+from irc.problem.time_points import PointMap, point_map
 from irc.retiming.state import Happening, Order
-from irc.timing import PointMap, point_map
 
 
 def with_ranks(

@@ -9,23 +9,16 @@ from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from irc.network import Network, earliest
 from irc.problem import Problem
-from irc.retime import (
-    AnswerError,
-    Decision,
-    Placed,
-    assign,
-    long_enough,
-    placed_at,
-    resource_orders,
-)
+from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.problem.temporal_network import Network, earliest
+from irc.problem.time_points import PointMap, timing_network
 from irc.retiming.calendar import raise_floors
 from irc.retiming.ranks import with_ranks
+from irc.retiming.resources import assign, long_enough, placed_at, resource_orders
 from irc.retiming.selection import select
 from irc.retiming.state import Order, is_one_happening, state_orders
 from irc.retiming.stock import keep_stock
-from irc.timing import PointMap, timing_network
 
 ROUNDS = 20
 """How often what was re-timed is re-timed again, at most; all but odd cases need one."""
@@ -34,7 +27,7 @@ ROUNDS = 20
 def retime_rich(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
 ) -> tuple[Placed, ...]:
-    """See `irc.retime.retime`.
+    """See `irc.retiming.retime.retime`.
 
     What has moved may have stopped overlapping, or lost its length, and so have an order that
     leaves more room than the first one; so this goes on until nothing moves any more.

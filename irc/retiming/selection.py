@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from irc.problem import Activity, Earlier, Problem
-from irc.retime import ABSENT_PLACE, AnswerError, Decision, Placed
+from irc.problem.decisions import ABSENT_PLACE, AnswerError, Decision, Placed
 
 
 @dataclass(frozen=True, slots=True)

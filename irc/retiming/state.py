@@ -20,7 +20,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from irc.problem import Activity, Problem
-from irc.retime import AnswerError, Decision, Moment
+from irc.problem.decisions import AnswerError, Decision, Moment
 
 
 class Happening(NamedTuple):

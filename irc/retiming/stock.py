@@ -19,10 +19,10 @@ from itertools import groupby
 from operator import itemgetter
 from typing import NamedTuple
 
-from irc.network import Network
 from irc.problem import Problem, Reservoir
-from irc.retime import Decision, Moment
-from irc.timing import PointMap
+from irc.problem.decisions import Decision, Moment
+from irc.problem.temporal_network import Network
+from irc.problem.time_points import PointMap
 
 
 class _Change(NamedTuple):

@@ -9,8 +9,8 @@ different amounts (`irc.validation.choices`). Where a bound is reached the verdi
 from __future__ import annotations
 
 from irc.model import Task
+from irc.model.quantities import Number, TimeError
 from irc.schedule import Schedule
-from irc.times import Number, TimeError
 from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.presence import check_presence

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from irc.model.base import StateValue
-from irc.times import Number
+from irc.model.quantities import Number
 from irc.validation.subject import Occurrence, Subject
 from irc.validation.timing import tight_precedences
 

@@ -16,7 +16,7 @@ is what the document says of itself: unknown actions, statuses, objectives.
 
 from __future__ import annotations
 
-from irc.times import Number
+from irc.model.quantities import Number
 from irc.validation.subject import ABANDONED, CANCELLED, Occurrence, Subject
 from irc.validation.verdict import Violations
 

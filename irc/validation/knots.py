@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 
 from irc.model import StateGoal
 from irc.model.base import StateValue
-from irc.times import Number
+from irc.model.quantities import Number
 from irc.validation.happenings import (
     Access,
     Edge,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from irc.model.quantities import Number, exact
+from irc.model.times import format_number
 from irc.schedule import ObjectiveValue
-from irc.times import Number, exact, format_number
 from irc.validation.subject import Subject
 from irc.validation.verdict import Violations
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from irc.model import StateVariable
-from irc.times import Number
+from irc.model.quantities import Number
 from irc.validation.happenings import (
     Access,
     Happening,

@@ -10,7 +10,7 @@ from itertools import chain, groupby
 from operator import itemgetter
 
 from irc.model import Resource
-from irc.times import Number
+from irc.model.quantities import Number
 from irc.validation.subject import Occurrence, Subject, UncheckedTaskError
 from irc.validation.verdict import Violations, listed
 

@@ -19,8 +19,9 @@ from irc.model import (
     Task,
     Use,
 )
+from irc.model.quantities import Number
+from irc.model.times import Clock
 from irc.schedule import Entry, Schedule
-from irc.times import Clock, Number
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"
 """What an entry of a schedule that is being carried out may say of itself."""

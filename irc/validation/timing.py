@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from types import MappingProxyType
 
-from irc.times import Number, format_number
+from irc.model.quantities import Number
+from irc.model.times import format_number
 from irc.validation.history import given_up
 from irc.validation.subject import Occurrence, Subject
 from irc.validation.verdict import Violations

@@ -9,7 +9,8 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any
 
-from irc.times import Number, format_number, json_number
+from irc.model.quantities import Number
+from irc.model.times import format_number, json_number
 
 SHOWN_PER_RULE = 50
 """At most this many violations of one rule are told; `Verdict.omitted` counts the rest."""

@@ -15,13 +15,13 @@ from typing import Any, ClassVar
 
 import pytest
 
-from irc.backend import Backend, EngineFailed, Limits, Program, get_backend
-from irc.compiler import solve_task
 from irc.diagnostics import Code, InputError
+from irc.driver.compile import check_task, compile_task
+from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.pipeline import check_task, compile_task
-from irc.process import ProcessLimits, run
 from irc.schedule import Schedule, Status
+from irc.targets import Backend, EngineFailed, Limits, Program, get_backend
+from irc.targets.process import ProcessLimits, run
 from irc.testing import CONFORMANCE_TASKS, ConformanceError, check_backend
 from irc.validation import validate
 from irc_cpsat import CpSat

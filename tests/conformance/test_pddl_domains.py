@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 import irc
-from irc.backend import get_backend
 from irc.frontends.importers.pddl import import_pddl
 from irc.frontends.importers.pddl.plan import plan_text
 from irc.model import Task
 from irc.schedule import Status
+from irc.targets import get_backend
 from oracles.pddl_plans import Judge
 
 pytest.importorskip("unified_planning")

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 import irc
-from irc.backend import backends, refused_features
 from irc.diagnostics import Code
 from irc.model import Task
 from irc.schedule import Schedule, Status
+from irc.targets import backends, refused_features
 from irc.validation import validate
 from oracles.field_witnesses import WITNESSES, Answer, Witness
 from oracles.state_brute_force import Optimum, optimum

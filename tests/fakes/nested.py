@@ -1,8 +1,8 @@
-"""Runs another fake through irc.process, as a planner's wrapper that uses irc would."""
+"""Runs another fake through irc.targets.process, as a planner's wrapper that uses irc would."""
 
 import sys
 
-from irc.process import ProcessLimits, run
+from irc.targets.process import ProcessLimits, run
 
 run(
     [sys.executable, *sys.argv[1:]],

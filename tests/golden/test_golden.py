@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from irc.diagnostics import InputError
+from irc.driver.compile import check_task, compile_task
 from irc.frontends.files import read_task
-from irc.pipeline import check_task, compile_task
 
 HERE = Path(__file__).parent
 TASKS = sorted(path.stem for path in (HERE / "tasks").glob("*.json"))

@@ -36,7 +36,8 @@ import networkx as nx
 
 from irc.model import Action, DurationRange, Precedence, Resource, Task
 from irc.model.base import Node
-from irc.times import Instant, Number, exact
+from irc.model.quantities import Number, exact
+from irc.model.times import Instant
 
 Bounds = list[list[float]]
 """`bounds[u][v]`: what point v is at least behind point u; -inf where nothing is known."""

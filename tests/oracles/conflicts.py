@@ -12,10 +12,10 @@ from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 import irc
+from irc.diagnostics.source import Pointer
 from irc.explanation.result import Explanation
 from irc.model import Task
 from irc.schedule import Status
-from irc.source import Pointer
 
 Decide = Callable[[Task], bool]
 

@@ -24,8 +24,8 @@ from typing import Any
 
 from irc.model import Action, DurationRange, Event, Group, Precedence, Resource, Task, Window
 from irc.model.events import AddGroups, CancelActions, CancelGroups, Observe
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
-from irc.times import Number
 from oracles.state_brute_force import Optimum, TooLargeError, optimum
 
 CANCELLED = "cancelled"

@@ -1,6 +1,6 @@
 """Judges histories of running tasks: what began stays, and what is planned is the best there is.
 
-Knows of `irc.online` only what it says (steps) and `apply`, which has tests of its own; what is
+Knows of `irc.execution` only what it says (steps) and `apply`, which has tests of its own; what is
 frozen, what moved, what is worth what, and the best continuation are worked out here and in
 `oracles.online_continuation`. The validator is asked as a second, independent opinion.
 """
@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import irc
+from irc.events.apply import apply
+from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.events import AddActions
-from irc.online import apply
-from irc.online.step import Step
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule, Status
-from irc.times import Number
 from oracles.online_continuation import (
     CANCELLED,
     Continuation,

@@ -12,9 +12,9 @@ from fractions import Fraction
 from typing import Any
 
 import irc
-from irc.backend import Limits
+from irc.execution import Execution
 from irc.model import Event, Task
-from irc.online import Execution
+from irc.targets import Limits
 from oracles.online_orders import next_event, orders_task
 from oracles.online_orders_judge import Judgement, judge
 from oracles.online_orders_kitchen import Kitchen, plan_of

@@ -14,11 +14,12 @@ from types import MappingProxyType
 from typing import Any
 
 import irc
+from irc.checks.events import check_event
+from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.online import check_event
-from irc.online.step import Step
+from irc.model.quantities import Number, exact
+from irc.model.times import json_number
 from irc.schedule import Entry, Schedule
-from irc.times import Number, exact, json_number
 from oracles.generators import random_task
 from oracles.state_generators import state_task
 
@@ -555,7 +556,7 @@ def _drawn(
 def _compatible(task: Task, event: Event, more: Event) -> bool:
     """Whether two events of one instant fit one after the other."""
     from irc.diagnostics import InputError
-    from irc.online import apply
+    from irc.events.apply import apply
 
     endings = {"cancel_actions", "cancel_groups", "observe", "set_duration"}
     if any(c.op in endings for c in event.changes) and any(c.op in endings for c in more.changes):

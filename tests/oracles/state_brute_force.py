@@ -31,8 +31,8 @@ from itertools import product
 from types import MappingProxyType
 
 from irc.model import Task
+from irc.model.quantities import Number
 from irc.schedule import Schedule
-from irc.times import Number
 from oracles.state_relaxation import Windows, promises, relaxed_windows
 from oracles.state_task import Plain, read
 from oracles.state_walk import TooLargeError, Walk, Worth

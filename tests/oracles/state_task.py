@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from irc.model import Action, DurationRange, Group, Mode, Resource, StateGoal, Task, Use
 from irc.model.base import StateValue
-from irc.times import Number, exact
+from irc.model.quantities import Number, exact
 
 Value = StateValue | None
 Fact = tuple[str, StateValue]

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from irc.canonical import written_task
 from irc.frontends.dsl.formatter import formatted
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.dsl.reader import read_dsl
@@ -17,6 +16,7 @@ from irc.frontends.dsl.task import dsl_task
 from irc.frontends.files import parse_task
 from irc.model import Event, Task
 from irc.model.base import Node
+from irc.model.canonical import written_task
 from irc.model.lazy import Lazy, adapter
 from oracles.everything import EVERYTHING
 from oracles.generators import HOSTILE_NAMES, hostile_names, random_task, tasks

@@ -9,12 +9,12 @@ from dataclasses import replace
 import pytest
 
 import irc
-from irc.backend import Limits, Outcome, Program, get_backend
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.grid import grid_of
 from irc.problem import Earlier, Problem
+from irc.targets import Limits, Outcome, Program, get_backend
 from oracles.brute_force import optimal_makespan
 from oracles.coarse import coarse_task
 from oracles.generators import random_task

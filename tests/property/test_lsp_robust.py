@@ -23,11 +23,11 @@ from lsprotocol import types
 from irc.cli.app import build_app
 from irc.frontends.convert import convert_file
 from irc.lsp.analysis import MOST_CHARACTERS, analyse
-from irc.lsp.desk import Desk
 from irc.lsp.documents import Documents
 from irc.lsp.findings import shown
 from irc.lsp.positions import Encoding, Lines
 from irc.lsp.service import Service
+from irc.lsp.worker import Desk
 
 ROOT = Path(__file__).resolve().parents[2]
 CORPUS = ROOT / "tests" / "corpus"

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import pytest
 
-from irc.backend import Limits
+from irc.execution import replan
+from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.online import replan
-from irc.online.step import Step
+from irc.model.quantities import Number
 from irc.schedule import Schedule
-from irc.times import Number
+from irc.targets import Limits
 from oracles.online_judge import judge_step
 from oracles.online_random import OPERATIONS, play
 

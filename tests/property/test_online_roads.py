@@ -11,19 +11,19 @@ from dataclasses import replace
 import pytest
 from test_online_random import repaired
 
-from irc.backend import get_backend
-from irc.lower import lower
-from irc.online import Execution
-from irc.online.conflicts import overloaded
-from irc.online.facts import ticks_of
-from irc.online.freeze import freeze
-from irc.online.giving_up import best_continuation
-from irc.online.remainder import Remainder
-from irc.online.step import Means
+from irc.execution import Execution
+from irc.execution.abandonment import best_continuation
+from irc.execution.conflicts import overloaded
+from irc.execution.continuation import Remainder
+from irc.execution.executed import ticks_of
+from irc.execution.freeze import freeze
+from irc.execution.step import Means
+from irc.lowering.lower import lower
+from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
-from irc.times import Number
+from irc.problem.objective_values import worth
+from irc.targets import get_backend
 from irc.validation import validate
-from irc.worth import worth
 from irc_cpsat import CpSat
 from online_cases import LIMITS
 from oracles.online_random import OPERATIONS, play

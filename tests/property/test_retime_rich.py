@@ -8,13 +8,14 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from irc.compiler import schedule_of
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.unroll import unroll
 from irc.problem import Activity, Problem
-from irc.retime import ABSENT, Decision, Placed, retime
+from irc.problem.decisions import ABSENT, Decision, Placed
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
 from oracles.planted import planted

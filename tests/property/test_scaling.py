@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 import irc
 from irc.model import Task
+from irc.model.quantities import exact
+from irc.model.times import format_number, unit_seconds
 from irc.schedule import Status
-from irc.times import exact, format_number, unit_seconds
 from oracles.brute_force import longest_path
 from oracles.generators import contended_task, hostile_names, random_task
 

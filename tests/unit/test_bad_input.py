@@ -20,7 +20,7 @@ from typer.testing import CliRunner, Result
 
 import irc
 from irc.cli.app import build_app
-from irc.frontends.json_document import decode_bytes
+from irc.frontends.json.document import decode_bytes
 
 SECONDS = 15
 """What 50 MB of rubbish may take: some two seconds, and patience with a busy machine."""

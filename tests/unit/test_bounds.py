@@ -15,8 +15,9 @@ from typing import Any, NamedTuple
 import pytest
 from ortools.sat.python import cp_model
 
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
+from irc.model.quantities import Number
 from irc.passes import destructive
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
@@ -24,7 +25,6 @@ from irc.passes.destructive import destructive_bound
 from irc.passes.energy import energy_bound, loads, thinned
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Activity, Arc, Bound, Claim, Problem, Renewable, Requirement, Shared
-from irc.times import Number
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, random_task
 

@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from irc.canonical import canonical_sha256, canonical_task, task_sha256, written_task
 from irc.model import Task
+from irc.model.canonical import canonical_sha256, canonical_task, task_sha256, written_task
 from irc.schedule import dump_json
 from oracles.generators import documents, tasks
 

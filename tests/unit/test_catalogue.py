@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from irc.catalogue import Entry, load_catalogue, load_families
-from irc.catalogue.page import diagnostics_page
 from irc.cli.app import build_app
 from irc.diagnostics import Code, Severity
+from irc.diagnostics.catalogue import Entry, load_catalogue, load_families
+from irc.diagnostics.catalogue.page import diagnostics_page
 from runs import Told, run_command
 
 ROOT = Path(__file__).resolve().parents[2]

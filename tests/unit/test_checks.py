@@ -14,11 +14,11 @@ from hypothesis import HealthCheck, Phase, given, settings
 
 from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
+from irc.diagnostics.source import pointer_text
+from irc.driver.compile import check_task
 from irc.frontends.files import parse_task
 from irc.frontends.importers.asyncplan import import_asyncplan
 from irc.model import Task
-from irc.pipeline import check_task
-from irc.source import pointer_text
 from oracles.generators import hostile_names, random_task, tasks
 
 MARK = "‸"

@@ -14,8 +14,8 @@ from typer.testing import CliRunner, Result
 
 import irc
 from irc.cli.app import build_app
-from irc.features import Feature
 from irc.frontends.convert import IMPORTERS
+from irc.model.features import Feature
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -16,9 +16,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from irc.catalogue import load_catalogue
 from irc.cli.app import build_app
 from irc.diagnostics import Code
+from irc.diagnostics.catalogue import load_catalogue
 from runs import Told, run_command
 
 CORPUS = Path(__file__).resolve().parents[1] / "corpus"

@@ -7,12 +7,13 @@ from typing import Any
 
 import pytest
 
-from irc.backend import Limits, ObjectiveLevel, Outcome, get_backend
-from irc.compiler import finish, solve_task
+from irc.driver.compile import lower_for
+from irc.driver.judge import finish
+from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.pipeline import lower_for
 from irc.problem import Problem
 from irc.schedule import Entry, Schedule, Status
+from irc.targets import Limits, ObjectiveLevel, Outcome, get_backend
 from irc_cpsat.depth import SLOTS_LIMIT, depths, enough
 from irc_cpsat.engines import _Run
 

@@ -12,19 +12,20 @@ from google.protobuf import text_format
 from ortools.sat import cp_model_pb2
 from ortools.sat.python import cp_model
 
-from irc.backend import Refusal
 from irc.checks import run_checks
 from irc.diagnostics import InputError
-from irc.list_schedule import list_schedule
-from irc.lower import lower
+from irc.driver.compile import compile_task
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.critical_path import heads_and_tails
-from irc.pipeline import compile_task
+from irc.passes.serial_sgs import list_schedule
 from irc.problem import Problem
-from irc.retime import AnswerError
+from irc.problem.decisions import AnswerError
+from irc.targets import Refusal
 from irc.validation import validate
-from irc_cpsat.encode import MODEL_FILE, Model, build_model
+from irc_cpsat.builder import Model
+from irc_cpsat.encode import MODEL_FILE, build_model
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, hostile_names, random_task
 

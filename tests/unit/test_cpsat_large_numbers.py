@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 
 import irc
-from irc.backend import Limits
-from irc.compiler import solve_task
-from irc.horizon import within
+from irc.driver.compile import compile_task
+from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.pipeline import compile_task
 from irc.problem import Activity, Arc, Problem, Shared, Window
+from irc.problem.horizon import within
 from irc.schedule import Schedule, Status
+from irc.targets import Limits
 
 HUGE = 50 * 10**18 + 1
 

@@ -9,12 +9,13 @@ from typing import Any
 import pytest
 from ortools.sat.python import cp_model
 
-from irc.backend import Limits, get_backend
-from irc.compiler import finish, solve_task
+from irc.driver.compile import lower_for
+from irc.driver.judge import finish
+from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.pipeline import lower_for
 from irc.problem import Problem
 from irc.schedule import ObjectiveValue, Schedule, Status
+from irc.targets import Limits, get_backend
 from irc_cpsat.builder import Builder
 from irc_cpsat.engines import _Run
 from irc_cpsat.levels import solve_levels

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import irc
-from irc.compiler import compile_task
+from irc.driver.compile import compile_task
 from irc.problem import Problem
 from irc.schedule import Status
 from irc_cpsat.depth import depths, enough, within

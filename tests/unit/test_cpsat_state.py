@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from irc.backend import Limits
-from irc.compiler import solve_task
+from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
+from irc.targets import Limits
 
 
 def solved(*actions: dict[str, Any], **fields: Any) -> Schedule:

@@ -16,12 +16,12 @@ from typing import Any
 import pytest
 
 import irc
-from irc.backend import get_backend
 from irc.cli.app import build_app
-from irc.features import Feature
 from irc.model import Event, Task
 from irc.model.base import Node
+from irc.model.features import Feature
 from irc.model.lazy import Lazy, adapter
+from irc.targets import get_backend
 
 ROOT = Path(__file__).resolve().parents[2]
 README = "README.md"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from irc.driver.compile import check_task
 from irc.frontends.dsl.formatter import formatted
 from irc.frontends.dsl.lexer import (
     CHANGE_PHRASES,
@@ -16,7 +17,6 @@ from irc.frontends.dsl.lexer import (
     needs_quotes,
 )
 from irc.frontends.dsl.task import dsl_task
-from irc.pipeline import check_task
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "dsl.md").read_text("utf-8")
 BLOCKS = re.findall(r"(?<!wrong\.irc -->\n)^```irc\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)

@@ -15,7 +15,7 @@ from irc.cli.app import build_app
 from irc.frontends.dsl.formatter import formatted
 from irc.frontends.dsl.reader import read_dsl
 from irc.frontends.files import parse_task
-from irc.frontends.json_layout import WIDEST, laid_out
+from irc.frontends.json.layout import WIDEST, laid_out
 from irc.frontends.language import language_of
 from oracles.generators import documents
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from hypothesis import given, settings
 
+from irc.diagnostics.source import Pointer
 from irc.frontends.dsl import written
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.dsl.reader import DslReading, read_dsl
 from irc.model import Task
-from irc.source import Pointer
 from oracles.everything import EVERYTHING
 from oracles.generators import tasks
 

@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 
 import irc
-from irc.backend import EngineFailed, EngineMissing, Limits, Outcome, get_backend
 from irc.schedule import Status
+from irc.targets import EngineFailed, EngineMissing, Limits, Outcome, get_backend
 from irc_pddl21.encode import encode
 
 pytestmark = pytest.mark.skipif(
@@ -96,7 +96,7 @@ def optic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
 @pytest.fixture
 def _without_aries(monkeypatch: pytest.MonkeyPatch) -> None:
     """aries takes seconds to start; what it does between the others is not what is tested."""
-    from irc_pddl21.engines import Aries
+    from irc_pddl21.planners import Aries
 
     monkeypatch.setattr(Aries, "missing", lambda _: "not here")
 
@@ -415,7 +415,7 @@ def test_auto_goes_on_with_kairos_where_optics_plan_is_not_the_best(optic) -> No
 def test_auto_keeps_optics_plan_where_no_other_planner_answers(
     optic, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from irc_pddl21.engines import Aries, Kairos
+    from irc_pddl21.planners import Aries, Kairos
 
     def broken(*_: object) -> None:
         raise EngineFailed("broken")

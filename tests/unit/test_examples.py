@@ -11,10 +11,11 @@ import pytest
 
 import irc
 from irc.api import validate
-from irc.backend import get_backend, refused_features
 from irc.diagnostics import Code
+from irc.model.quantities import Number
+from irc.model.times import parse_number
 from irc.schedule import Status
-from irc.times import Number, parse_number
+from irc.targets import get_backend, refused_features
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ROW = re.compile(r"^\| \[([\w.]+)\]\(\1\) \| .* \| ([\d.]+) (\w+) \|$", re.MULTILINE)

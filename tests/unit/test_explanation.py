@@ -15,14 +15,15 @@ import pytest
 from typer.testing import CliRunner
 
 import irc
-from irc.backend import get_backend
 from irc.checks import run_checks
 from irc.cli.app import build_app
 from irc.explanation import explain_task
 from irc.explanation.chain import critical_chain
 from irc.explanation.contention import resource_conflict
-from irc.explanation.refuter import Assumptions
-from irc.explanation.statements import (
+from irc.explanation.wording import in_words
+from irc.model import Task
+from irc.problem import Problem
+from irc.problem.statements import (
     KINDS,
     Kind,
     Statement,
@@ -30,10 +31,9 @@ from irc.explanation.statements import (
     pointer_of,
     problem_of,
 )
-from irc.explanation.wording import in_words
-from irc.model import Task
-from irc.problem import Problem
 from irc.schedule import Entry, Schedule, Status
+from irc.targets import get_backend
+from irc.targets.refuter import Assumptions
 from oracles.brute_force import optimal_makespan
 from oracles.conflicts import by_solving, faults_of, only, statements_of
 from oracles.generators import big_capacity_task, random_task
@@ -386,7 +386,7 @@ def test_an_empty_task_has_an_empty_chain() -> None:
 
 
 def test_an_answer_that_is_not_proven_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    import irc.explanation.road as road
+    import irc.explanation.explain as road
 
     solve = road.solve_task
 

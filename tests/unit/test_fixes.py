@@ -18,10 +18,10 @@ import irc
 from irc.cli.app import build_app
 from irc.cli.repair import repair_text
 from irc.diagnostics import Report
-from irc.fixes import apply_fixes, apply_patches, operations_of
+from irc.diagnostics.patching import apply_fixes, apply_patches, operations_of
+from irc.diagnostics.suggest import Certain, certain_keyword
+from irc.driver.compile import check_task
 from irc.frontends.files import parse_task
-from irc.pipeline import check_task
-from irc.suggest import Certain, certain_keyword
 from oracles.generators import random_task
 
 

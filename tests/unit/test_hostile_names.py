@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 import irc
 from irc.api import validate
-from irc.backend import Program
 from irc.schedule import Status
+from irc.targets import Program
 from oracles.generators import HOSTILE_NAMES
 
 Document = dict[str, Any]

@@ -19,11 +19,11 @@ import pytest
 from typer.testing import CliRunner
 
 import irc
-from irc.canonical import written_task
 from irc.cli.app import build_app
 from irc.diagnostics import Code, InputError
 from irc.frontends.importers.robo import import_robo
 from irc.model import Task
+from irc.model.canonical import written_task
 from irc.schedule import Entry, Schedule
 from oracles.robo_witness import STATION, as_once_task, witness_schedule
 

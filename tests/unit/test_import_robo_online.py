@@ -15,9 +15,9 @@ import pytest
 
 import irc
 from irc.diagnostics import Code, InputError
+from irc.events.apply import apply
 from irc.frontends.importers.robo_online import import_robo_online
 from irc.model import Event, Task
-from irc.online import apply
 
 Raw = dict[str, Any]
 

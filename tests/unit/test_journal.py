@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from irc.diagnostics import Code, InputError
-from irc.online.journal import Journal, JournalError
+from irc.service.journal import Journal, JournalError
 
 ENTRIES = ['{"n": 1}', '{"n": 2, "text": "zwölf — 十二"}', '{"n": 3}']
 

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from irc.diagnostics import Code
+from irc.diagnostics.source import Pointer, Source, pointer_text
 from irc.frontends.files import parse_task
-from irc.frontends.json_scan import MAX_FAULTS, Scan, scan
-from irc.source import Pointer, Source, pointer_text
+from irc.frontends.json.scan import MAX_FAULTS, Scan, scan
 
 texts = st.text(max_size=6) | st.sampled_from(['"', "\\", "/", "~1", "\n", "é", "🤖", "a,b", "]"])
 values = st.recursive(

@@ -12,8 +12,9 @@ from typer.testing import CliRunner, Result
 
 import irc
 from irc.cli.app import build_app
-from irc.compiler import extract_answer, solve_task
 from irc.diagnostics import Code, Severity
+from irc.driver.extract import extract_answer
+from irc.driver.solve import solve_task
 
 KITCHEN: dict[str, Any] = {
     "resources": [{"id": "stove"}],

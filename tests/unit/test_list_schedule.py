@@ -7,15 +7,16 @@ from typing import Any
 
 import pytest
 
-from irc.compiler import schedule_of
-from irc.horizon import safe_horizon
-from irc.list_schedule import list_schedule
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.critical_path import heads_and_tails
+from irc.passes.serial_sgs import list_schedule
 from irc.problem import Problem
-from irc.retime import Decision, Placed, retime
+from irc.problem.decisions import Decision, Placed
+from irc.problem.horizon import safe_horizon
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
 from irc.validation import validate
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, random_task

@@ -11,12 +11,13 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 from irc.diagnostics import InputError
-from irc.lower import lower, natural_order
+from irc.driver.compile import compile_task
+from irc.lowering.elements import natural_order
+from irc.lowering.lower import lower
 from irc.model import Task
+from irc.model.quantities import exact
 from irc.passes.mandatory import mandatory_part
-from irc.pipeline import compile_task
 from irc.problem import Arc, Problem, Requirement
-from irc.times import exact
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, hostile_names, random_task, tasks
 
@@ -308,7 +309,7 @@ def test_a_repetition_changes_no_byte_of_any_target() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_lowering_keeps_the_optimum_in_units(seed: int) -> None:
     """Through another tick and unit: the brute force reads the task, not the problem."""
-    from irc.compiler import solve_task
+    from irc.driver.solve import solve_task
 
     rng = random.Random(f"optimum {seed}")
     task = random_task(rng, tighten=0.0, actions=(2, 6))

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from irc.lower import lower
-from irc.lower_choices import NEVER
+from irc.lowering.choices import NEVER
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.problem import PLAIN, Condition, Details, Effect, Mode, Problem, StockChange
 

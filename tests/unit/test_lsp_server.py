@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from irc.cli import EXIT_ENGINE
+from irc.cli.exit_codes import EXIT_ENGINE
 from irc.frontends.layout import lay_out
 from lsp_client import WAIT_SECONDS, Client, uri_of
 

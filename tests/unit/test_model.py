@@ -12,10 +12,10 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from pydantic import BaseModel, ValidationError
 
-from irc.canonical import written_task
 from irc.model import Action, Change, Event, Precedence, StateVariable, Task, details, events, parts
 from irc.model import task as task_module
 from irc.model.base import Node
+from irc.model.canonical import written_task
 from irc.model.lazy import Lazy, adapter
 from irc.schedule import dump_json
 from oracles.generators import documents, tasks

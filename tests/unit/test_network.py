@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from irc.lower import lower
-from irc.network import Network, components, earliest, is_acyclic
-from irc.timing import DURATION, point_map, timing_network
+from irc.lowering.lower import lower
+from irc.problem.temporal_network import Network, components, earliest, is_acyclic
+from irc.problem.time_points import DURATION, point_map, timing_network
 from oracles.generators import random_task
 
 Edge = tuple[int, int, int]

@@ -11,11 +11,13 @@ from typing import Any
 import pytest
 
 from irc import InputError, Task
-from irc.canonical import task_sha256, written_task
 from irc.checks import run_checks
-from irc.compiler import solve_task, validate_schedule
+from irc.checks.events import check_event
+from irc.driver.judge import validate_schedule
+from irc.driver.solve import solve_task
+from irc.events.apply import apply
 from irc.model import Event
-from irc.online import apply, check_event
+from irc.model.canonical import task_sha256, written_task
 from irc.schedule import Entry, Schedule
 
 Document = dict[str, Any]

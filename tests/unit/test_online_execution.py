@@ -9,10 +9,10 @@ import pytest
 
 import irc
 from irc.diagnostics import Code, InputError
-from irc.lower import lower
+from irc.execution import Execution, simulate
+from irc.execution.stabilise import settled
+from irc.lowering.lower import lower
 from irc.model import Task
-from irc.online import Execution, simulate
-from irc.online.settle import settled
 from irc.passes import run_passes
 from irc.problem import Earlier
 from irc.schedule import Status

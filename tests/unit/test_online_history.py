@@ -7,9 +7,9 @@ from fractions import Fraction
 import pytest
 
 from irc.diagnostics import Code, Findings
+from irc.execution import state_at
+from irc.execution.history import History
 from irc.model import Task
-from irc.online import state_at
-from irc.online.history import History
 from irc.schedule import Entry
 from online_cases import action, entry, event, plan, repaired, starts, task
 

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 import irc
+from irc.execution import replan
 from irc.model import Event
-from irc.online import replan
 from irc.schedule import Status
 
 TASK: dict[str, Any] = {

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
+from irc.events.apply import apply
+from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.online import apply
-from irc.online.step import Step
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from oracles.online_continuation import continuation, frozen
 from oracles.online_judge import judge_step

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from irc.backend import Limits
 from irc.schedule import Status
+from irc.targets import Limits
 from irc_pddl21 import Pddl21
 from online_cases import action, entry, plan, repaired, starts, task
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 from typing import Any
 
 import irc
-from irc.backend import Limits
-from irc.lower import lower
+from irc.execution import Execution
+from irc.execution.freeze import freeze, with_groups
+from irc.execution.history import History
+from irc.execution.warm_start import repaired
+from irc.lowering.lower import lower
 from irc.model import Event, Task
-from irc.online import Execution
-from irc.online.freeze import freeze, with_groups
-from irc.online.history import History
-from irc.online.repair import repaired
 from irc.passes import run_passes
-from irc.retime import Placed
+from irc.problem.decisions import Placed
 from irc.schedule import Entry, Schedule
+from irc.targets import Limits
 
 OVEN = [{"id": "oven"}]
 

@@ -129,8 +129,8 @@ def test_the_installed_wheel_solves_from_any_folder(
 def test_everything_is_imported_from_the_installed_wheel(installed: Path, tmp_path: Path) -> None:
     """Else the test above would only show that the checkout works."""
     script = (
-        "import importlib.metadata as m, irc, irc.backend, irc_grammars\n"
-        "for backend in irc.backend.backends().values():\n"
+        "import importlib.metadata as m, irc, irc.targets, irc_grammars\n"
+        "for backend in irc.targets.backends().values():\n"
         "    print(backend.name, __import__(type(backend).__module__).__file__)\n"
         "print('irc', irc.__file__)\n"
         "print('grammars', irc_grammars.__file__, len(irc_grammars.read_grammar('plan')) > 100)\n"

@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from irc.backend import Limits, Program, get_backend
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import DurationRange, Task
 from irc.passes import PASSES, reduction, run_passes
 from irc.passes.contention import drop_uncontended, merge_pools
@@ -21,6 +20,7 @@ from irc.passes.critical_path import heads_and_tails
 from irc.passes.reduction import reduce_transitively, redundant_arcs
 from irc.problem import Activity, Arc, Claim, Problem
 from irc.schedule import Status
+from irc.targets import Limits, Program, get_backend
 from irc.validation import validate
 from oracles.brute_force import optimal_makespan
 from oracles.generators import contended_task, random_task

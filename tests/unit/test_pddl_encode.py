@@ -12,17 +12,18 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from irc.backend import Program
 from irc.diagnostics import InputError
-from irc.lower import lower
+from irc.driver.compile import compile_task
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
-from irc.pipeline import compile_task
 from irc.problem import Problem
-from irc.retime import AnswerError
+from irc.problem.decisions import AnswerError
+from irc.targets import Program
 from irc.validation import validate
-from irc_pddl21.encode import EPSILON, MAX_VARIANTS, encode
+from irc_pddl21.encode import EPSILON, encode
 from irc_pddl21.names import RESERVED, NameTable
+from irc_pddl21.units import MAX_VARIANTS
 from oracles.brute_force import Optimum, optimal_schedule
 from oracles.generators import big_capacity_task, contended_task, random_task
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from irc.backend import Program
 from irc.diagnostics import InputError
+from irc.driver.compile import compile_task
 from irc.frontends.files import read_task
 from irc.model import Task
-from irc.pipeline import compile_task
-from irc.retime import AnswerError
+from irc.problem.decisions import AnswerError
+from irc.targets import Program
 from irc.validation import validate
 from irc_pddl21.domain import Comparison, Operator
 from irc_pddl21.encode import encode

@@ -11,17 +11,18 @@ from typing import Any
 import pytest
 
 import irc
-from irc.backend import Limits, get_backend
-from irc.compiler import solve_task
-from irc.list_schedule import quick_makespan
-from irc.lower import lower
+from irc.driver.compile import lower_for
+from irc.driver.solve import solve_task
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.restrict import drop_ample_stock, restrict, settle_presence
-from irc.pipeline import lower_for
+from irc.passes.serial_sgs import quick_makespan
 from irc.problem import Problem
-from irc.retime import AnswerError, Decision, retime
+from irc.problem.decisions import AnswerError, Decision
+from irc.retiming.retime import retime
 from irc.schedule import Status
+from irc.targets import Limits, get_backend
 from irc.validation import validate
 from irc_pddl21.hints import hint, hinted_makespan
 from irc_pddl21.loose import rounded
@@ -331,7 +332,7 @@ def test_a_planner_gets_one_time_limit_over_all_of_its_runs() -> None:
     task = contended_task(random.Random("strategy 17"), 19)
     backend = get_backend("pddl21")
     problem = replace(lower_for(task, backend), bound=irc.problem.Bound(1, "too low to be met"))
-    program = irc.backend.Program(backend, task, problem)
+    program = irc.targets.Program(backend, task, problem)
     outcome = backend.engines()["kairos"].solve(program, Limits(seconds=2.0))
     assert outcome.seconds < 3.5
     assert outcome.status is Status.FEASIBLE

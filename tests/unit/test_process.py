@@ -13,8 +13,15 @@ from uuid import uuid4
 
 import pytest
 
-from irc import process
-from irc.process import CommandNotFound, Ended, ProcessError, ProcessLimits, ProcessResult, run
+from irc.targets import process
+from irc.targets.process import (
+    CommandNotFound,
+    Ended,
+    ProcessError,
+    ProcessLimits,
+    ProcessResult,
+    run,
+)
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the fakes are for POSIX")
 needs_proc = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc")

@@ -37,7 +37,9 @@ def test_python_blocks_of_a_page_run_in_order(page: str, monkeypatch: pytest.Mon
         exec(compile("\n" * (line - 1) + code, page, "exec"), namespace)
 
 
-@pytest.mark.parametrize("module", ["irc", "irc.canonical", "irc.model.task", "irc.validation"])
+@pytest.mark.parametrize(
+    "module", ["irc", "irc.model.canonical", "irc.model.task", "irc.validation"]
+)
 def test_examples_in_docstrings_say_what_happens(module: str) -> None:
     result = doctest.testmod(import_module(module))
     assert result.failed == 0

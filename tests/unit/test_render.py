@@ -16,20 +16,21 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
-from irc.backend import Outcome
 from irc.cli.page import PIPED_WIDTH, answer_console
 from irc.cli.render import CHART_ROWS, print_answer
 from irc.cli.table import TABLE_ROWS
-from irc.compiler import Answer, finish, schedule_of
-from irc.list_schedule import list_schedule
-from irc.lower import lower
+from irc.driver.judge import Answer, finish
+from irc.lowering.lower import lower
 from irc.model import Task
+from irc.model.times import format_number
 from irc.passes import run_passes
+from irc.passes.serial_sgs import list_schedule
 from irc.problem import Bound
-from irc.retime import earliest_schedule, retime
+from irc.retiming.retime import earliest_schedule, retime
+from irc.retiming.slack import slacks
+from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule, Status
-from irc.slack import slacks
-from irc.times import format_number
+from irc.targets import Outcome
 from oracles.generators import HOSTILE_NAMES, contended_task
 
 SANDWICH: dict[str, Any] = {

@@ -12,21 +12,15 @@ from typing import Any
 import networkx as nx
 import pytest
 
-from irc.compiler import schedule_of
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import Problem, Requirement
-from irc.retime import (
-    AnswerError,
-    Decision,
-    Placed,
-    assign,
-    earliest_schedule,
-    resource_orders,
-    retime,
-)
-from irc.timing import timing_network
+from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.problem.time_points import timing_network
+from irc.retiming.resources import assign, resource_orders
+from irc.retiming.retime import earliest_schedule, retime
+from irc.retiming.to_schedule import schedule_of
 from irc.validation import validate
 from oracles.brute_force import optimal_makespan, optimal_schedule
 from oracles.generators import big_capacity_task, random_task

@@ -6,12 +6,13 @@ from typing import Any
 
 import pytest
 
-from irc.compiler import schedule_of
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes.unroll import unroll
 from irc.problem import Problem
-from irc.retime import ABSENT, AnswerError, Decision, retime
+from irc.problem.decisions import ABSENT, AnswerError, Decision
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
 from irc.validation import validate
 

@@ -8,13 +8,14 @@ from typing import Any
 
 import pytest
 
-from irc.compiler import schedule_of
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import Problem
-from irc.retime import AnswerError, Decision, Placed, earliest_schedule, retime
+from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.retiming.retime import earliest_schedule, retime
 from irc.retiming.state import state_orders
+from irc.retiming.to_schedule import schedule_of
 from irc.validation import validate
 
 EPSILON = Fraction(1, 1000)

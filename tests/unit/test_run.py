@@ -15,13 +15,13 @@ from typer.testing import CliRunner
 
 import irc
 from crash_runs import MODES, Kitchen
-from irc.backend import EngineFailed, Limits
 from irc.cli.app import build_app
-from irc.online import Execution, replan
-from irc.online.journal import Journal
-from irc.online.protocol import MAX_LINE
-from irc.online.session import Session
+from irc.execution import Execution, replan
 from irc.schedule import Schedule
+from irc.service.journal import Journal
+from irc.service.protocol import MAX_LINE
+from irc.service.session import Session
+from irc.targets import EngineFailed, Limits
 from oracles.online_random import play
 
 VAN: dict[str, Any] = {
@@ -206,7 +206,7 @@ def test_a_restart_needs_no_solver_and_stands_where_the_last_run_did(
 ) -> None:
     lines = ['{"do": "advance", "to": 2}', '{"do": "fly"}', JAM, '{"do": "state"}']
     _, answers, _ = run(file, *lines, journal=True)
-    monkeypatch.setattr("irc.online.execution.solve_step", None)
+    monkeypatch.setattr("irc.execution.execution.solve_step", None)
     monkeypatch.setattr("irc.cli.planning.solve_task", None)
     _, (greeting, state), _ = run(file, '{"do": "state"}', journal=True)
     assert (greeting["recovered"], greeting["last_id"], greeting["now"]) == (2, "j", 4)
@@ -290,7 +290,7 @@ def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
         assert told(held, json.dumps({"do": "apply", "event": document, "replan": True}))["ok"]
         states.append(held.state())
     journal.close()
-    monkeypatch.setattr("irc.online.execution.solve_step", None)
+    monkeypatch.setattr("irc.execution.execution.solve_step", None)
     lines = path.read_bytes().splitlines(keepends=True)
     for count, state in enumerate(states, 1):
         path.write_bytes(b"".join(lines[:count]))

@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from irc.catalogue import load_catalogue
 from irc.cli.app import build_app
+from irc.diagnostics.catalogue import load_catalogue
 from irc.frontends.files import read_text
 
 CORPUS = Path(__file__).resolve().parents[1] / "corpus"

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import irc
 from irc.diagnostics import Code, InputError
+from irc.model.quantities import exact
 from irc.schedule import (
     Entry,
     ObjectiveValue,
@@ -21,7 +22,6 @@ from irc.schedule import (
     dump_json,
     schedule_from_json,
 )
-from irc.times import exact
 
 Document = dict[str, Any]
 

@@ -9,15 +9,16 @@ from typing import Any
 
 import pytest
 
-from irc.compiler import schedule_of
-from irc.list_schedule import list_schedule
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
+from irc.passes.serial_sgs import list_schedule
 from irc.problem import Activity, Problem, Renewable, Requirement
-from irc.retime import AnswerError, Decision, Placed, earliest_schedule, retime
+from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.retiming.retime import earliest_schedule, retime
+from irc.retiming.slack import slacks, to_ticks
+from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
-from irc.slack import slacks, to_ticks
 from irc.validation import validate
 from oracles.generators import contended_task, random_task
 

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from irc.model import Task
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
-from irc.times import Number
 from irc.validation import validate
 from oracles.brute_force import optimal_makespan
 from oracles.generators import random_task

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes.state_order import order_from_state
 from irc.problem import Problem

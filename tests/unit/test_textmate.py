@@ -22,7 +22,7 @@ from irc.frontends.dsl.lexer import (
 )
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.files import read_task
-from irc.times import MONTH_NAMES, UNIT_SECONDS
+from irc.model.quantities import MONTH_NAMES, UNIT_SECONDS
 from irc_grammars import read_grammar
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,13 +13,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from irc.times import (
-    MAX_DIGITS,
+from irc.model.quantities import MAX_DIGITS, Quantity, TimeError, exact
+from irc.model.times import (
     Clock,
-    Quantity,
-    TimeError,
     common_tick,
-    exact,
     format_number,
     json_number,
     parse_instant,

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.unroll import slots, unroll

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 import irc
+from irc.events.apply import apply
 from irc.model import Event, Task
-from irc.online import apply
+from irc.model.quantities import TimeError
 from irc.schedule import Entry, ObjectiveValue, Schedule
-from irc.times import TimeError
 from irc.validation import SHOWN_PER_RULE, InexactTimeError, Verdict, validate
 
 Rules = tuple[list[str], list[str]]

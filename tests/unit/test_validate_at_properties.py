@@ -26,8 +26,8 @@ from test_validate_properties import (
 )
 
 from irc.model import Task
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
-from irc.times import Number
 from irc.validation import Verdict, validate
 
 

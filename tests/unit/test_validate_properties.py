@@ -16,8 +16,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from irc.model import Action, DurationRange, StateGoal, Task
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
-from irc.times import Number
 from irc.validation import validate
 
 # The naive validator: for each rule of docs/semantics.md, whether it is broken.

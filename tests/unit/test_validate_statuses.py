@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 import irc
+from irc.events.apply import apply
 from irc.model import Event, Task
-from irc.online import apply
 from irc.schedule import Entry, Schedule
 from irc.validation import Verdict, validate
 

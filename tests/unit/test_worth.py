@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from irc.lower import lower
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.problem import Problem
+from irc.problem.objective_values import in_units, worth
 from irc.schedule import Entry, Schedule
-from irc.worth import in_units, worth
 
 
 def problem_of(*actions: dict[str, Any], **fields: Any) -> Problem:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from irc.diagnostics import Code, did_you_mean
+from irc.diagnostics.source import Pointer, Source
 from irc.frontends.dsl import nodes
 from irc.frontends.dsl.draft import Budget, Element, Places, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.lexer import Lexeme
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
-from irc.source import Pointer, Source
 
 _OBJECTIVES = (
     "minimize_makespan",

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from typing import Any
 
 from irc.diagnostics import Code
+from irc.diagnostics.source import Pointer
 from irc.frontends.dsl import nodes
 from irc.frontends.dsl.build import Builder
 from irc.frontends.dsl.draft import Element, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
-from irc.source import Pointer
 
 ADDED = {
     "actions": "add_actions",

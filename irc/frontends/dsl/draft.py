@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from irc.diagnostics import Code
+from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.dsl.faults import Fault
-from irc.source import Pointer, Range, Source
 
 MAX_EXPANDED = 2_000_000
 """What one text may grow to by arrows between many and by pools: parts in all."""

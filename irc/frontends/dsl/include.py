@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from irc.diagnostics import Code, InputError
+from irc.diagnostics.source import Source
 from irc.frontends.dsl.faults import Fault
-from irc.source import Source
 
 Refuse = Callable[[str], Fault]
 """Makes the fault that is raised, at the place of the include."""
@@ -83,7 +83,7 @@ class Library:
         return found
 
     def _read(self, path: Path, root: Path, name: str, refuse: Refuse) -> Source:
-        from irc.frontends.json_document import decode_bytes
+        from irc.frontends.json.document import decode_bytes
 
         with open(path, "rb") as file:
             data = file.read(MAX_INCLUDED_BYTES - self.bytes + 1)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
-from irc.times import MONTH_NAMES, UNIT_SECONDS
+from irc.model.quantities import MONTH_NAMES, UNIT_SECONDS
 
 _CHAR = (
     r"[0-9A-Za-z_\u00aa-\u167f\u1681-\u180d\u180f-\u1fff"

@@ -14,7 +14,7 @@ _REST = re.compile(r"[ \t\r]*(?:#[^\n]*)?")
 
 def metadata(text: str, start: int, end: int) -> Placed:
     """The object in text[start:end], as a JSON document would have it. Raises `Fault`."""
-    from irc.frontends.json_document import decode_object
+    from irc.frontends.json.document import decode_object
 
     found = _BLANK.match(text, start, end)
     begin = found.end() if found else start

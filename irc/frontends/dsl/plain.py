@@ -13,7 +13,7 @@ from irc.frontends.dsl.build import Builder, PoolUse
 from irc.frontends.dsl.draft import Element, Sink
 from irc.frontends.dsl.lexer import CLAUSE_WORDS, PHRASES, STATEMENT_WORDS
 from irc.frontends.dsl.lines import Statement
-from irc.times import MONTH_NAMES, UNIT_SECONDS
+from irc.model.quantities import MONTH_NAMES, UNIT_SECONDS
 
 _LONGEST = 2000
 _WORD = r"(?!P[0-9T]|(?:on|by|after)(?![A-Za-z0-9_]))[A-Za-z_][A-Za-z0-9_]*"

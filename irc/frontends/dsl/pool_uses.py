@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from irc.diagnostics import Code, did_you_mean
+from irc.diagnostics.source import Source
 from irc.frontends.dsl.build import Builder, Pool, PoolUse
 from irc.frontends.dsl.draft import Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.nodes import Placed
-from irc.source import Source
 
 Told = tuple[Fault, Source | None]
 """A fault, and the included file it stands in."""

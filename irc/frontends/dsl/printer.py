@@ -13,7 +13,7 @@ from irc.frontends.dsl.lexer import quoted
 from irc.frontends.dsl.order_text import after_clauses, arrows, by_action
 from irc.frontends.dsl.pools import Choice, pools
 from irc.model import Action, DurationRange, Precedence, Resource, Task, Use
-from irc.times import Instant
+from irc.model.times import Instant
 
 if TYPE_CHECKING:
     from irc.model import Event, Group, Mode, StateVariable

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Report
+from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.dsl import changes, nodes
 from irc.frontends.dsl.build import Builder, said_twice
 from irc.frontends.dsl.draft import Budget, Places, Sink
@@ -35,7 +36,6 @@ from irc.frontends.dsl.nodes import kind, part, span
 from irc.frontends.dsl.plain import plain_statement
 from irc.frontends.dsl.pool_uses import resolved_pools
 from irc.frontends.dsl.templates import Value, filled
-from irc.source import Pointer, Range, Source
 
 MAX_FAULTS = 1000
 """After so many faults a text is not read on: it is something else."""

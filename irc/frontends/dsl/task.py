@@ -8,8 +8,8 @@ from pathlib import Path
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.frontends.dsl.reader import DslReading, read_dsl
 from irc.frontends.partial import further_findings
-from irc.frontends.shape import to_task
 from irc.model import Task
+from irc.model.from_document import to_task
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.frontends.dsl.lexer import Lexeme, lexemes, needs_quotes, quoted
-from irc.times import Instant, Quantity, format_number
+from irc.model.quantities import Quantity
+from irc.model.times import Instant, format_number
 
 _WIDEST = 88
 

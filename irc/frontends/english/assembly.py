@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from irc.diagnostics import Code
+from irc.diagnostics.source import Pointer, Range
 from irc.frontends.english.names import Names
 from irc.frontends.english.reasons import Problem, Unclear, shown
 from irc.frontends.english.references import MOST_EDGES, Finder, Said, Step
@@ -29,7 +30,6 @@ from irc.frontends.english.statements import (
     Takes,
     Told,
 )
-from irc.source import Pointer, Range
 
 _TYPES = {
     ("end", "start"): "finish-start",

@@ -33,7 +33,8 @@ from irc.frontends.english.statements import (
 )
 from irc.frontends.english.units import UNITS, unit_size
 from irc.frontends.english.words import Word
-from irc.times import exact, format_number
+from irc.model.quantities import exact
+from irc.model.times import format_number
 
 _VALUED = frozenset(["NUM", "NUMS", "LABEL", "NAME", "QUOTE", "UNIT", "FREE", "ONE", "ORDINAL"])
 _ORDINALS = ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"]

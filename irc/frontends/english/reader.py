@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics.source import Locator, Pointer, Range, Source
 from irc.frontends.english.assembly import Assembly
 from irc.frontends.english.layout import (
     Block,
@@ -24,8 +25,7 @@ from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Frame, Statement
 from irc.frontends.english.steps import StepText, hidden_order, is_optional, order_cue, read_step
 from irc.frontends.english.understanding import Reader
-from irc.frontends.json_document import RawDocument
-from irc.source import Locator, Pointer, Range, Source
+from irc.frontends.json.document import RawDocument
 
 MAX_CHARACTERS = 20_000_000
 """Longer texts are refused: nobody wrote them by hand, and reading them takes minutes."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from irc.diagnostics import Code
+from irc.diagnostics.source import Range
 from irc.frontends.english.names import Names
 from irc.frontends.english.reasons import Problem, Unclear, because, shown
 from irc.frontends.english.statements import Ref, Refs, Time
-from irc.source import Range
 
 MOST_EDGES = 1_000_000
 """A text whose sentences mean more precedences than this is refused."""

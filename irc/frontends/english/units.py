@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from irc.times import MONTH_NAMES, UNIT_SECONDS
+from irc.model.quantities import MONTH_NAMES, UNIT_SECONDS
 
 UNITS: Mapping[str, tuple[int, str]] = {
     **{name: (1, name) for name in (*UNIT_SECONDS, *MONTH_NAMES)},

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 from irc.frontends.english.names import Names
 from irc.frontends.english.units import UNITS
-from irc.times import MAX_DIGITS
+from irc.model.quantities import MAX_DIGITS
 
 WORD, OTHER = "WORD", "OTHER"
 """Kinds that no rule of the grammar has: unknown words, and signs that are no part of it."""

@@ -13,9 +13,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
-from irc.frontends.json_document import json_source
+from irc.diagnostics.source import Pointer, Source
+from irc.frontends.json.document import json_source
 from irc.model import Task
-from irc.source import Pointer, Source
 
 _STEP = re.compile(r"^\s*Step\s+(\d+)\.\s*(.+?)\s*(?:\([^()]*\))?\s*$", re.MULTILINE)
 

@@ -13,9 +13,10 @@ from decimal import Decimal, InvalidOperation
 from typing import Any, NoReturn
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
-from irc.frontends.json_document import MAX_DEPTH
-from irc.source import Pointer, Range, Source
-from irc.times import Span, TimeError, parse_span
+from irc.diagnostics.source import Pointer, Range, Source
+from irc.frontends.json.document import MAX_DEPTH
+from irc.model.quantities import Span, TimeError
+from irc.model.times import parse_span
 
 _DIGITS = 100
 """Longer whole numbers are no amounts of anything."""
@@ -236,7 +237,7 @@ def _inner(value: Any) -> Iterator[Any]:
 
 
 def _locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
-    from irc.frontends.json_scan import scan
+    from irc.frontends.json.scan import scan
 
     return scan(text, 1 if text.startswith("\ufeff") else 0, wanted).places
 

@@ -10,6 +10,7 @@ as plans of the original problem. What is taken and what is refused is in `docs/
 from __future__ import annotations
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics.source import Source
 from irc.frontends.importers.pddl.ground import DurationError, TooLargeError, ground
 from irc.frontends.importers.pddl.lifted import UnexpectedError, lift
 from irc.frontends.importers.pddl.reader import read_problem
@@ -17,7 +18,6 @@ from irc.frontends.importers.pddl.scope import Scope
 from irc.frontends.importers.pddl.sexpr import Form, SyntaxFault, read_form
 from irc.frontends.importers.pddl.task import UnreachableError, pddl_task
 from irc.model import Task
-from irc.source import Source
 
 __all__ = ["import_pddl"]
 

@@ -15,8 +15,8 @@ from itertools import pairwise
 
 from irc.frontends.importers.pddl.task import EVENT
 from irc.model import DurationRange, Task
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
-from irc.times import Number
 from irc.validation import validate
 from irc.validation.ranked import NoRanksError, Ranks, ranks_of
 

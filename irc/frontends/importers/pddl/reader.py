@@ -6,9 +6,9 @@ import warnings
 from importlib.util import find_spec
 from typing import Any
 
-from irc.backend import EngineMissing
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.source import Source
+from irc.diagnostics.source import Source
+from irc.targets import EngineMissing
 
 
 def read_problem(domain: Source, problem: Source) -> Any:

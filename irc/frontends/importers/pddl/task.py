@@ -17,7 +17,8 @@ from irc.frontends.importers.instances import without_empty
 from irc.frontends.importers.pddl.ground import Atom, Ground, atom_text
 from irc.frontends.importers.pddl.lifted import Fact, Lifted
 from irc.model import Task
-from irc.times import exact, json_number
+from irc.model.quantities import exact
+from irc.model.times import json_number
 
 EVENT = "at "
 """The ids of timed initial literals begin so; those of PDDL's actions begin with '('."""

@@ -17,7 +17,7 @@ from irc.frontends.importers.robo.kitchen import (
     Kitchen,
     action_id,
 )
-from irc.times import Span
+from irc.model.quantities import Span
 
 MAKESPAN = "minimize_makespan"
 REWARD = "maximize_reward_under_deadline"

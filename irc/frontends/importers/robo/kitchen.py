@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from irc.times import Span
+from irc.model.quantities import Span
 
 STACK = "stack"
 """Puts an item on the dish; needs no station."""

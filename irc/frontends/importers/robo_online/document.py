@@ -23,7 +23,7 @@ from irc.frontends.importers.robo.document import (
     read_states,
 )
 from irc.frontends.importers.robo.kitchen import Item, Kitchen
-from irc.times import Span
+from irc.model.quantities import Span
 
 _KEPT = ("protocol", "difficulty", "source_task_id", "source_split")
 _SAID_OF_IT = (*_KEPT, "source_dataset", "challenge_features", "oracle")

@@ -1,0 +1,57 @@
+"""Certain repairs as JSON patches (RFC 6902)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from irc.diagnostics.source import Pointer, pointer_text
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One operation of a JSON patch. `origin` is what RFC 6902 calls `from`."""
+
+    op: Literal["replace", "remove", "move"]
+    path: Pointer
+    value: Any = None
+    origin: Pointer | None = None
+
+    @property
+    def target(self) -> Pointer:
+        """The element of the document, as it is, that the operation changes."""
+        return self.path if self.origin is None else self.origin
+
+    def as_json(self) -> dict[str, Any]:
+        """The operation as RFC 6902 writes it."""
+        shown: dict[str, Any] = {"op": self.op}
+        if self.origin is not None:
+            shown["from"] = pointer_text(self.origin)
+        shown["path"] = pointer_text(self.path)
+        if self.op == "replace":
+            shown["value"] = self.value
+        return shown
+
+
+Fix = tuple[Operation, ...]
+"""The operations that repair one finding, in an order in which they can be applied."""
+
+
+def replaced(pointer: Pointer, value: Any) -> Fix:
+    """Another value in the same place."""
+    return (Operation("replace", pointer, value),)
+
+
+def removed(*pointers: Pointer) -> Fix:
+    """Elements taken out, the last one first."""
+    return tuple(Operation("remove", p) for p in sorted(pointers, key=_order, reverse=True))
+
+
+def renamed(pointer: Pointer, key: str) -> Fix:
+    """The same member of an object under another key."""
+    return (Operation("move", (*pointer[:-1], key), origin=pointer),)
+
+
+def _order(pointer: Pointer) -> tuple[tuple[int, int, str], ...]:
+    """Sorts the elements of an array by index, and what is inside of an element after it."""
+    return tuple((0, p, "") if isinstance(p, int) else (1, 0, p) for p in pointer)

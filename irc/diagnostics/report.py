@@ -1,0 +1,126 @@
+"""Reports: all findings about one input, placed in its text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from irc.diagnostics.source import Pointer, Source
+
+if TYPE_CHECKING:
+    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.source import Range
+from irc.diagnostics.finding import Code, Diagnostic, Severity
+
+_ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
+
+
+@dataclass(frozen=True)
+class Report:
+    """All findings about one input, in the order of the text."""
+
+    diagnostics: tuple[Diagnostic, ...] = ()
+    source: Source | None = None
+
+    @property
+    def errors(self) -> tuple[Diagnostic, ...]:
+        """Those that stop a compilation."""
+        return tuple(d for d in self.diagnostics if d.severity is Severity.ERROR)
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing stops a compilation."""
+        return not any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self.diagnostics)
+
+    def __add__(self, more: Iterable[Diagnostic]) -> Report:
+        return Report((*self.diagnostics, *more), self.source)
+
+    def located(self) -> Report:
+        """The same in reading order, with line and column, and pointers as the text has them.
+
+        The checks know an element by the IR's own field names; a text may write an alias or a
+        pair instead, and pointers and fixes must lead somewhere in what the author sees.
+        """
+        if self.source is None:
+            return self
+        wanted = {d.pointer for d in self.diagnostics if d.offset is None}
+        wanted |= {o.target for d in self.diagnostics for o in d.fix}
+        places = self.source.locate(wanted) if wanted else {}
+        placed = [_placed(d, self.source, places.get(d.pointer)) for d in self.diagnostics]
+        placed.sort(key=_reading_order)
+        return Report(tuple(placed), self.source)
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """Every diagnostic, located."""
+        return [d.as_json() for d in self.located()]
+
+    def render(self, *, notes: bool = True) -> str:
+        """The text a person reads: each finding with the source line under a caret."""
+        from irc.diagnostics.text import render
+
+        located = self.located()
+        return render(located.diagnostics, located.source, notes=notes)
+
+
+def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:
+    """By place; what stands in included files comes after the text's own, file by file."""
+    file = "" if d.within is None else d.within.name
+    return file, d.line or 0, d.column or 0, _ORDER[d.severity]
+
+
+def _placed(d: Diagnostic, source: Source, place: Range | None) -> Diagnostic:
+    """A diagnostic with its place in the text, if it has one."""
+    if d.fix:
+        from irc.diagnostics.patching import as_written
+
+        d = replace(d, fix=as_written(d.fix, source))
+    offset, end, within = d.offset, d.end, d.within
+    if offset is None and place is not None:
+        offset, within = place.start, place.within
+        if d.at_key and place.key_start is not None:
+            offset = place.key_start
+        elif place.written is None or len(place.written) == len(d.pointer):
+            end = place.end
+        if place.written is not None:
+            pointer = (*place.written, *d.pointer[len(place.written) :])
+            d = replace(d, pointer=pointer)
+    if offset is None:
+        return d
+    text = within or source
+    line, column = text.line_and_column(offset)
+    if end is not None and "\n" in text.text[offset:end]:
+        end = None
+    return replace(d, line=line, column=column, offset=offset, end=end, within=within)
+
+
+class InputError(Exception):
+    """The input is at fault; `report` says how, each finding with its place."""
+
+    def __init__(self, report: Report) -> None:
+        self.report = report
+        super().__init__(report.render(notes=False))
+
+
+@dataclass
+class Findings:
+    """Collects diagnostics while a check runs."""
+
+    items: list[Diagnostic] = field(default_factory=list)
+
+    def add(
+        self,
+        code: Code,
+        message: str,
+        pointer: Pointer = (),
+        *,
+        hint: str | None = None,
+        at_key: bool = False,
+        offset: int | None = None,
+        fix: Fix = (),
+    ) -> None:
+        """Records one finding."""
+        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix))

@@ -1,0 +1,1 @@
+"""The driver: in, a `Task`; out, a program, or a validated schedule with an honest status."""

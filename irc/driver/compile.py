@@ -1,0 +1,77 @@
+"""From a task to a program: check, lower, encode. `irc.driver.solve` does the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from irc.checks import Checked, run_checks
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.model import Task
+from irc.passes import run_passes
+from irc.problem import Problem
+from irc.targets import Backend, Program, Refusal, get_backend, require_support
+
+
+def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
+    """All diagnostics of a task, after the `earlier` ones about its text."""
+    return run_checks(task, earlier).report
+
+
+def _accepted(task: Task) -> Checked:
+    checked = run_checks(task, lint=False)
+    if not checked.report.ok:
+        raise InputError(checked.report)
+    return checked
+
+
+def lower_for(task: Task, backend: Backend) -> Problem:
+    """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
+
+    Raises `InputError` where the task or the target says no.
+    """
+    checked = _accepted(task)
+    require_support(task, backend)
+    return run_passes(checked.problem)
+
+
+def compile_task(task: Task, target: str) -> Program:
+    """The task as a program of `target`.
+
+    Raises `InputError` (the task is at fault or refused) or `UnknownTarget`.
+    """
+    backend = get_backend(target)
+    program = Program(backend, task, lower_for(task, backend), later_events(task))
+    with refusals_told(task):
+        program.files  # noqa: B018 - encodes now, so that a refusal is told here
+    return program
+
+
+def later_events(task: Task) -> tuple[Diagnostic, ...]:
+    """A note that the task's events are not seen, where it has any.
+
+    What is planned as of t = 0 knows of no event, not even of one at 0: events become known while
+    the task runs. The note carries its own place in the text, so that it can be shown without it.
+    """
+    if not task.events:
+        return ()
+    count = len(task.events)
+    events = f"{count} events are" if count > 1 else "event is"
+    note = Diagnostic(
+        Code.LATER_EVENTS,
+        f"planned as of t = 0: the task's {events} not seen",
+        ("events", 0),
+        "`irc simulate` runs the task with its events, and plans what is left anew at each",
+    )
+    (placed,) = Report((note,), task.source).located()
+    return (placed if placed.within else replace(placed, within=task.source),)
+
+
+@contextmanager
+def refusals_told(task: Task) -> Iterator[None]:
+    """A backend's refusal becomes the `InputError` that names its place."""
+    try:
+        yield
+    except Refusal as refusal:
+        raise InputError(Report((refusal.diagnostic,), task.source)) from None

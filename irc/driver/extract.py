@@ -1,0 +1,111 @@
+"""A raw answer to a program → the validated schedule, long after it was compiled."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics.source import Source
+from irc.driver.compile import later_events, lower_for
+from irc.model import Task
+from irc.model.canonical import task_sha256
+from irc.problem.decisions import AnswerError
+from irc.schedule import Status
+from irc.targets import (
+    MANIFEST_VERSION,
+    EngineFailed,
+    Outcome,
+    get_backend,
+)
+
+if TYPE_CHECKING:
+    pass
+from irc.driver.judge import Answer, _approved, finish
+
+
+def extract_answer(
+    manifest: Mapping[str, Any],
+    answer: str,
+    *,
+    manifest_source: Source | None = None,
+    answer_name: str = "<answer>",
+) -> Answer:
+    """A raw answer to a program, long after it was compiled: decoded, re-timed, validated.
+
+    Raises `InputError` where the manifest is not one of ours or the answer has no valid schedule;
+    it shows the place in the manifest's text (if its source is given) or in the answer.
+    """
+    began = time.perf_counter()
+    task, target, names = _read_manifest(manifest, manifest_source)
+    backend = get_backend(target)
+    problem = lower_for(task, backend)
+    try:
+        schedule = backend.decode(problem, names, answer)
+    except AnswerError as error:
+        raise _bad_answer(str(error), answer, answer_name, error.line) from None
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, ZeroDivisionError):
+        message = "the manifest's 'names' do not fit its task; another version may have written it"
+        diagnostic = Diagnostic(Code.BAD_ANSWER, message, ("names",))
+        raise InputError(Report((diagnostic,), manifest_source)) from None
+    outcome = Outcome(Status.FEASIBLE, "extract", schedule)
+    schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
+    try:
+        approved = _approved(task, replace(schedule, engine=None))
+        return Answer(approved, problem, later_events(task))
+    except EngineFailed as error:
+        raise _bad_answer(str(error), answer, answer_name) from None
+
+
+def _bad_answer(message: str, answer: str, name: str, line: int | None = None) -> InputError:
+    """What is wrong with an answer, shown at a line of it (where none is known, at its start)."""
+    offset = sum(len(text) + 1 for text in answer.split("\n")[: (line or 1) - 1])
+    diagnostic = Diagnostic(
+        Code.BAD_ANSWER,
+        message,
+        hint="give all that the engine printed about the program of this manifest",
+        offset=min(offset, len(answer)),
+    )
+    return InputError(Report((diagnostic,), Source(name, answer)))
+
+
+def _read_manifest(
+    manifest: Mapping[str, Any], source: Source | None
+) -> tuple[Task, str, Mapping[str, Any]]:
+    findings = Findings()
+    if manifest.get("irc_manifest") != MANIFEST_VERSION:
+        findings.add(
+            Code.BAD_ANSWER,
+            f"this is not a manifest of this version: 'irc_manifest' must be {MANIFEST_VERSION!r}",
+            ("irc_manifest",),
+            hint="give the manifest.json that `irc compile -o` wrote",
+        )
+        raise InputError(Report(tuple(findings.items), source))
+    raw, target, names = (manifest.get(key) for key in ("task", "target", "names"))
+    if (
+        not isinstance(raw, Mapping)
+        or not isinstance(target, str)
+        or not isinstance(names, Mapping)
+    ):
+        findings.add(
+            Code.BAD_ANSWER,
+            "the manifest lacks 'task', 'target' or 'names'",
+            hint="give the manifest.json that `irc compile -o` wrote",
+        )
+        raise InputError(Report(tuple(findings.items), source))
+    from irc.model.from_document import to_task
+
+    task = to_task(raw, findings)
+    if task is None:
+        raise InputError(Report(tuple(findings.items), source))
+    if task_sha256(task) != manifest.get("task_sha256"):
+        findings.add(
+            Code.BAD_ANSWER,
+            "the manifest was changed: its task has another hash",
+            ("task_sha256",),
+            hint="compile the task again; the answer may be to the program of before",
+        )
+        raise InputError(Report(tuple(findings.items), source))
+    return task, target, names

@@ -1,0 +1,114 @@
+"""Answers: their objective values and status, and the validator's approval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from irc.checks import run_checks
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.diagnostics.source import Source
+from irc.model import Task
+from irc.model.canonical import task_sha256
+from irc.model.quantities import Number
+from irc.problem import Problem
+from irc.problem.objective_values import worth
+from irc.schedule import ObjectiveValue, Schedule, Status
+from irc.targets import (
+    EngineFailed,
+    Outcome,
+)
+
+if TYPE_CHECKING:
+    from irc.validation import Verdict
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A schedule with what was found on the way, and the problem it answers."""
+
+    schedule: Schedule
+    problem: Problem
+    notes: tuple[Diagnostic, ...] = ()
+
+
+def _approved(task: Task, schedule: Schedule) -> Schedule:
+    """The schedule, once the validator has found nothing against it.
+
+    Raises `EngineFailed` with the validator's reasons otherwise: nothing invalid is reported.
+    """
+    if schedule.status not in (Status.OPTIMAL, Status.FEASIBLE):
+        return schedule
+    from irc.validation import validate
+
+    verdict = validate(task, schedule)
+    if not verdict.valid:
+        reasons = "; ".join(v.message for v in verdict.violations[:3])
+        raise EngineFailed(f"the answer was rejected by the validator: {reasons}")
+    return schedule
+
+
+def validate_schedule(
+    task: Task, schedule: Schedule, source: Source | None = None, *, at: Number | None = None
+) -> Verdict:
+    """The independent verdict on a schedule, once the task itself has been checked.
+
+    `at`, in the task's unit: what began before is history, and what it alone causes is carried.
+    Raises `InputError` for a faulty task, or a schedule (read from `source`, if it was) that
+    says it is of another task.
+    """
+    report = run_checks(task, lint=False).report
+    structural = [d for d in report.errors if not d.code.id.startswith("IRC3")]
+    if structural:
+        raise InputError(report)
+    if schedule.task_sha256 is not None and schedule.task_sha256 != task_sha256(task):
+        diagnostic = Diagnostic(
+            Code.BAD_SCHEDULE,
+            "this schedule was made for another task, or the task has changed since",
+            ("task_sha256",),
+            "remove 'task_sha256' from the schedule to judge it all the same",
+        )
+        raise InputError(Report((diagnostic,), source))
+    from irc.validation import validate
+
+    return validate(task, schedule, at)
+
+
+def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
+    """The outcome as the schedule that is reported: status, objective and bounds filled in."""
+    schedule = outcome.schedule or Schedule(())
+    status = outcome.status
+    objective: tuple[ObjectiveValue, ...] = ()
+    if outcome.schedule is not None:
+        status, objective = _judged(problem, outcome, schedule)
+    return replace(
+        schedule,
+        status=status,
+        objective=objective,
+        task=task.name,
+        task_sha256=task_sha256(task),
+        target=target,
+        engine=outcome.engine,
+        seconds=round(seconds, 3),
+    )
+
+
+def _judged(
+    problem: Problem, outcome: Outcome, schedule: Schedule
+) -> tuple[Status, tuple[ObjectiveValue, ...]]:
+    """What each objective came to, and whether all of them meet proven bounds."""
+    values = worth(problem, schedule)
+    known = {level.name: level.bound for level in outcome.levels}
+    if problem.objectives[0] == "makespan":
+        ours = problem.to_units(max(outcome.bound, problem.bound.value))
+        known["makespan"] = max(ours, known.get("makespan") or 0)
+    if outcome.status is Status.OPTIMAL:
+        known.update((name, values[name]) for name in problem.objectives)
+    objective = tuple(
+        ObjectiveValue(name, values[name], known.get(name)) for name in problem.levels
+    )
+    # (Changes that only choose among equals do not count.)
+    own = objective[: len(problem.objectives)]
+    if all(o.bound is not None and o.value == o.bound for o in own):
+        return Status.OPTIMAL, objective
+    return outcome.status, objective

@@ -1,0 +1,242 @@
+"""Revising a task by an event: a pure function from a task to a task."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from irc.checks.events import check_event
+from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics.source import Source
+from irc.events.capacity import with_capacity
+from irc.events.world import world_change
+from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
+from irc.model.cancellation import ended
+from irc.model.events import (
+    AddActions,
+    AddGroups,
+    AddPrecedence,
+    AddResources,
+    AddState,
+    CancelActions,
+    CancelGroups,
+    Observe,
+    RemovePrecedence,
+    SetCapacity,
+    SetDeadline,
+    SetDuration,
+    SetGoals,
+    SetObjective,
+    SetRelease,
+    SetState,
+)
+from irc.model.quantities import Number
+
+_UNKNOWN: Mapping[str, Number] = MappingProxyType({})
+
+
+def apply(
+    task: Task,
+    event: Event,
+    starts: Mapping[str, Number] = _UNKNOWN,
+    *,
+    source: Source | None = None,
+) -> Task:
+    """The task as revised by `event`, which is no longer among its events.
+
+    `starts` says when actions started, in the task's unit, for observations that name an end
+    alone; `source` is the text that the event was read from. Neither task nor event changes.
+    The task must have no faults of its own (`irc.check`): only the event is judged here.
+    Raises `InputError` where the event does not fit the task: nothing of it is applied then.
+
+    >>> task = Task(actions=[{"id": "boil", "duration": 4}])
+    >>> change = {"op": "set_duration", "action": "boil", "duration": 6}
+    >>> apply(task, Event(at=1, changes=[change])).actions[0].duration
+    6
+    """
+    report = check_event(task, event, source=source)
+    if not report.ok:
+        raise InputError(report)
+    draft = _Draft(task, task.number(event.at), starts)
+    for i, change in enumerate(event.changes):
+        try:
+            _OPERATIONS[type(change)](draft, change)
+        except _NoStart as error:
+            raise InputError(_no_start(error.action, i, source)) from None
+    return draft.revised(event)
+
+
+class _NoStart(Exception):
+    """An observation names the end of an action whose start nobody has told."""
+
+    def __init__(self, action: str) -> None:
+        super().__init__(action)
+        self.action = action
+
+
+def _no_start(action: str, change: int, source: Source | None) -> Report:
+    findings = Findings()
+    findings.add(
+        Code.UNSUITED_CHANGE,
+        f"when action {action!r} started is not known, so its end says no duration",
+        ("changes", change, "finished"),
+        hint='say when it did: "started": …',
+    )
+    return Report(tuple(findings.items), source)
+
+
+class _Draft:
+    """A task that is being revised. Elements keep their order; new ones come last."""
+
+    def __init__(self, task: Task, at: Number, starts: Mapping[str, Number]) -> None:
+        self.task, self.at, self.starts = task, at, starts
+        self.clock = task.clock
+        self.actions: dict[str, Action] = {a.id: a for a in task.actions}
+        self.resources: dict[str, Resource] = {r.id: r for r in task.resources}
+        self.state: dict[str, StateVariable] = {s.id: s for s in task.state}
+        self.groups: dict[str, Group] = {g.id: g for g in task.groups}
+        self.precedence: list[Precedence] = list(task.precedence)
+        self.whole: dict[str, Any] = {}
+        """Fields of the task that are replaced as a whole."""
+
+    def revised(self, event: Event) -> Task:
+        """The task that the changes have made."""
+        fields: dict[str, Any] = {
+            "actions": tuple(self.actions.values()),
+            "resources": tuple(self.resources.values()),
+            "state": tuple(self.state.values()),
+            "groups": tuple(self.groups.values()),
+            "precedence": tuple(self.precedence),
+            "events": _without(self.task.events, event),
+            **self.whole,
+        }
+        changed = {k: v for k, v in fields.items() if v != getattr(self.task, k)}
+        # Its elements no longer stand where the text that was read has them.
+        return self.task.model_copy(update=changed).with_source(None)
+
+    def change_action(self, name: str, **fields: Any) -> None:
+        self.actions[name] = self.actions[name].model_copy(update=fields)
+
+    def cancel(self, names: Collection[str]) -> None:
+        """Ends actions; what orders, groups and wants them lapses."""
+        gone = frozenset(names)
+        for name in gone:
+            self.actions[name] = ended(self.actions[name], self.at, self.clock)
+        self.precedence = [e for e in self.precedence if gone.isdisjoint((e.before, e.after))]
+        for group in [g for g in self.groups.values() if not gone.isdisjoint(g.actions)]:
+            left = tuple(a for a in group.actions if a not in gone)
+            if not left:
+                del self.groups[group.id]
+            else:
+                self.groups[group.id] = group.model_copy(update={"actions": left})
+        goals = self.whole.get("goals", self.task.goals)
+        self.whole["goals"] = tuple(g for g in goals if not isinstance(g, str) or g not in gone)
+
+
+def _without(events: tuple[Event, ...], event: Event) -> tuple[Event, ...]:
+    """The events without the first that equals `event`."""
+    place = events.index(event) if event in events else len(events)
+    return (*events[:place], *events[place + 1 :])
+
+
+def _add(table: dict[str, Any], elements: Iterable[Any]) -> None:
+    table.update((element.id, element) for element in elements)
+
+
+def _cancel_groups(draft: _Draft, change: CancelGroups) -> None:
+    """Members go with their order, unless another one that stays wants them."""
+    taken_back = [draft.groups.pop(name) for name in dict.fromkeys(change.groups)]
+    wanted = {action for group in draft.groups.values() for action in group.actions}
+    draft.cancel({a for group in taken_back for a in group.actions} - wanted)
+
+
+def _remove_precedence(draft: _Draft, change: RemovePrecedence) -> None:
+    removed = {(edge.before, edge.after) for edge in change.precedence}
+    draft.precedence = [e for e in draft.precedence if (e.before, e.after) not in removed]
+
+
+def _set_capacity(draft: _Draft, change: SetCapacity) -> None:
+    clock = draft.clock
+    start = draft.at if change.from_ is None else max(draft.at, clock.number(change.from_))
+    end = None if change.to is None else clock.number(change.to)
+    resource = draft.resources[change.resource]
+    draft.resources[resource.id] = with_capacity(resource, change.capacity, start, end, clock)
+
+
+def _set_deadline(draft: _Draft, change: SetDeadline) -> None:
+    if change.action is not None:
+        draft.change_action(change.action, deadline=change.deadline)
+    elif change.group is not None:
+        group = draft.groups[change.group]
+        draft.groups[group.id] = group.model_copy(update={"deadline": change.deadline})
+    else:
+        draft.whole["deadline"] = change.deadline
+
+
+def _set_state(draft: _Draft, change: SetState) -> None:
+    fact, order = world_change(change.var, change.value, draft.at, draft.actions, draft.clock)
+    draft.actions[fact.id] = fact
+    draft.precedence += [] if order is None else [order]
+
+
+def _observe(draft: _Draft, change: Observe) -> None:
+    """What happened is what the task says from now on: a fixed start, an exact duration.
+
+    Of one of several occurrences a task cannot say that: the history alone has it.
+    """
+    name, clock = change.action, draft.clock
+    action = draft.actions[name]
+    if action.may_repeat:
+        return
+    if change.started is not None:
+        started = clock.number(change.started)
+        draft.change_action(name, start=started)
+        if clock.number(action.release) > started:  # It did start, whatever it should have done.
+            draft.change_action(name, release=started)
+    if change.finished is not None:
+        _end_at(draft, name, clock.number(change.finished))
+
+
+def _end_at(draft: _Draft, name: str, finished: Number) -> None:
+    action = draft.actions[name]
+    started = draft.starts.get(name)
+    if action.start is not None:
+        started = draft.clock.number(action.start)
+    if started is None or started > finished:
+        raise _NoStart(name)
+    length = finished - started
+    if action.modes:
+        modes = tuple(mode.model_copy(update={"duration": length}) for mode in action.modes)
+        draft.change_action(name, modes=modes)
+    else:
+        draft.change_action(name, duration=length)
+
+
+def _replace(field: str) -> Callable[[_Draft, Any], None]:
+    def replace(draft: _Draft, change: Any) -> None:
+        draft.whole[field] = getattr(change, field)
+
+    return replace
+
+
+_OPERATIONS: Mapping[type, Callable[[_Draft, Any], None]] = MappingProxyType(
+    {
+        AddActions: lambda draft, change: _add(draft.actions, change.actions),
+        CancelActions: lambda draft, change: draft.cancel(change.actions),
+        SetDuration: lambda draft, c: draft.change_action(c.action, duration=c.duration),
+        AddPrecedence: lambda draft, change: draft.precedence.extend(change.precedence),
+        RemovePrecedence: _remove_precedence,
+        AddResources: lambda draft, change: _add(draft.resources, change.resources),
+        SetCapacity: _set_capacity,
+        SetDeadline: _set_deadline,
+        SetRelease: lambda draft, c: draft.change_action(c.action, release=c.release),
+        AddGroups: lambda draft, change: _add(draft.groups, change.groups),
+        CancelGroups: _cancel_groups,
+        SetGoals: _replace("goals"),
+        SetState: _set_state,
+        AddState: lambda draft, change: _add(draft.state, change.state),
+        SetObjective: _replace("objective"),
+        Observe: _observe,
+    }
+)

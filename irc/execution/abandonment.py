@@ -1,0 +1,93 @@
+"""Which half-done orders are given up: as few as possible, and only on a proof.
+
+What is half-done is finished if any continuation allows it. Where a proof says that none does, it
+is found which can be finished together.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+from irc.execution.continuation import PROVER, Remainder
+from irc.model.quantities import Number
+from irc.problem import Problem
+from irc.problem.objective_values import costs
+from irc.schedule import Status
+from irc.targets import Outcome, get_backend
+
+Found = tuple[Outcome, Problem, tuple[int, ...]]
+"""An outcome, the problem it answers, and the groups given up."""
+
+PROVER_SHARE = 0.1
+"""The part of the time limit that this may take."""
+
+GIVEN_UP_TRIED = 200
+"""So many choices of orders to give up are tried at most, smaller ones first."""
+
+
+def best_continuation(remainder: Remainder) -> Found:
+    """The best continuation that gives up as few half-done groups as possible."""
+    half_done = remainder.frozen.half_done()
+    has_prover = not remainder.backend.proves and get_backend(PROVER).engine().missing() is None
+    if half_done and has_prover:
+        return _as_proven(remainder)
+    outcome, problem = remainder.attempt(())
+    if outcome.status is Status.UNKNOWN and has_prover:
+        proven, whole = replace(_prover(remainder), began=time.perf_counter()).attempt(())
+        if proven.status is Status.INFEASIBLE:
+            return proven, whole, ()
+    if outcome.schedule is not None or not half_done:
+        return outcome, problem, ()
+    found, certain = _smallest(remainder, half_done, outcome.status is not Status.UNKNOWN)
+    if found:
+        return min(found, key=lambda f: _value(f[1], f[0]))
+    # Without a proof that the others can be finished no more, none is given up.
+    return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
+
+
+def _prover(remainder: Remainder) -> Remainder:
+    """The same for the prover, with its share of the time."""
+    means, seconds = remainder.means, remainder.means.limits.seconds
+    if seconds is not None:
+        limits = replace(means.limits, seconds=seconds * PROVER_SHARE)
+        means = replace(means, limits=limits, on_progress=None)
+    prover = get_backend(PROVER)
+    return replace(remainder, backend=prover, engine=prover.engine(), means=means)
+
+
+def _as_proven(remainder: Remainder) -> Found:
+    """The continuation that gives up what the prover has, so that no time is lost on the rest."""
+    proven = best_continuation(_prover(remainder))
+    if proven[0].status is Status.INFEASIBLE:
+        return proven
+    return (*remainder.attempt(proven[2]), proven[2])
+
+
+def _smallest(
+    remainder: Remainder, half_done: Sequence[int], certain: bool
+) -> tuple[list[Found], bool]:
+    """What comes of giving up as few as possible, and whether fewer are known not to do."""
+    found: list[Found] = []
+    sizes = range(1, 1 + len(half_done))
+    choices = (chosen for size in sizes for chosen in combinations(half_done, size))
+    for tried, given_up in enumerate(choices):
+        if found and len(given_up) > len(found[0][2]):
+            break
+        spent = remainder.left is not None and remainder.left <= 0
+        certain = certain and not spent and tried < GIVEN_UP_TRIED
+        if not certain:
+            break
+        outcome, problem = remainder.attempt(given_up)
+        if outcome.schedule is not None:
+            found.append((outcome, problem, given_up))
+        certain = outcome.status is not Status.UNKNOWN
+    return found, certain
+
+
+def _value(problem: Problem, outcome: Outcome) -> tuple[Number, ...]:
+    """The objectives in their order; less is better."""
+    assert outcome.schedule is not None
+    return tuple(costs(problem, outcome.schedule).values())

@@ -1,0 +1,153 @@
+"""Conflicts that only what has begun causes: they are carried, so they must not bind any more.
+
+Each is relaxed just so far that the history is possible. What they are is told by judging the
+history alone with the validator, which shares no code with this.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from irc.execution.executed import Fact
+from irc.execution.state_conflicts import without_broken_conditions
+from irc.execution.stock_conflicts import with_stock_lent
+from irc.lowering.elements import shared_of
+from irc.problem import Activity, Arc, Problem, Renewable, Window
+from irc.schedule import Entry
+
+
+def relaxed(
+    problem: Problem, facts: Mapping[int, Fact], now: int
+) -> tuple[Problem, dict[int, Fact]]:
+    """The problem without what its facts (by activity) contradict, and its facts.
+
+    Where a condition of what is running breaks later on, a helper behind all other activities, a
+    fact too, holds it until then.
+    """
+    if not facts:
+        return problem, {}
+    problem = _without_late_deadline(problem, facts)
+    problem = replace(
+        problem, arcs=tuple(a for a in problem.arcs if not _is_broken(problem, a, facts))
+    )
+    problem = _with_room(problem, facts)
+    if problem.reservoirs:
+        problem = with_stock_lent(problem, facts, now)
+    if problem.variables:
+        return without_broken_conditions(problem, facts, now)
+    return problem, dict(facts)
+
+
+def _without_late_deadline(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
+    """Where a fact must end behind the task's deadline, it binds all others one by one."""
+    deadline = problem.deadline
+    if deadline is None:
+        return problem
+    late = {i for i, fact in facts.items() if _ends(problem, i, fact)[0] > deadline}
+    if not late:
+        return problem
+
+    def bound(i: int, activity: Activity) -> Activity:
+        if i in late:
+            return activity
+        own = deadline if activity.deadline is None else min(deadline, activity.deadline)
+        return replace(activity, deadline=own)
+
+    activities = tuple(bound(i, a) for i, a in enumerate(problem.activities))
+    return replace(problem, activities=activities, deadline=None)
+
+
+def _ends(problem: Problem, i: int, fact: Fact) -> tuple[int, int]:
+    """The least and the greatest time at which a fact can end."""
+    if not fact.running:
+        return fact.end, fact.end
+    activity = problem.activities[i]
+    return fact.start + activity.duration_min, fact.start + activity.duration_max
+
+
+def _is_broken(problem: Problem, arc: Arc, facts: Mapping[int, Fact]) -> bool:
+    """Whether two facts contradict a precedence, however long they take."""
+    if arc.before not in facts or arc.after not in facts:
+        return False
+    before, after = facts[arc.before], facts[arc.after]
+    if before.cancelled or after.cancelled:
+        return True
+    from_least, from_most = before.start, before.start
+    to_least, to_most = after.start, after.start
+    if arc.from_end:
+        from_least, from_most = _ends(problem, arc.before, before)
+    if arc.to_end:
+        to_least, to_most = _ends(problem, arc.after, after)
+    if to_most - from_least < arc.min_lag:
+        return True
+    return arc.max_lag is not None and to_least - from_most > arc.max_lag
+
+
+# --- capacity ---
+
+
+def overloaded(problem: Problem, running: Sequence[Entry]) -> set[int]:
+    """The resources (indexes) of which more is held by what is running than they ever have."""
+    held: Counter[str] = Counter()
+    for entry in running:
+        held.update(dict(entry.resources))
+    return {
+        r for r, resource in enumerate(problem.resources) if held[resource.id] > resource.capacity
+    }
+
+
+def _with_room(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
+    """Resources have as much as the facts hold, at every instant."""
+    loads: dict[int, list[tuple[int, int]]] = {}
+    for i, fact in facts.items():
+        activity = problem.activities[i]
+        if fact.resources is None or (fact.mode is None and activity.details.modes):
+            continue
+        end = _ends(problem, i, fact)[0]
+        for use in activity.uses if end > fact.start else ():
+            load = loads.setdefault(use.alternatives[0], [])
+            load += [(fact.start, use.amount), (end, -use.amount)]
+    changed = {
+        r: windows
+        for r, load in loads.items()
+        if (windows := _windows(problem.resources[r], load)) is not None
+    }
+    if not changed:
+        return problem
+    resources = tuple(
+        replace(r, windows=changed[k]) if k in changed else r
+        for k, r in enumerate(problem.resources)
+    )
+    return replace(
+        problem,
+        resources=resources,
+        # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
+        shared=tuple(
+            shared_of(resources[s.members[0]], s.members[0])
+            if len(s.members) == 1 and s.members[0] in changed
+            else s
+            for s in problem.shared
+        ),
+    )
+
+
+def _windows(resource: Renewable, load: list[tuple[int, int]]) -> tuple[Window, ...] | None:
+    """The windows of a resource with room for a load; None where there is enough already."""
+    times = {t for t, _ in load} | {t for w in resource.windows for t in (w.start, w.end)}
+    steps: dict[int, int] = {}
+    for time, amount in load:
+        steps[time] = steps.get(time, 0) + amount
+    changes = {w.end: resource.capacity for w in resource.windows}
+    changes.update((w.start, w.capacity) for w in resource.windows)
+    level, there, short, pieces = 0, resource.capacity, False, []
+    for start, end in pairwise(sorted(times)):
+        level += steps.get(start, 0)
+        there = changes.get(start, there)
+        short = short or level > there
+        pieces.append(Window(start, end, max(level, there)))
+    if not short:
+        return None
+    return tuple(w for w in pieces if w.capacity != resource.capacity)

@@ -1,0 +1,264 @@
+"""What is left of a task that is being carried out, and how an engine is asked to continue it.
+
+An engine is given either the whole problem, in which what has begun is fixed, or what is left with
+the present as time 0 (`Backend.begins_now`). Either way the answer is of the whole.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from irc.diagnostics import Code, Diagnostic
+from irc.driver.solve import SHORTCUT_ENGINE
+from irc.execution.freeze import Frozen, with_groups
+from irc.execution.history import History
+from irc.execution.residual import PastError, rebase
+from irc.execution.stabilise import settled
+from irc.execution.state import key_of
+from irc.execution.step import Means
+from irc.execution.warm_start import repaired
+from irc.model import Task
+from irc.model.quantities import Number
+from irc.passes import order_from_state, resource_bounds, run_passes
+from irc.passes.contention import drop_uncontended
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.grid import bound_on_grid
+from irc.passes.mandatory import mandatory_places
+from irc.passes.reduction import reduce_transitively
+from irc.problem import Problem
+from irc.problem.decisions import AnswerError
+from irc.problem.objective_values import worth
+from irc.retiming.retime import earliest_schedule
+from irc.retiming.to_schedule import schedule_of
+from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
+from irc.targets import (
+    Backend,
+    Engine,
+    EngineFailed,
+    EngineMissing,
+    ObjectiveLevel,
+    Outcome,
+    Program,
+)
+
+Judge = Callable[[Schedule], str | None]
+
+PROVER = "cpsat"
+"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
+
+LEAST_SECONDS = 0.1
+"""An engine is always given so much."""
+
+_PASSES = (
+    reduce_transitively,
+    drop_uncontended,
+    heads_and_tails,
+    resource_bounds,
+    bound_on_grid,
+)
+
+
+@dataclass
+class Remainder:
+    """A frozen problem, with those who can solve it within the limits that began at `began`."""
+
+    task: Task
+    frozen: Frozen
+    history: History
+    at: Number
+    backend: Backend
+    engine: Engine
+    means: Means
+    began: float = field(default_factory=time.perf_counter)
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until the limit."""
+        seconds = self.means.limits.seconds
+        return None if seconds is None else seconds - (time.perf_counter() - self.began)
+
+    def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
+        """The outcome where these groups are given up, and the problem it answers.
+
+        Raises `EngineMissing` or `EngineFailed`.
+        """
+        frozen = order_from_state(with_groups(self.frozen, given_up))
+        whole, impossible = _passed(frozen)
+        if impossible is not None:
+            return impossible, whole
+        if not whole.has_contention and not any(whole.earlier):
+            return _by_critical_path(whole), whole
+        missing = self.engine.missing()
+        if missing is not None:
+            raise EngineMissing(missing)
+        if self.backend.begins_now:
+            return self._from_now(frozen, whole, given_up), whole
+        if not whole.is_plain and self.means.limits.hints:
+            found = repaired(whole, self.frozen.facts, self.history.plan)
+            whole = replace(whole, start_from=found)
+        return self._solved(whole), whole
+
+    def tried(self, problem: Problem, seconds: float) -> Outcome:
+        """The outcome of another problem of the whole, within some seconds of its own.
+
+        Raises `EngineFailed` or `irc.targets.Refusal`.
+        """
+        whole, impossible = _passed(problem)
+        if impossible is not None:
+            return impossible
+        if not whole.has_contention:
+            return _by_critical_path(whole)
+        limits = replace(self.means.limits, seconds=seconds)
+        return self.engine.solve(Program(self.backend, self.task, whole), limits)
+
+    def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
+        """The entries of what was cancelled, or ran for an order that is given up, say so."""
+        groups, activities = self.frozen.problem.groups, self.frozen.problem.activities
+        kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
+        lost = {activities[i].id for k in given_up for i in groups[k].members if i not in kept}
+
+        def told(entry: Entry) -> Entry:
+            before = self.history.entries.get(key_of(entry))
+            cancelled = before is not None and before.status == CANCELLED
+            status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
+            return replace(entry, status=status)
+
+        entries = (told(e) for e in schedule.entries if e.id not in self.frozen.helpers)
+        return replace(schedule, entries=tuple(entries))
+
+    def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
+        program = Program(self.backend, self.task, problem, judge=judge)
+        limits = self.means.limits
+        if self.left is not None:
+            limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
+        return self.engine.solve(program, limits, self.means.on_progress)
+
+    def _judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
+        """What the validator has against a whole history; None: nothing."""
+        from irc.validation import validate
+
+        verdict = validate(self.task, self.with_status(schedule, given_up), self.at)
+        return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
+
+    def _from_now(self, frozen: Problem, whole: Problem, given_up: Sequence[int]) -> Outcome:
+        """The outcome of what is left, with the history before it."""
+        now = self.frozen.now
+        try:
+            rebased = rebase(frozen, self.frozen.facts, now)
+        except PastError as error:
+            return _impossible(str(error))
+        left, impossible = _passed(rebased.problem, now)
+        if impossible is not None:
+            return impossible
+        if whole.bound.value - now > left.bound.value:
+            left = replace(left, bound=replace(whole.bound, value=whole.bound.value - now))
+
+        def judge(schedule: Schedule) -> str | None:
+            """What the validator says of a plan with the history before it."""
+            try:
+                merged = rebased.merged(whole, schedule)
+            except AnswerError as error:
+                return str(error)
+            return self._judged(merged, given_up)
+
+        found = self._solved(left, judge) if left.has_contention else _by_critical_path(left, now)
+        if found.schedule is None:
+            return found
+        try:
+            merged = rebased.merged(whole, found.schedule)
+        except AnswerError as error:
+            raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
+        outcome = _of_whole(found, left, whole, merged, now)
+        kept = settled(
+            whole,
+            merged,
+            self.history.entries.values(),
+            self.means.stability,
+            lambda schedule: self._judged(schedule, given_up) is None,
+        )
+        return _settled(outcome, whole, kept)
+
+
+def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
+    """The problem after the passes; an outcome where they show that it has no schedule.
+
+    `since` is when its time begins, in ticks.
+    """
+    try:
+        problem = run_passes(problem, _PASSES)
+    except ValueError:
+        return problem, _impossible("what has begun and the lags of the task contradict each other")
+    if problem.deadline is not None and problem.bound.value > problem.deadline:
+        bound = f"no continuation ends before {problem.time_text(since + problem.bound.value)}"
+        return problem, _impossible(f"{bound} ({problem.bound.reason})")
+    for i in mandatory_places(problem):
+        head, activity = problem.heads[i], problem.activities[i]
+        too_late = _too_late(problem, i, head, head + activity.duration_min, since)
+        if too_late is not None:
+            return problem, _impossible(too_late)
+    return problem, None
+
+
+def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str | None:
+    """What keeps an activity from being so late; None: nothing."""
+    activity, deadline = problem.activities[i], problem.effective_deadline(i)
+    if deadline is not None and end > deadline:
+        if deadline < 0:
+            return f"{activity.id!r} must have ended by now, and has not begun"
+        earliest, limit = problem.time_text(since + end), problem.time_text(since + deadline)
+        return f"{activity.id!r} cannot end before {earliest}, and must by {limit}"
+    if activity.start is not None and start > activity.start:
+        earliest, fixed = (
+            problem.time_text(since + start),
+            problem.time_text(since + activity.start),
+        )
+        return f"{activity.id!r} must start at {fixed}, and cannot before {earliest}"
+    return None
+
+
+def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
+    """Everything as early as it can be: what is too late even so shows that nothing is possible."""
+    try:
+        placed = earliest_schedule(problem)
+    except AnswerError as error:
+        return _impossible(str(error))
+    for i, place in enumerate(placed):
+        too_late = _too_late(problem, i, place.start, place.end, since)
+        if too_late is not None:
+            return _impossible(too_late)
+    schedule = schedule_of(problem, placed)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
+
+
+def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, now: int) -> Outcome:
+    """An outcome of what is left as one of the whole: each value is off by what history adds."""
+    assert found.schedule is not None
+    part, all_of_it = worth(left, found.schedule), worth(whole, merged)
+    levels = []
+    for level in found.levels:
+        bound = level.bound
+        if bound is not None and level.name == "makespan":
+            bound = whole.to_units(now) + bound if bound else None
+        elif bound is not None:
+            bound += all_of_it[level.name] - part[level.name]
+        levels.append(ObjectiveLevel(level.name, all_of_it[level.name], bound))
+    bound_now = now + found.bound if found.bound else 0
+    return replace(found, schedule=merged, bound=bound_now, levels=tuple(levels))
+
+
+def _settled(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
+    """The outcome once less of it moves: the bounds are as before, the values may not be."""
+    values = worth(whole, schedule)
+    levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
+    status = outcome.status
+    if status is Status.OPTIMAL and whole.stability:
+        status = Status.FEASIBLE
+    return replace(outcome, status=status, schedule=schedule, levels=levels)
+
+
+def _impossible(why: str) -> Outcome:
+    hint = "a later deadline or more capacity would be needed"
+    note = Diagnostic(Code.NO_CONTINUATION, why, hint=hint)
+    return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))

@@ -1,0 +1,234 @@
+"""A task that is being carried out: for a live executive, and for whole simulations."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable
+from fractions import Fraction
+
+from irc.checks.events import check_event
+from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics.source import Source
+from irc.events.apply import apply
+from irc.execution.history import History
+from irc.execution.replanning import solve_step
+from irc.execution.state import ExecutionState
+from irc.execution.step import Means, Step
+from irc.model import Event, Task
+from irc.model.quantities import Number
+from irc.model.times import Instant, format_number, parse_instant
+from irc.schedule import Schedule
+from irc.targets import Limits, OnProgress
+
+DEFAULT_SECONDS = 60.0
+
+
+class Execution:
+    """A task in force, the schedule that is being carried out, and the time.
+
+    `stability` says by how much, in percent, the last objective may get worse to move fewer
+    actions; among equals fewer are moved anyway. Not for several threads at once.
+
+    >>> import irc
+    >>> task = irc.Task(
+    ...     resources=[{"id": "van"}],
+    ...     actions=[{"id": n, "duration": 10, "uses": [{"resource": "van"}]} for n in "ab"],
+    ... )
+    >>> run = Execution(task, irc.solve(task))
+    >>> run.apply(Event(at=4, changes=[{"op": "set_duration", "action": "a", "duration": 12}])).ok
+    True
+    >>> run.replan().schedule.makespan
+    22
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        schedule: Schedule,
+        at: Number = 0,
+        *,
+        target: str = "cpsat",
+        engine: str = "auto",
+        limits: Limits | None = None,
+        stability: float | Fraction = 0,
+        on_progress: OnProgress | None = None,
+    ) -> None:
+        """Raises `InputError` where the schedule says what the task does not have."""
+        _require_known(task, schedule)
+        self.task = task
+        self.now: Number = at
+        self.means = Means(
+            target,
+            engine,
+            Limits(DEFAULT_SECONDS) if limits is None else limits,
+            Fraction(stability) / 100,
+            on_progress,
+        )
+        self._schedule = schedule
+        self._history = History.of(schedule)
+        self._events: list[Event] = []
+
+    def copy(self) -> Execution:
+        """Another execution that stands where this one does; neither sees what the other does."""
+        other = copy.copy(self)
+        other._history = self._history.copy()
+        other._events = list(self._events)
+        return other
+
+    @property
+    def schedule(self) -> Schedule:
+        """The schedule in force, with what was observed in place of what was planned.
+
+        After an event it is out of date until `replan`.
+        """
+        if not self._events:
+            return self._schedule
+        entries = sorted(self._history.entries.values(), key=lambda e: (e.start, e.end, e.id))
+        return Schedule(tuple(entries), task=self.task.name)
+
+    @property
+    def pending(self) -> tuple[Event, ...]:
+        """The events since the last plan."""
+        return tuple(self._events)
+
+    def state(self) -> ExecutionState:
+        """What is completed, running and open now."""
+        return self._history.state(self.now)
+
+    def advance(self, to: Instant) -> None:
+        """Lets time pass. Raises `InputError` for a time that has passed already."""
+        time = self.task.number(parse_instant(to))
+        if time < self.now:
+            raise _in_the_past(
+                "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
+            )
+        self.now = time
+
+    def observe(
+        self,
+        action: str,
+        *,
+        started: Instant | None = None,
+        finished: Instant | None = None,
+        occurrence: int = 1,
+    ) -> Report:
+        """What really happened, as of now: an `observe` event. Raises `InputError`."""
+        seen = {"started": started, "finished": finished}
+        change = {
+            "op": "observe",
+            "action": action,
+            "occurrence": occurrence,
+            **{k: v for k, v in seen.items() if v is not None},
+        }
+        return self.apply(Event.model_validate({"at": self.now, "changes": [change]}))
+
+    def apply(self, event: Event, *, source: Source | None = None) -> Report:
+        """Revises the task by an event, now or later: time passes until then.
+
+        Raises `InputError` where the event is at fault, and then nothing of it is applied;
+        `source` is the text that it was read from. The plan is not repaired before `replan`.
+        """
+        report = check_event(self.task, event, source=source)
+        if not report.ok:
+            raise InputError(report)
+        at = self.task.number(event.at)
+        if at < self.now:
+            raise _in_the_past(
+                "the event is at", at, self.now, self.task.time_unit, ("at",), source
+            )
+        history, findings = self._history.copy(), Findings()
+        history.take(self.task, event, findings)
+        if findings.items:
+            raise InputError(Report(tuple(findings.items), source))
+        self.task = apply(self.task, event, self._history.starts(at), source=source)
+        self.now = at
+        self._history = history
+        self._events.append(event)
+        return report
+
+    def replan(self) -> Step:
+        """Repairs the schedule for all events since the last plan, as of now.
+
+        Where no continuation exists the step says so, and the old schedule stays. Raises
+        `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+        """
+        step = solve_step(self.task, self._history, self.now, self.means, tuple(self._events))
+        if step.schedule.answered:
+            self.adopt(step.schedule)
+        return step
+
+    def adopt(self, schedule: Schedule) -> None:
+        """Takes a schedule, such as that of a step, as the one that is carried out from now on."""
+        _require_known(self.task, schedule)
+        entries = {(e.id, e.occurrence): e for e in schedule.entries}
+        self._history.entries, self._history.plan = entries, dict(entries)
+        self._schedule = schedule
+        self._events.clear()
+
+
+def replan(
+    task: Task,
+    schedule: Schedule,
+    at: Number,
+    events: Iterable[Event] = (),
+    *,
+    target: str = "cpsat",
+    engine: str = "auto",
+    limits: Limits | None = None,
+    stability: float | Fraction = 0,
+    on_progress: OnProgress | None = None,
+) -> Step:
+    """The schedule of a running task repaired at `at`, after events of that instant.
+
+    Raises what `Execution.apply` and `Execution.replan` raise.
+    """
+    execution = Execution(
+        task,
+        schedule,
+        at,
+        target=target,
+        engine=engine,
+        limits=limits,
+        stability=stability,
+        on_progress=on_progress,
+    )
+    for event in events:
+        execution.apply(event)
+    return execution.replan()
+
+
+def _require_known(task: Task, schedule: Schedule) -> None:
+    """A schedule of a running task names its actions, each occurrence once."""
+    known = {action.id for action in task.actions}
+    findings = Findings()
+    seen: set[tuple[str, int]] = set()
+    for k, entry in enumerate(schedule.entries):
+        if entry.id not in known:
+            message = f"the schedule has {entry.id!r}, which the task does not have"
+            hint = "give the schedule of this task, and the task as earlier events have revised it"
+            findings.add(Code.BAD_SCHEDULE, message, ("actions", k, "id"), hint=hint)
+        elif (entry.id, entry.occurrence) in seen:
+            message = f"the schedule has {entry.id!r} twice with the same occurrence"
+            hint = 'number what occurs several times: "occurrence": 2'
+            findings.add(Code.BAD_SCHEDULE, message, ("actions", k), hint=hint)
+        seen.add((entry.id, entry.occurrence))
+    if findings.items:
+        raise InputError(Report(tuple(findings.items)))
+
+
+def _in_the_past(
+    what: str,
+    time: Number,
+    now: Number,
+    unit: str,
+    pointer: tuple[str, ...],
+    source: Source | None,
+) -> InputError:
+    findings = Findings()
+    findings.add(
+        Code.EVENT_TIME,
+        f"{what} {format_number(time)} {unit}, but it is {format_number(now)} {unit} already",
+        pointer,
+        hint="events come in the order of their times; only what is still to come can be changed",
+    )
+    return InputError(Report(tuple(findings.items), source))

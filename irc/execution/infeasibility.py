@@ -1,0 +1,265 @@
+"""Why nothing continues what has run: which limits would have to give way.
+
+Told is what suffices: a schedule was found in which only the limits that are named are broken. Each
+sort of limit is tried for itself, with CP-SAT and for a short time only.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeVar
+
+from irc.diagnostics import Code, Diagnostic
+from irc.execution.continuation import PROVER, Remainder
+from irc.execution.freeze import with_groups
+from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
+from irc.lowering.choices import NEVER
+from irc.passes import order_from_state
+from irc.problem import Activity, Problem
+from irc.problem.decisions import AnswerError
+from irc.schedule import Schedule, Status
+from irc.targets import EngineFailed, Refusal, get_backend
+
+PATIENCE = 3.0
+"""Seconds for all that is tried."""
+
+EACH = 1.0
+"""Seconds for one problem that is tried."""
+
+SHOWN = 3
+"""So many limits of one sort are named."""
+
+
+def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
+    """What must give way where nothing continues a history, whatever is given up.
+
+    Empty where nothing was found. Never takes long, nor longer than what is left of the limit.
+    """
+    frozen, left = remainder.frozen, remainder.left
+    until = time.perf_counter() + (PATIENCE if left is None else min(PATIENCE, left))
+    problem = order_from_state(with_groups(frozen, frozen.half_done()))
+    problem = replace(problem, earlier=(), recurring={})
+    helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
+    backend = get_backend(PROVER)
+    prover = replace(remainder, backend=backend, engine=backend.engine())
+    if prover.engine.missing() is not None:
+        return ()
+    search = _Search(problem, helpers.union(frozen.facts), prover, until)
+    for sort in _SORTS:
+        found = [*sort(search)]
+        if found:
+            return tuple(
+                Diagnostic(Code.NO_CONTINUATION, why, hint=hint) for why, hint in found[:SHOWN]
+            )
+        if search.left <= 0:
+            break
+    return ()
+
+
+_Item = TypeVar("_Item")
+
+_Reason = tuple[str, str]
+"""What is wrong, and what to do."""
+
+
+@dataclass(frozen=True)
+class _Search:
+    problem: Problem
+    begun: Collection[int]
+    prover: Remainder
+    until: float
+
+    @property
+    def left(self) -> float:
+        return self.until - time.perf_counter()
+
+    @property
+    def open(self) -> list[tuple[int, Activity]]:
+        """What has not begun and is not over."""
+        return [
+            (i, a)
+            for i, a in enumerate(self.problem.activities)
+            if i not in self.begun and a.deadline != NEVER
+        ]
+
+    def tried(self, relaxed: Problem) -> tuple[Schedule, bool] | None:
+        """A schedule of a relaxed problem, and whether it is the best, if one was found."""
+        if self.left <= 0:
+            return None
+        try:
+            found = self.prover.tried(relaxed, min(EACH, self.left))
+        except (AnswerError, EngineFailed, Refusal):
+            return None  # Who breaks down proves nothing.
+        if found.schedule is None:
+            return None
+        return found.schedule, found.status is Status.OPTIMAL
+
+    def is_possible(self, relaxed: Problem) -> bool:
+        return self.tried(replace(relaxed, objectives=("makespan",))) is not None
+
+    def with_open(self, change: Callable[[Activity], Activity]) -> tuple[Activity, ...]:
+        """The activities, those that are open changed."""
+        changed = list(self.problem.activities)
+        for i, activity in self.open:
+            changed[i] = change(activity)
+        return tuple(changed)
+
+    def without(self, limits: Collection[Limit]) -> tuple[Schedule, bool] | None:
+        """A schedule that need not keep some limits: with as little lateness as can be."""
+        problem = without(self.problem, limits)
+        activities = [replace(a, details=replace(a.details, due=None)) for a in problem.activities]
+        for sort, i in limits:
+            if sort in (Sort.DEADLINE, Sort.START):
+                was, now = self.problem.activities[i], activities[i]
+                due = was.deadline if sort is Sort.DEADLINE else (was.start or 0) + was.duration_min
+                activities[i] = replace(now, details=replace(now.details, due=due, weight=1))
+        late = any(a.details.due is not None for a in activities)
+        relaxed = replace(
+            problem,
+            activities=tuple(activities),
+            groups=tuple(replace(g, due=None) for g in problem.groups),
+            objectives=("tardiness", "makespan") if late else ("makespan",),
+        )
+        return self.tried(relaxed)
+
+
+def _too_small(search: _Search) -> Iterator[_Reason]:
+    """What must be there and asks for more than any of its resources ever has from now on."""
+    problem = search.problem
+    for i, activity in search.open:
+        details = activity.details
+        if details.optional or not activity.duration_min or _is_choice(problem, i):
+            continue
+        for k, use in enumerate(activity.uses):
+            if details.use_mode(k) is not None:
+                continue
+            greatest = max(_greatest(problem, r, activity.release) for r in use.alternatives)
+            if greatest < use.amount:
+                names = " or ".join(repr(problem.resources[r].id) for r in use.alternatives)
+                why = f"{activity.id!r} needs {use.amount} of {names}, which has {greatest} at most"
+                yield why, f"more of {names}, or {activity.id!r} cancelled, would help"
+
+
+def _is_choice(problem: Problem, index: int) -> bool:
+    return any(not g.required and index in g.members for g in problem.groups)
+
+
+def _greatest(problem: Problem, resource: int, since: int) -> int:
+    """The greatest capacity from a time on; the last window may go on for good."""
+    r = problem.resources[resource]
+    later = [w.capacity for w in r.windows if w.end > since]
+    return max((r.capacity, *later))
+
+
+def _times(search: _Search) -> Iterator[_Reason]:
+    """The limits on time that would have to give way: of one sort if that is enough, else of all.
+
+    The fewest that do are looked for by taking them back one by one.
+    """
+    limits = [*time_limits(search.problem, search.begun)]
+    by_sort = [[limit for limit in limits if limit.sort is sort] for sort in Sort]
+    for dropped in (*filter(None, by_sort), limits):
+        found = search.without(dropped)
+        if found is None:
+            continue
+        needed = broken(search.problem, dropped, found[0])
+        for limit in [*needed]:
+            fewer = [other for other in needed if other != limit]
+            again = search.without(fewer) if fewer and limit in needed else None
+            if again is not None:
+                found, needed = again, broken(search.problem, fewer, again[0])
+        only = found[1] and len(needed) == 1
+        for limit, reached in needed.items():
+            yield in_words(search.problem, limit, reached, only), HINTS[limit.sort]
+        return
+
+
+def _goals(search: _Search) -> Iterator[_Reason]:
+    problem = search.problem
+    for k, (v, value) in enumerate(problem.goals):
+        rest = problem.goals[:k] + problem.goals[k + 1 :]
+        if search.is_possible(replace(problem, goals=rest)):
+            variable = problem.variables[v]
+            what = f"{variable.id!r} = {_value(variable.values[value])}"
+            yield f"the goal {what} cannot be reached any more", "other goals would help"
+
+
+def _state(search: _Search) -> Iterator[_Reason]:
+    """Variables without whose conditions something would go on."""
+    problem = search.problem
+    for v, variable in enumerate(problem.variables):
+        needed = sorted(
+            {
+                (a.id, _value(variable.values[c.value]))
+                for _, a in search.open
+                for c in a.details.conditions
+                if c.var == v
+            }
+        )
+        if not needed:
+            continue
+        freed = search.with_open(partial(_without_conditions, var=v))
+        if search.is_possible(replace(problem, activities=freed)):
+            asked = ", ".join(f"{value} for {name!r}" for name, value in needed[:SHOWN])
+            why = f"{variable.id!r} does not become what is needed: {asked}"
+            yield why, "an action that brings it about, or another value now, would help"
+
+
+def _without_conditions(activity: Activity, var: int) -> Activity:
+    kept = tuple(c for c in activity.details.conditions if c.var != var)
+    return replace(activity, details=replace(activity.details, conditions=kept))
+
+
+def _stock(search: _Search) -> Iterator[_Reason]:
+    problem = search.problem
+    changes = [c for a in problem.activities for c in a.details.stock]
+    for r, reservoir in enumerate(problem.reservoirs):
+        taken = sum(-c.amount for c in changes if c.reservoir == r and c.amount < 0)
+        fuller = replace(reservoir, initial=reservoir.initial + taken, greatest=None)
+        if search.is_possible(replace(problem, reservoirs=_put(problem.reservoirs, r, fuller))):
+            yield f"the stock of {reservoir.id!r} does not last", f"more of {reservoir.id!r} helps"
+
+
+def _capacities(search: _Search) -> Iterator[_Reason]:
+    problem = search.problem
+    for r, resource in enumerate(problem.resources):
+        asked = sum(u.amount for a in problem.activities for u in a.uses if r in u.alternatives)
+        if asked <= resource.capacity and not resource.windows:
+            continue
+        if search.is_possible(_with_plenty(problem, r, max(asked, resource.capacity))):
+            why = f"there is not enough of {resource.id!r} for what is left"
+            yield why, f"more of {resource.id!r}, or sooner, would help"
+
+
+def _with_plenty(problem: Problem, resource: int, capacity: int) -> Problem:
+    """The problem where a resource always has so much."""
+    larger = replace(problem.resources[resource], capacity=capacity, windows=())
+    shared = tuple(
+        replace(s, capacity=max(capacity, s.capacity), base=None, windows=())
+        if resource in s.members
+        else s
+        for s in problem.shared
+    )
+    return replace(problem, resources=_put(problem.resources, resource, larger), shared=shared)
+
+
+def _put(items: Sequence[_Item], index: int, item: _Item) -> tuple[_Item, ...]:
+    return (*items[:index], item, *items[index + 1 :])
+
+
+def _value(value: bool | str) -> str:
+    return json.dumps(value, ensure_ascii=False)
+
+
+_SORTS: tuple[Callable[[_Search], Iterator[_Reason]], ...] = (
+    _too_small,
+    _times,
+    _goals,
+    _state,
+    _stock,
+    _capacities,
+)

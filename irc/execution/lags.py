@@ -1,0 +1,116 @@
+"""Lags between what is left of a running task, and what lags to its past come to."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
+
+from irc.execution.executed import Fact
+from irc.execution.fresh_names import fresh_name
+from irc.lowering.choices import NEVER
+from irc.problem import Activity, Arc, Problem
+
+_NOW = "now"
+"""What the instant is called that lags to the past are counted from."""
+
+
+class Lags:
+    """The arcs between what is left, and what arcs to the past come to."""
+
+    def __init__(
+        self,
+        facts: Mapping[int, Fact],
+        now: int,
+        places: Mapping[int, int],
+        activities: list[Activity],
+        names: Counter[str],
+    ) -> None:
+        self.facts, self.now, self.places = facts, now, places
+        self.activities, self.names = activities, names
+        self.arcs: list[Arc] = []
+        self.anchor: int | None = None
+
+    def add(self, arc: Arc, *, keep: bool) -> None:
+        """Adds an arc of the frozen problem.
+
+        With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
+        """
+        left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
+            arc.after, arc.to_end
+        )
+        if keep and left:
+            self.arcs.append(
+                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
+            )
+            return
+        before = self._known(arc.before, at_end=arc.from_end)
+        after = self._known(arc.after, at_end=arc.to_end)
+        if before is None and after is None:
+            self.arcs.append(
+                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
+            )
+        elif before is not None and after is None:
+            least = before + arc.min_lag
+            most = None if arc.max_lag is None else before + arc.max_lag
+            self._between(self.places[arc.after], arc.to_end, least, most)
+        elif before is None and after is not None:
+            least_before = None if arc.max_lag is None else after - arc.max_lag
+            self._between(self.places[arc.before], arc.from_end, least_before, after - arc.min_lag)
+
+    def _is_to_come(self, i: int, at_end: bool) -> bool:
+        """Whether a point of an activity is one of what is left."""
+        fact = self.facts.get(i)
+        return fact is None or (i in self.places and (at_end or fact.start == self.now))
+
+    def _known(self, i: int, *, at_end: bool) -> int | None:
+        """When a point of a fact is, from now on; None where it is still to be decided."""
+        fact = self.facts.get(i)
+        if fact is None:
+            return None
+        if not at_end:
+            return fact.start - self.now
+        if i in self.places and not self.activities[self.places[i]].is_fixed:
+            return None
+        return fact.end - self.now
+
+    def _between(self, i: int, at_end: bool, least: int | None, most: int | None) -> None:
+        """A point of activity i lies between two instants."""
+        activity = self.activities[i]
+        if least is not None and (activity.is_fixed or not at_end):
+            release = least - activity.duration_min if at_end else least
+            activity, least = replace(activity, release=max(activity.release, release)), None
+        if most is not None and (activity.is_fixed or at_end):
+            deadline = max(NEVER, most if at_end else most + activity.duration_min)
+            if activity.deadline is None or deadline < activity.deadline:
+                activity = replace(activity, deadline=deadline)
+            most = None
+        self.activities[i] = activity
+        if least is not None and least > 0:
+            self.arcs.append(Arc(self._anchor(), i, False, at_end, least, None, -1))
+        if most is not None:
+            self.arcs.append(Arc(i, self._anchor(), at_end, False, -most, None, -1))
+
+    def _anchor(self) -> int:
+        """An activity that stands for the present."""
+        if self.anchor is None:
+            self.anchor = len(self.activities)
+            # (Nothing else is named after this one.)
+            self.activities.append(Activity(fresh_name(_NOW, self.names), 0, 0, start=0))
+        return self.anchor
+
+
+def twins(problem: Problem, facts: Mapping[int, Fact], places: Mapping[int, int]) -> Iterator[Arc]:
+    """Of what began together and ends together, the ends come in the order of the starts.
+
+    (With a fixed duration both have the same rank.)
+    """
+    alike: dict[tuple[int, int], list[int]] = {}
+    for i in sorted(places):
+        if i in facts and problem.activities[i].is_fixed:
+            alike.setdefault((facts[i].start, facts[i].end), []).append(i)
+    for its in alike.values():
+        for i, j in pairwise(sorted(its, key=lambda i: facts[i].rank)):
+            if facts[i].rank < facts[j].rank:
+                yield Arc(places[i], places[j], to_end=True, origin=-1)

@@ -1,0 +1,132 @@
+"""The limits on time in a frozen problem: each can be dropped, and told where it is broken."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+from enum import Enum
+from typing import NamedTuple
+
+from irc.lowering.choices import NEVER
+from irc.problem import Arc, Problem
+from irc.schedule import Schedule
+
+
+class Sort(Enum):
+    """What limits the time."""
+
+    ALL = "the task's deadline"
+    DEADLINE = "the deadline of an action, or of a group that it is in"
+    START = "a fixed start"
+    LAG = "a maximum lag"
+
+
+class Limit(NamedTuple):
+    """What is limited (`of`) is an activity or an arc, by its index."""
+
+    sort: Sort
+    of: int = 0
+
+
+def time_limits(problem: Problem, begun: Collection[int]) -> Iterator[Limit]:
+    """The limits that still bind something: what has `begun` is settled."""
+    if problem.deadline is not None:
+        yield Limit(Sort.ALL)
+    for i, activity in enumerate(problem.activities):
+        if i in begun or activity.deadline == NEVER:
+            continue
+        if activity.deadline is not None:
+            yield Limit(Sort.DEADLINE, i)
+        if activity.start is not None:
+            yield Limit(Sort.START, i)
+    for k, arc in enumerate(problem.arcs):
+        if arc.max_lag is not None and not (arc.before in begun and arc.after in begun):
+            yield Limit(Sort.LAG, k)
+
+
+def without(problem: Problem, limits: Collection[Limit]) -> Problem:
+    """The problem without these limits; nothing starts earlier than it had to."""
+    activities, arcs = list(problem.activities), list(problem.arcs)
+    for sort, i in limits:
+        if sort is Sort.DEADLINE:
+            activities[i] = replace(activities[i], deadline=None)
+        elif sort is Sort.START:
+            release = max(activities[i].release, activities[i].start or 0)
+            activities[i] = replace(activities[i], start=None, release=release)
+        elif sort is Sort.LAG:
+            arcs[i] = arcs[i]._replace(max_lag=None)
+    deadline = None if Limit(Sort.ALL) in limits else problem.deadline
+    return replace(problem, activities=tuple(activities), arcs=tuple(arcs), deadline=deadline)
+
+
+def broken(problem: Problem, limits: Collection[Limit], schedule: Schedule) -> dict[Limit, str]:
+    """The limits that a schedule does not keep, each with what it has instead."""
+    starts, ends = _times(problem, schedule, False), _times(problem, schedule, True)
+    found: dict[Limit, str] = {}
+    for limit in limits:
+        sort, i = limit
+        if sort is Sort.ALL:
+            last = max(ends, key=lambda k: ends[k], default=None)
+            if last is not None and ends[last] > (problem.deadline or 0):
+                name = problem.activities[last].id
+                found[limit] = f"{problem.time_text(ends[last])}, when {name!r} does"
+        elif sort is Sort.DEADLINE:
+            if i in ends and ends[i] > (problem.activities[i].deadline or 0):
+                found[limit] = problem.time_text(ends[i])
+        elif sort is Sort.START:
+            if i in starts and starts[i] != problem.activities[i].start:
+                found[limit] = problem.time_text(starts[i])
+        else:
+            lag = _lag(problem.arcs[i], starts, ends)
+            if lag is not None and lag > (problem.arcs[i].max_lag or 0):
+                found[limit] = problem.time_text(lag)
+    return found
+
+
+def _lag(arc: Arc, starts: Mapping[int, int], ends: Mapping[int, int]) -> int | None:
+    if arc.before not in starts or arc.after not in starts:
+        return None
+    return (ends if arc.to_end else starts)[arc.after] - (ends if arc.from_end else starts)[
+        arc.before
+    ]
+
+
+def _times(problem: Problem, schedule: Schedule, at_end: bool) -> dict[int, int]:
+    """Where each activity that is there starts or ends, in ticks."""
+    entries = {(e.id, e.occurrence): e for e in schedule.entries}
+    times = {}
+    for i, activity in enumerate(problem.activities):
+        entry = entries.get((activity.id, activity.details.occurrence))
+        if entry is not None:
+            times[i] = int((entry.end if at_end else entry.start) / problem.tick)
+    return times
+
+
+def in_words(problem: Problem, limit: Limit, needed: str, only: bool) -> str:
+    """What a limit says, and what a continuation `needed`; `only`: nothing less will do."""
+    sort, i = limit
+    text = problem.time_text
+    could = "and could not before" if only else "and the best plan found has"
+    if sort is Sort.ALL:
+        limited = text(problem.deadline or 0)
+        return f"everything must end by {limited}, {could} {needed}"
+    if sort is Sort.LAG:
+        arc = problem.arcs[i]
+        after, before = problem.activities[arc.after].id, problem.activities[arc.before].id
+        most = text(arc.max_lag or 0)
+        return (
+            f"{after!r} must {'end' if arc.to_end else 'start'} at most {most} after {before!r} "
+            f"{'ends' if arc.from_end else 'starts'}, and the best plan found has {needed}"
+        )
+    activity = problem.activities[i]
+    if sort is Sort.DEADLINE:
+        return f"{activity.id!r} must end by {text(activity.deadline or 0)}, {could} {needed}"
+    return f"{activity.id!r} must start at {text(activity.start or 0)}, {could} {needed}"
+
+
+HINTS = {
+    Sort.ALL: "a later deadline of the task would help",
+    Sort.DEADLINE: "a later deadline for it, or what is before it cancelled, would help",
+    Sort.START: "another start for it would help",
+    Sort.LAG: "a longer maximum lag would help",
+}

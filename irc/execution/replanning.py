@@ -1,0 +1,119 @@
+"""One step of repair: what has begun stays, what is open is solved anew, on either target."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.driver.compile import refusals_told
+from irc.driver.judge import finish
+from irc.execution.abandonment import best_continuation
+from irc.execution.conflicts import overloaded
+from irc.execution.continuation import Remainder
+from irc.execution.executed import UnexplainedError, ticks_of
+from irc.execution.freeze import Frozen, freeze
+from irc.execution.history import History, ids
+from irc.execution.infeasibility import what_is_in_the_way
+from irc.execution.step import Means, Step, moved
+from irc.lowering.lower import lower
+from irc.model import Event, Task
+from irc.model.quantities import Number
+from irc.passes.contention import merge_pools
+from irc.problem import Problem
+from irc.schedule import Schedule, Status
+from irc.targets import EngineFailed, get_backend, require_support
+
+__all__ = ["Means", "Step", "solve_step"]
+
+CHOICES_APART = 400
+"""With more alternatives than this in all, pools are merged though what moves within one counts:
+the members are then told apart after solving, each action with its own of before if it is free."""
+
+
+def solve_step(
+    task: Task, history: History, at: Number, means: Means, events: tuple[Event, ...] = ()
+) -> Step:
+    """The best continuation of a history at `at`, for the task as it is in force.
+
+    Raises `InputError` (the target refuses the task, or the history does not fit it),
+    `UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    """
+    began = time.perf_counter()
+    state = history.state(at)
+    backend = get_backend(means.target)
+    engine = backend.engine(means.engine)
+    require_support(task, backend)
+    instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
+    problem = replace(lower(task, instants), stability=means.stability)
+    if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
+        problem = merge_pools(problem, overloaded(problem, state.running))
+    frozen = _frozen(task, problem, history, at)
+    remainder = Remainder(task, frozen, history, at, backend, engine, means)
+    with refusals_told(task):
+        outcome, whole, given_up = best_continuation(remainder)
+    if outcome.status is Status.INFEASIBLE:
+        outcome = replace(outcome, notes=what_is_in_the_way(remainder) or outcome.notes)
+    if outcome.schedule is not None:
+        told = remainder.with_status(outcome.schedule, given_up)
+        outcome = replace(outcome, schedule=told)
+    schedule = finish(task, whole, outcome, means.target, time.perf_counter() - began)
+    notes = outcome.notes
+    if schedule.answered:
+        notes = (*notes, *_carried(task, schedule, at))
+    return Step(
+        at,
+        events,
+        ids(state.completed),
+        ids(state.running),
+        moved(state.open, schedule, history) if schedule.answered else 0,
+        schedule,
+        task,
+        notes,
+        tuple(problem.groups[k].id for k in given_up),
+    )
+
+
+def _choices(problem: Problem) -> int:
+    """Among how many alternatives uses choose, all together."""
+    return sum(
+        len(claim.alternatives)
+        for activity in problem.activities
+        for claim in activity.claims
+        if len(claim.alternatives) > 1
+    )
+
+
+def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Frozen:
+    try:
+        return freeze(problem, history, at, ticks_of(problem, at))
+    except UnexplainedError as error:
+        entry = error.entry
+        findings = Findings()
+        held = ", ".join(sorted(entry.resources)) or "nothing"
+        findings.add(
+            Code.BAD_SCHEDULE,
+            f"{entry.id!r} has begun, and the schedule says that it holds {held}"
+            + (f" in mode {entry.mode!r}" if entry.mode is not None else "")
+            + ", which the task does not allow",
+            hint="give the schedule that is being carried out, as `irc solve` wrote it",
+        )
+        raise InputError(Report(tuple(findings.items), task.source)) from None
+
+
+def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
+    """The conflicts that only history causes. Raises `EngineFailed` where there are others."""
+    from irc.validation import validate
+
+    verdict = validate(task, schedule, at)
+    if not verdict.valid:
+        reasons = "; ".join(v.message for v in verdict.violations[:3])
+        raise EngineFailed(f"the answer was rejected by the validator: {reasons}")
+    return [
+        Diagnostic(
+            Code.CARRIED,
+            violation.message,
+            hint="it has begun already, so it is carried on with; nothing else may add to it",
+        )
+        for violation in verdict.carried
+    ]

@@ -1,0 +1,100 @@
+"""All events of a task, in the order of their times: a whole episode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import groupby
+from typing import Any
+
+from irc.driver.solve import solve_task
+from irc.execution.execution import DEFAULT_SECONDS, Execution
+from irc.execution.step import Step
+from irc.model import Event, Task
+from irc.model.times import json_number
+from irc.schedule import Schedule
+from irc.targets import Limits
+
+SIMULATION_VERSION = "1"
+
+OnStep = Callable[[Step], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """The steps of an episode; the first one is the plan as of t = 0, before any event.
+
+    An episode ends with its last event, or with the first step that has no answer.
+    """
+
+    task: str | None
+    steps: tuple[Step, ...]
+
+    @property
+    def final(self) -> Schedule:
+        """The last schedule: the whole history, where every step had an answer."""
+        return self.steps[-1].schedule
+
+    @property
+    def moved(self) -> int:
+        """How often a planned action was moved, over all steps."""
+        return sum(step.moved for step in self.steps)
+
+    def as_json(self) -> dict[str, Any]:
+        """The document that `irc simulate --format json` prints."""
+        final = self.final
+        return {
+            "irc_simulation": SIMULATION_VERSION,
+            "task": self.task,
+            "steps": [step.as_json() for step in self.steps],
+            "final": final.as_json(),
+            "makespan": json_number(final.makespan) if final.answered else None,
+            "moved": self.moved,
+        }
+
+
+def simulate(
+    task: Task,
+    *,
+    schedule: Schedule | None = None,
+    target: str = "cpsat",
+    engine: str = "auto",
+    limits: Limits | None = None,
+    stability: float | Fraction = 0,
+    on_step: OnStep | None = None,
+) -> Simulation:
+    """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
+
+    Events of one instant make one step, in their order. `limits` hold for each step. Raises what
+    `irc.solve` and `Execution` raise, after `on_step` has been told of all steps before.
+    """
+    limits = Limits(DEFAULT_SECONDS) if limits is None else limits
+    if schedule is None:
+        answer = solve_task(task, target, engine, limits)
+        schedule, notes = answer.schedule, answer.notes
+    else:
+        notes = ()
+    steps = [Step(0, (), (), (), 0, schedule, task, notes)]
+    if on_step is not None:
+        on_step(steps[0])
+    if not schedule.answered:
+        return Simulation(task.name, tuple(steps))
+    execution = Execution(
+        task, schedule, target=target, engine=engine, limits=limits, stability=stability
+    )
+    for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
+        for event in same:
+            execution.apply(event)
+        step = execution.replan()
+        steps.append(step)
+        if on_step is not None:
+            on_step(step)
+        if not step.schedule.answered:
+            break
+    return Simulation(task.name, tuple(steps))
+
+
+def in_order(task: Task) -> list[Event]:
+    """A task's events by time; those of one instant as they are written."""
+    return sorted(task.events, key=lambda event: task.number(event.at))

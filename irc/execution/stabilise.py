@@ -1,0 +1,170 @@
+"""Moving fewer actions without a worse answer: for engines that do not count changes themselves.
+
+Where the old plan is still valid and as good as the answer, it stays. Otherwise, starting from the
+answer, what can be where it was is put there, all at once if possible, else half by half. Nothing
+else changes its order or its choices, so this finds no optimum; it takes back what moved for no
+reason.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from irc.execution.executed import UnexplainedError, choices_of, ticks_of
+from irc.execution.state import key_of
+from irc.model.quantities import Number
+from irc.problem import Activity, Problem
+from irc.problem.decisions import ABSENT, AnswerError, Decision, Moment
+from irc.problem.objective_values import costs
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
+from irc.schedule import Entry, Schedule
+
+PATIENCE = 1.0
+"""Seconds."""
+
+
+def settled(
+    problem: Problem,
+    schedule: Schedule,
+    old: Iterable[Entry],
+    stability: Fraction,
+    is_valid: Callable[[Schedule], bool],
+) -> Schedule:
+    """The schedule with as many activities as possible where they were in the `old` one.
+
+    No objective gets worse, but for the last one, by the part `stability` of it at most. The old
+    one as a whole is the best of all if `is_valid` finds nothing against it. With occurrences of
+    actions that repeat there is nothing between that and the schedule as it is.
+    """
+    if not any(problem.earlier):
+        return schedule
+    limits = _limits(problem, schedule, stability)
+    whole = Schedule(tuple(sorted(old, key=lambda e: (e.start, e.end, e.id))))
+    if _is_within(limits, _costs(problem, whole)) and is_valid(whole):
+        return whole
+    if any(a.details.repeats is not None for a in problem.activities):
+        return schedule
+    before, now = _decisions(problem, whole.entries), _decisions(problem, schedule.entries)
+    can_stay = [
+        i
+        for i, earlier in enumerate(problem.earlier)
+        if earlier is not None
+        and before[i].present
+        and now[i].present
+        and _place(before[i]) != _place(now[i])
+    ]
+    search = _Settling(problem, before, now, limits, schedule)
+    search.keep_most_of(sorted(can_stay, key=lambda i: before[i].start))
+    return search.best if is_valid(search.best) else schedule
+
+
+def _place(decision: Decision) -> tuple[object, ...]:
+    return decision.start, decision.mode, decision.chosen
+
+
+def _decisions(problem: Problem, entries: Iterable[Entry]) -> list[Decision]:
+    """What a schedule decided about each activity; about what it cannot have said: absent."""
+    known = {key_of(entry): entry for entry in entries}
+    decisions = []
+    for activity in problem.activities:
+        entry = known.get((activity.id, activity.details.occurrence))
+        try:
+            decisions.append(ABSENT if entry is None else _decision(problem, activity, entry))
+        except UnexplainedError:  # An event has taken away the mode or the resource.
+            decisions.append(ABSENT)
+    return decisions
+
+
+def _decision(problem: Problem, activity: Activity, entry: Entry) -> Decision:
+    mode, chosen = choices_of(problem, activity, entry)
+    return Decision(
+        ticks_of(problem, entry.start),
+        ticks_of(problem, entry.end),
+        chosen or (),
+        mode=mode,
+        rank=entry.rank,
+        end_rank=entry.last_rank,
+    )
+
+
+def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[str, Number]:
+    """What each objective, as something to be small, may come to."""
+    values = _costs(problem, schedule)
+    if values and stability:
+        last = [*values][-1]
+        size = max(values[last], -values[last])
+        values[last] += size * stability
+    return values
+
+
+def _costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
+    """The objectives but for the changes, less is better."""
+    return {k: value for k, value in costs(problem, schedule).items() if k != "changes"}
+
+
+def _is_within(limits: dict[str, Number], costs: dict[str, Number]) -> bool:
+    return all(costs[name] <= limit for name, limit in limits.items())
+
+
+@dataclass
+class _Settling:
+    problem: Problem
+    before: Sequence[Decision]
+    now: Sequence[Decision]
+    limits: dict[str, Number]
+    best: Schedule
+
+    def __post_init__(self) -> None:
+        self.until = time.perf_counter() + PATIENCE
+
+    def keep_most_of(self, candidates: Sequence[int]) -> None:
+        """Puts activities back where they were, as many as can be."""
+        if not candidates or time.perf_counter() > self.until or self._keep(candidates):
+            return
+        if len(candidates) > 1:
+            half = len(candidates) // 2
+            self.keep_most_of(candidates[:half])
+            self.keep_most_of(candidates[half:])
+
+    def _keep(self, candidates: Sequence[int]) -> bool:
+        """Whether these can be where they were: in the order of then, or in that of the answer."""
+        activities = list(self.problem.activities)
+        there = list(self.now)
+        for i in candidates:
+            activities[i] = replace(activities[i], start=int(self.before[i].start))
+            length = self._length(i)
+            there[i] = replace(self.before[i], end=self.before[i].start + length)
+        problem = replace(self.problem, activities=tuple(activities), earlier=())
+        same_choices = all(
+            (self.before[i].mode, self.before[i].chosen) == (self.now[i].mode, self.now[i].chosen)
+            for i in candidates
+        )
+        for decisions in (there, self.now) if same_choices else (there,):
+            if self._can_be(problem, decisions):
+                self.problem = replace(problem, earlier=self.problem.earlier)
+                self.now = decisions
+                return True
+        return False
+
+    def _length(self, i: int) -> Moment:
+        """How long an activity was to take, as far as it still may."""
+        activity, before = self.problem.activities[i], self.before[i]
+        least, most = activity.duration_min, activity.duration_max
+        if activity.details.modes and before.mode is not None:
+            mode = activity.details.modes[before.mode]
+            least, most = mode.duration_min, mode.duration_max
+        return max(least, min(most, before.end - before.start))
+
+    def _can_be(self, problem: Problem, decisions: Sequence[Decision]) -> bool:
+        try:
+            schedule = schedule_of(self.problem, retime(problem, decisions))
+        except AnswerError:
+            return False
+        if not _is_within(self.limits, _costs(self.problem, schedule)):
+            return False
+        self.best = schedule
+        return True

@@ -1,0 +1,52 @@
+"""What has happened of a schedule by some time."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from irc.model.quantities import Number
+from irc.schedule import Entry, Schedule
+
+Key = tuple[str, int]
+"""An occurrence: the action's id and the number of the occurrence."""
+
+
+def key_of(entry: Entry) -> Key:
+    """Which occurrence an entry is about."""
+    return entry.id, entry.occurrence
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutionState:
+    """The entries of a schedule at time `at` (docs/semantics.md, "While a task runs").
+
+    `completed` have started before and ended by then, `running` have started before and end
+    later; all others are `open`, also those that start just then, unless they were observed to.
+    """
+
+    at: Number
+    completed: tuple[Entry, ...]
+    running: tuple[Entry, ...]
+    open: tuple[Entry, ...]
+
+    @property
+    def frozen(self) -> tuple[Entry, ...]:
+        """What cannot be changed any more."""
+        return (*self.completed, *self.running)
+
+
+def state_at(schedule: Schedule, at: Number, observed: Collection[Key] = ()) -> ExecutionState:
+    """What is completed, running and open at `at`, in the task's unit.
+
+    `observed` have started, also where the schedule has them start just at `at`.
+    """
+    completed: list[Entry] = []
+    running: list[Entry] = []
+    still_open: list[Entry] = []
+    for entry in schedule.entries:
+        if entry.start < at or (entry.start == at and key_of(entry) in observed):
+            (completed if entry.end <= at else running).append(entry)
+        else:
+            still_open.append(entry)
+    return ExecutionState(at, tuple(completed), tuple(running), tuple(still_open))

@@ -1,0 +1,121 @@
+"""Conditions that history breaks: those of what has begun that no effect of it makes true."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from irc.execution.executed import Fact
+from irc.execution.fresh_names import fresh_name
+from irc.problem import Activity, Condition, Details, Problem
+from irc.schedule import Entry
+
+Write = tuple[int, int, int]
+"""(time, value, activity)."""
+
+
+def without_broken_conditions(
+    problem: Problem, facts: Mapping[int, Fact], now: int
+) -> tuple[Problem, dict[int, Fact]]:
+    """Conditions of facts that no order of the facts' own effects makes true are dropped."""
+    written = _writes(problem, facts)
+    open_values = {
+        (e.var, e.value)
+        for i, a in enumerate(problem.activities)
+        if i not in facts
+        for e in a.details.effects
+    }
+    activities = list(problem.activities)
+    helpers: list[tuple[Activity, Fact]] = []
+    for i, fact in facts.items():
+        details = activities[i].details
+        if not details.conditions:
+            continue
+        kept = []
+        for c in details.conditions:
+            writes = written.get(c.var, [])
+            if _can_hold(problem, writes, c, i, fact, open_values):
+                kept.append(c)
+            elif fact.running and c.at == "all":
+                helpers += _held_until_broken(problem, writes, c, i, fact, now)
+        if len(kept) < len(details.conditions):
+            conditions = tuple(kept)
+            activities[i] = replace(activities[i], details=replace(details, conditions=conditions))
+    changed = replace(
+        problem,
+        activities=(*activities, *(a for a, _ in helpers)),
+        earlier=problem.earlier and (*problem.earlier, *(None for _ in helpers)),
+    )
+    return changed, {**facts, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
+
+
+def _held_until_broken(
+    problem: Problem, writes: list[Write], condition: Condition, i: int, fact: Fact, now: int
+) -> list[tuple[Activity, Fact]]:
+    """A helper that holds a condition from now until a fact breaks it; none where it is broken."""
+    initial = problem.variables[condition.var].initial
+    if condition.value not in _values_at(now, writes, initial):
+        return []
+    breaks = [t for t, v, j in writes if j != i and now < t < fact.end and v != condition.value]
+    if not breaks:
+        return []
+    who, var = problem.activities[i].id, problem.variables[condition.var].id
+    name = fresh_name(f"{who} needs {var} until {breaks[0]}", {a.id for a in problem.activities})
+    length = breaks[0] - now
+    details = Details(conditions=(condition,))
+    helper = Activity(name, length, length, release=now, start=now, details=details)
+    entry = Entry(name, problem.to_units(now), problem.to_units(breaks[0]))
+    return [(helper, Fact(entry, now, breaks[0], None, (), running=True))]
+
+
+def _writes(problem: Problem, facts: Mapping[int, Fact]) -> dict[int, list[Write]]:
+    """What facts, and changes of the world that are due, do to each variable, by time."""
+    written: dict[int, list[Write]] = {}
+    for i, activity in enumerate(problem.activities):
+        fact = facts.get(i)
+        if fact is not None:
+            start, end = fact.start, fact.end
+        elif activity.start is not None and not activity.details.optional and activity.is_fixed:
+            start, end = activity.start, activity.start + activity.duration_min
+        else:
+            continue
+        for effect in activity.details.effects:
+            time = end if effect.at_end else start
+            written.setdefault(effect.var, []).append((time, effect.value, i))
+    for writes in written.values():
+        writes.sort()
+    return written
+
+
+def _can_hold(
+    problem: Problem,
+    writes: list[Write],
+    condition: Condition,
+    i: int,
+    fact: Fact,
+    open_values: set[tuple[int, int]],
+) -> bool:
+    others = [w for w in writes if w[2] != i]
+    initial = problem.variables[condition.var].initial
+    if condition.at == "all":
+        if fact.end <= fact.start:
+            instant = problem.activities[i].is_fixed
+            return not instant or condition.value in _values_at(fact.start, others, initial)
+        breaks = any(fact.start < t < fact.end and v != condition.value for t, v, _ in others)
+        return not breaks and condition.value in _values_at(fact.start, writes, initial)
+    time = fact.end if condition.at == "end" else fact.start
+    if condition.value in _values_at(time, writes if condition.at == "end" else others, initial):
+        return True
+    return (
+        fact.running and condition.at == "end" and ((condition.var, condition.value) in open_values)
+    )
+
+
+def _values_at(time: int, writes: list[Write], initial: int) -> set[int]:
+    """What a variable can be at an instant, in whichever order the writes of it come."""
+    before = [w for w in writes if w[0] < time]
+    values = {v for t, v, _ in writes if t == time}
+    if not before:
+        return values | {initial}
+    last = before[-1][0]
+    return values | {v for t, v, _ in before if t == last}

@@ -1,0 +1,78 @@
+"""What a step of repair is given, and what it came to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from irc.diagnostics import Diagnostic
+from irc.execution.history import History
+from irc.execution.state import Key, key_of
+from irc.model import Event, Task
+from irc.model.quantities import Number
+from irc.model.times import json_number
+from irc.schedule import Entry, Schedule
+from irc.targets import Limits, OnProgress
+
+
+@dataclass(frozen=True, slots=True)
+class Means:
+    """What a step is solved with. `stability` is a part of the objective, 0 to 1 and beyond."""
+
+    target: str = "cpsat"
+    engine: str = "auto"
+    limits: Limits = field(default_factory=Limits)
+    stability: Fraction = Fraction(0)
+    on_progress: OnProgress | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one instant came to.
+
+    `completed` and `running` are ids as of then, `moved` counts the planned actions whose start,
+    mode or resources differ from before (or that are gone), `abandoned` are half-done groups that
+    cannot be finished. `schedule` is the whole history with the new plan, an answer to `task`.
+    """
+
+    at: Number
+    events: tuple[Event, ...]
+    completed: tuple[str, ...]
+    running: tuple[str, ...]
+    moved: int
+    schedule: Schedule
+    task: Task
+    notes: tuple[Diagnostic, ...] = ()
+    abandoned: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """The step as `irc simulate --format json` has it."""
+        return {
+            "at": json_number(self.at),
+            "event": [event.id for event in self.events],
+            "completed": list(self.completed),
+            "running": list(self.running),
+            "moved": self.moved,
+            "abandoned": list(self.abandoned),
+            "notes": [note.as_json() for note in self.notes],
+            "schedule": self.schedule.as_json(),
+        }
+
+
+def moved(planned: Sequence[Entry], schedule: Schedule, history: History) -> int:
+    """How many planned occurrences, still wanted, are elsewhere now, or not there any more."""
+    now: dict[Key, Entry] = {key_of(entry): entry for entry in schedule.entries}
+    return sum(
+        entry.id not in history.cancelled and not _same(entry, now.get(key_of(entry)))
+        for entry in planned
+    )
+
+
+def _same(old: Entry, new: Entry | None) -> bool:
+    return new is not None and (old.start, old.mode, dict(old.resources)) == (
+        new.start,
+        new.mode,
+        dict(new.resources),
+    )

@@ -1,0 +1,181 @@
+"""Stock that history has overdrawn, or overfilled: it is lent what it lacks until that is made up.
+
+Say flour was used before it was milled, and the level fell to -1, below its minimum of 0. What is
+open must not be hindered by that, nor may it make use of it: 1 is lent at that instant, and given
+back when history itself, such as the mill that still runs, makes up for it. With `H` the level that
+history alone gives, `lent(t) = max(0, min - H(t))` makes "the level with the loan is at least the
+minimum" say just "the level is at least the minimum, or no worse than history makes it".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import NamedTuple
+
+from irc.execution.executed import Fact
+from irc.execution.fresh_names import fresh_name
+from irc.problem import Activity, Problem, StockChange
+
+_Loans = list[int]
+"""What is lent after each of the changes that facts make."""
+
+_NO_LEAST = -(1 << 50)
+"""Where a reservoir has no least level: sums with it still fit 64 bits."""
+
+
+class _Happened(NamedTuple):
+    """A change of a reservoir that a fact makes."""
+
+    time: int
+    activity: int
+    at_end: bool
+    amount: int
+
+
+def with_stock_lent(problem: Problem, facts: Mapping[int, Fact], now: int) -> Problem:
+    """The problem in which history keeps the bounds of every reservoir.
+
+    What it would break only after `now` is lent as far as nothing open can make it good.
+    """
+    for k in range(len(problem.reservoirs)):
+        happened = sorted(_happened(problem, facts, k))
+        supply, demand = _open_changes(problem, facts, k)
+        reservoir = problem.reservoirs[k]
+        lent = _loans(happened, reservoir.initial - reservoir.least, now, supply)
+        excess = [0 for _ in lent]
+        if reservoir.greatest is not None:
+            negated = [h._replace(amount=-h.amount) for h in happened]
+            excess = _loans(negated, reservoir.greatest - reservoir.initial, now, demand)
+        if not any(lent) and not any(excess):
+            continue
+        if reservoir.greatest is not None:
+            problem, twin = _with_twin(problem, k)
+            problem = _lend(problem, facts, twin, happened, [-loan for loan in excess])
+        problem = _lend(problem, facts, k, happened, lent)
+    return problem
+
+
+def _happened(problem: Problem, facts: Mapping[int, Fact], k: int) -> Iterator[_Happened]:
+    for i, fact in facts.items():
+        for change in problem.activities[i].details.stock:
+            if change.reservoir == k:
+                time = fact.end if change.at_end else fact.start
+                yield _Happened(time, i, change.at_end, change.amount)
+
+
+def _open_changes(
+    problem: Problem, facts: Mapping[int, Fact], k: int
+) -> tuple[int | None, int | None]:
+    """How much what is open can put in and take out at most; None: no limit."""
+    changes = [
+        (change.amount, activity.details.repeats)
+        for i, activity in enumerate(problem.activities)
+        if i not in facts and not _is_too_late(activity)
+        for change in activity.details.stock
+        if change.reservoir == k
+    ]
+
+    def most(sign: int) -> int | None:
+        total = 0
+        for amount, repeats in changes:
+            if sign * amount <= 0:
+                continue
+            times = 1 if repeats is None else repeats[1]
+            if times is None:
+                return None
+            total += sign * amount * times
+        return total
+
+    return most(1), most(-1)
+
+
+def _is_too_late(activity: Activity) -> bool:
+    deadline = activity.deadline
+    return deadline is not None and deadline < activity.release + activity.duration_min
+
+
+def _loans(happened: Sequence[_Happened], room: int, now: int, supply: int | None) -> _Loans:
+    """What is lent after each change, given how far the level is above its bound at first.
+
+    Only the last change of an instant lends, by the net of all.
+    """
+    loans: _Loans = []
+    loan, level = 0, room
+    for time, changes in groupby(happened, key=lambda h: h.time):
+        its = [h.amount for h in changes]
+        level += sum(its)
+        lacking = max(0, -level)
+        if time <= now:
+            after = lacking
+        else:
+            after = min(loan, lacking)
+            if supply is not None:
+                after = max(after, lacking - supply)
+        loans += [loan] * (len(its) - 1) + [after]
+        loan = after
+    return loans
+
+
+def _with_twin(problem: Problem, k: int) -> tuple[Problem, int]:
+    """A reservoir's bounds as those of two, for each needs loans of its own; and the upper one."""
+    reservoir, twin = problem.reservoirs[k], len(problem.reservoirs)
+    name = fresh_name(f"{reservoir.id} at most", {r.id for r in problem.reservoirs})
+
+    def doubled(activity: Activity) -> Activity:
+        stock = activity.details.stock
+        again = tuple(c._replace(reservoir=twin) for c in stock if c.reservoir == k)
+        return _with_stock(activity, (*stock, *again)) if again else activity
+
+    reservoirs = list(problem.reservoirs)
+    reservoirs[k] = replace(reservoir, greatest=None)
+    reservoirs.append(replace(reservoir, id=name, least=_NO_LEAST))
+    activities = tuple(doubled(a) for a in problem.activities)
+    return replace(problem, activities=activities, reservoirs=tuple(reservoirs)), twin
+
+
+def _lend(
+    problem: Problem,
+    facts: Mapping[int, Fact],
+    k: int,
+    happened: Sequence[_Happened],
+    loans: _Loans,
+) -> Problem:
+    """The problem in which the changes that facts make to reservoir k also lend and take back."""
+    activities = list(problem.activities)
+    extra: dict[tuple[int, bool], int] = {}
+    for change, before, after in zip(happened, (0, *loans), loans, strict=False):
+        key = change.activity, change.at_end
+        extra[key] = extra.get(key, 0) + after - before
+    for (i, at_end), amount in extra.items():
+        if amount:
+            lent = StockChange(k, amount, at_end)
+            activities[i] = _with_stock(activities[i], (*activities[i].details.stock, lent))
+    if loans[-1:] != [0]:
+        _pay_back(activities, facts, k, loans[-1])
+    return replace(problem, activities=tuple(activities))
+
+
+def _pay_back(activities: list[Activity], facts: Mapping[int, Fact], k: int, loan: int) -> None:
+    """What history never makes up for comes out of what the only open supplier brings."""
+    suppliers = {
+        i
+        for i, activity in enumerate(activities)
+        if i not in facts
+        for change in activity.details.stock
+        if change.reservoir == k and change.amount * loan > 0
+    }
+    if len(suppliers) != 1:
+        return
+    (i,) = suppliers
+    stock = activities[i].details.stock
+    brought = sum(c.amount for c in stock if c.reservoir == k)
+    place = next(n for n, c in enumerate(stock) if c.reservoir == k and c.amount * loan > 0)
+    if activities[i].details.repeats is None and abs(brought) >= abs(loan):
+        paid = stock[place]._replace(amount=stock[place].amount - loan)
+        activities[i] = _with_stock(activities[i], (*stock[:place], paid, *stock[place + 1 :]))
+
+
+def _with_stock(activity: Activity, stock: tuple[StockChange, ...]) -> Activity:
+    return replace(activity, details=replace(activity.details, stock=stock))

@@ -1,0 +1,345 @@
+"""JSON text → the raw document, with every fault of the text located.
+
+A language model's answer is read as it stands: code fences and chatter around the JSON are set
+aside with a note. Exactly one JSON object must be left.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal, InvalidOperation
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics.source import Pointer, Range, Source
+
+if TYPE_CHECKING:
+    from irc.frontends.json.scan import Fault
+
+MAX_DEPTH = 64
+"""Deeper nesting is refused: the IR itself needs eight levels."""
+
+MAX_BYTES = 512 * 1024 * 1024
+"""Larger inputs are refused before they are read into memory twice."""
+
+_LONGEST_SCANNED = 4_000_000
+"""In longer texts a syntax error gets the decoder's plain words: the scanner takes seconds."""
+
+_SCANNED_OF_LONG = 500_000
+"""Of longer texts this much is scanned for other faults all the same."""
+
+_MAX_ATTEMPTS = 1000
+_BLANK = re.compile(r"\s*")
+_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+_FENCE = re.compile(r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z")
+
+
+@dataclass(frozen=True)
+class RawDocument:
+    """The decoded JSON object, the text it came from, and what there is to note about that."""
+
+    content: dict[str, Any]
+    source: Source
+    notes: Findings
+
+
+class _Unacceptable(ValueError):
+    """Raised inside the fast decoder where only the scanner can say what is wrong and where."""
+
+
+def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    members = dict(pairs)
+    if len(members) != len(pairs):
+        raise _Unacceptable("duplicate key")
+    return members
+
+
+def _reject(constant: str) -> Any:
+    raise _Unacceptable(constant)
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:
+        raise _Unacceptable(text) from None
+
+
+_DECODER = json.JSONDecoder(
+    object_pairs_hook=_members, parse_float=_decimal, parse_constant=_reject
+)
+
+
+def decode_bytes(data: bytes, name: str) -> str:
+    """UTF-8 text (or UTF-16/32 with a byte-order mark); `InputError` shows the first bad byte."""
+    if len(data) > MAX_BYTES:
+        findings = Findings()
+        findings.add(
+            Code.TOO_LARGE,
+            f"the input has {len(data):,} bytes; at most {MAX_BYTES:,} are read",
+        )
+        raise InputError(Report(tuple(findings.items)))
+    encoding = "utf-8"
+    if data.startswith((b"\xff\xfe\x00\x00", b"\x00\x00\xfe\xff")):
+        encoding = "utf-32"
+    elif data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encoding = "utf-16"
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        text = data.decode(encoding, "replace")
+        offset = len(data[: error.start].decode(encoding, "replace"))
+        findings = Findings()
+        findings.add(
+            Code.UNREADABLE,
+            f"byte 0x{data[error.start]:02x} is not valid {encoding.upper()}",
+            hint=_encoding_hint(data),
+            offset=offset,
+        )
+        raise InputError(Report(tuple(findings.items), Source(name, text))) from None
+
+
+_BINARY = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"PK\x03\x04", b"%PDF", b"\x1f\x8b", b"\x7fELF")
+
+
+def _encoding_hint(data: bytes) -> str:
+    if data.startswith(_BINARY) or b"\x00" in data[:1000]:
+        return (
+            "this does not look like a text file; a task is text: JSON, an .irc file or sentences"
+        )
+    return "save the file as UTF-8"
+
+
+def read_document(text: str, name: str) -> RawDocument:
+    """The one JSON object in `text`.
+
+    Raises `InputError` with every fault of the text: syntax, duplicate keys, NaN, nesting.
+    """
+    findings = Findings()
+    if text.startswith("\ufeff"):
+        findings.add(
+            Code.BYTE_ORDER_MARK,
+            "a byte-order mark at the start is ignored",
+            hint="nothing need be done",
+            offset=0,
+        )
+        text = text[1:]
+    start = _skip_blank(text, 0)
+    if text.startswith("{", start):
+        try:
+            content, end = _DECODER.raw_decode(text, start)
+        except (ValueError, RecursionError):
+            raise _faults(text, start, name, findings) from None
+        found = [(start, end, content)] + _objects(text, end)[0]
+    else:
+        found, failed = _objects(text, start)
+        if found and not any("actions" in f[2] for f in found):
+            _require_whole_task(text, failed, name, findings)
+        if not found:
+            raise _faults(text, failed[-1] if failed else start, name, findings)
+    start, end, content = _only(found, text, name, findings)
+    note_surroundings(text, start, end, findings)
+    source = Source(name, text, _locator(start))
+    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+        raise _faults(text, start, name, findings)
+    return RawDocument(content, source, findings)
+
+
+def _require_whole_task(text: str, failed: list[int], name: str, findings: Findings) -> None:
+    """Raises where the task itself is broken, so that only its parts could be read."""
+    key = text.find('"actions"')
+    broken = [start for start in failed if start < key]
+    if broken:
+        raise _faults(text, broken[-1], name, findings)
+    if key >= 0:
+        findings.add(
+            Code.SYNTAX,
+            "this key stands outside of any object",
+            hint="put '{' before it",
+            offset=key,
+        )
+        raise InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+def _skip_blank(text: str, at: int) -> int:
+    match = _BLANK.match(text, at)
+    return match.end() if match else at
+
+
+def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | Fault:
+    """The JSON object that begins at `start` and where it ends, or its first fault."""
+    from irc.frontends.json.scan import scan
+
+    try:
+        content, end = _DECODER.raw_decode(text, start)
+    except (ValueError, RecursionError):
+        return scan(text, start, max_depth=MAX_DEPTH).faults[0]
+    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+        return scan(text, start, max_depth=MAX_DEPTH).faults[0]
+    return content, end
+
+
+_SPELLINGS: Mapping[str | int, tuple[str | int, ...]] = {
+    "precedence": ("dependencies",),
+    "before": ("predecessor", 0),
+    "after": ("successor", 1),
+    "min_lag": ("lag",),
+}
+"""Other ways in which a document may write a step of a path (aliases, pairs)."""
+
+
+def _locator(start: int) -> Any:
+    def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        from irc.frontends.json.scan import scan
+
+        meant = {
+            spelled: pointer
+            for pointer in wanted
+            for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
+        }
+        places = scan(text, start, meant.keys()).places
+        return {
+            meant[written]: replace(place, written=written) for written, place in places.items()
+        }
+
+    return locate
+
+
+def json_source(name: str, text: str, start: int = 0) -> Source:
+    """The source of a text that holds one JSON value from `start` on, whatever it stands for."""
+    return Source(name, text, _locator(start))
+
+
+_Found = tuple[int, int, dict[str, Any]]
+
+
+def _objects(text: str, at: int) -> tuple[list[_Found], list[int]]:
+    """All JSON objects from `at` on, and where broken ones start, each reaching further.
+
+    Linear: an attempt that failed at some place is not repeated from before that place.
+    """
+    found: list[_Found] = []
+    failed: list[int] = []
+    longest = 0
+    for _ in range(_MAX_ATTEMPTS):
+        at = text.find("{", at)
+        if at < 0:
+            break
+        try:
+            content, end = _DECODER.raw_decode(text, at)
+        except json.JSONDecodeError as error:
+            reached = max(error.pos, at + 1)
+        except (ValueError, RecursionError):
+            from irc.frontends.json.scan import scan
+
+            reached = max(scan(text, at, max_depth=MAX_DEPTH).end, at + 1)
+        else:
+            if content:
+                found.append((at, end, content))
+            at = end
+            continue
+        if not failed or reached - at > longest:
+            failed.append(at)
+            longest = reached - at
+        at = reached
+    return found, failed
+
+
+def _only(found: list[_Found], text: str, name: str, findings: Findings) -> _Found:
+    tasks = [f for f in found if "actions" in f[2]] or found[:1]
+    first = tasks[0]
+    for other in tasks[1:]:
+        if other[2] != first[2]:
+            findings.add(
+                Code.SYNTAX,
+                "a second JSON document with other actions begins here",
+                hint="keep exactly one task in the text",
+                offset=other[0],
+            )
+            raise InputError(Report(tuple(findings.items), Source(name, text)))
+    return first
+
+
+def note_surroundings(text: str, start: int, end: int, findings: Findings) -> None:
+    """Notes what stands around the JSON of a text, if anything does."""
+    before, after = text[:start].strip(), text[end:].strip()
+    if before or after:
+        fenced = bool(_FENCE.search(text[:start]))
+        what = "a code fence" if fenced else "other text"
+        findings.add(
+            Code.SURROUNDED,
+            f"there is {what} around the JSON document; it was set aside",
+            hint="nothing need be done; only the JSON was read",
+            offset=_skip_blank(text, 0) if before else _skip_blank(text, end),
+        )
+
+
+def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
+    """What the scanner says about a text the decoder did not take."""
+    from irc.frontends.json.scan import scan
+
+    if not text[start:].strip():
+        findings.add(
+            Code.SYNTAX,
+            "the input is empty",
+            hint='expected a task such as {"actions": [{"id": "a", "duration": 3}]}',
+            offset=max(0, len(text) - 1),
+        )
+    elif "{" not in text[start:]:
+        findings.add(
+            Code.SYNTAX,
+            "there is no JSON object in the text",
+            hint='expected a task such as {"actions": [{"id": "a", "duration": 3}]}',
+            offset=start,
+        )
+    elif len(text) > _LONGEST_SCANNED and (error := _decoder_fault(text, start)):
+        for found in scan(text[:_SCANNED_OF_LONG], start, max_depth=MAX_DEPTH).faults:
+            if found.offset < _SCANNED_OF_LONG - 1000:  # What follows is due to the cut.
+                findings.add(found.code, found.message, hint=found.hint, offset=found.offset)
+        findings.add(Code.SYNTAX, f"not valid JSON: {error.msg}", offset=error.pos)
+    else:
+        faults = scan(text, start, max_depth=MAX_DEPTH).faults
+        for fault in faults:
+            findings.add(fault.code, fault.message, hint=fault.hint, offset=fault.offset)
+        if not faults:
+            findings.add(Code.SYNTAX, "the JSON document cannot be read", offset=start)
+    return InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:
+    """Where the standard library stops reading, for texts too long to scan for a better word."""
+    try:
+        json.JSONDecoder().raw_decode(text, start)
+    except json.JSONDecodeError as error:
+        return error
+    except (ValueError, RecursionError):
+        return None
+    return None
+
+
+def _has_surrogate(content: Any) -> bool:
+    """Whether a text anywhere holds half a character, which no output could write."""
+    try:
+        json.dumps(content, ensure_ascii=False, default=str).encode()
+    except UnicodeEncodeError:
+        return True
+    return False
+
+
+def _depth(content: Any) -> int:
+    level, depth = [content], 0
+    while level:
+        depth += 1
+        if depth > MAX_DEPTH:
+            return depth
+        level = [
+            inner
+            for outer in level
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
+            if isinstance(inner, (dict, list))
+        ]
+    return depth

@@ -1,0 +1,1 @@
+"""Lowering: in, a checked `Task`; out, the same as integers, a `Problem`."""

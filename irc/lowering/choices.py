@@ -1,0 +1,244 @@
+"""Lowering what most tasks do without: choices, state, stock, groups, goals, what it is worth.
+
+Loaded only for tasks that have one of these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable
+from dataclasses import replace
+
+from irc.lowering.elements import (
+    ToTicks,
+    claims_of,
+    natural_order,
+    requirements,
+    span,
+    ticks_or_none,
+)
+from irc.model import Action, Task
+from irc.model import Group as GroupNode
+from irc.problem import (
+    PLAIN,
+    Activity,
+    Condition,
+    Details,
+    Effect,
+    Group,
+    Mode,
+    Problem,
+    Requirement,
+    Reservoir,
+    StockChange,
+    Variable,
+)
+
+NEVER = -1
+"""The deadline of an action that must not occur: nothing ends before t = 0."""
+
+_OBJECTIVES = {
+    "minimize_makespan": "makespan",
+    "minimize_tardiness": "tardiness",
+    "maximize_reward": "reward",
+    "minimize_cost": "cost",
+    "minimize_changes": "changes",
+}
+
+
+def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: ToTicks) -> Problem:
+    """The problem with all that `task` says besides times, resources and precedence."""
+    lowering = _Lowering(problem, task, index, to_ticks)
+    activities = tuple(lowering.activity(a) for a in problem.activities)
+    return replace(
+        problem,
+        activities=activities,
+        reservoirs=lowering.reservoirs,
+        variables=lowering.variables,
+        groups=tuple(
+            lowering.group(group, i)
+            for i, group in sorted(enumerate(task.groups), key=lambda g: natural_order(g[1].id))
+            if group.actions
+        ),
+        goals=lowering.goals(),
+        wanted=tuple(
+            sorted({index[goal] for goal in task.goals if isinstance(goal, str) and goal in index})
+        ),
+        objectives=tuple(dict.fromkeys(_OBJECTIVES[name] for name in task.objective)),
+    )
+
+
+class _Lowering:
+    def __init__(
+        self, problem: Problem, task: Task, index: dict[str, int], to_ticks: ToTicks
+    ) -> None:
+        self.task, self.index, self.to_ticks = task, index, to_ticks
+        self.resource_index = {r.id: k for k, r in enumerate(problem.resources)}
+        self.reservoirs = _reservoirs(task)
+        self.reservoir_index = {r.id: k for k, r in enumerate(self.reservoirs)}
+        self.variables = _variables(task)
+        self.variable_index = {v.id: k for k, v in enumerate(self.variables)}
+        self.value_index = [
+            {_key(value): k for k, value in enumerate(v.values)} for v in self.variables
+        ]
+        self.chosen_by_group = {
+            name for group in task.groups if not group.required for name in group.actions
+        }
+        self.forced = {name for group in task.groups if group.required for name in group.actions}
+        self.deadlines = self._group_deadlines()
+
+    def _group_deadlines(self) -> dict[str, int]:
+        """The earliest deadline among the groups of each action."""
+        deadlines: dict[str, int] = {}
+        for group in self.task.groups:
+            if group.deadline is None:
+                continue
+            deadline = ticks_or_none(group.deadline, self.to_ticks)
+            if deadline is not None:
+                for name in group.actions:
+                    deadlines[name] = min(deadline, deadlines.get(name, deadline))
+        return deadlines
+
+    def activity(self, activity: Activity) -> Activity:
+        action = self.task.actions[int(activity.origin[1])]
+        details = self._details(action)
+        deadline = self.deadlines.get(action.id)
+        if deadline is not None and activity.deadline is not None:
+            deadline = min(deadline, activity.deadline)
+        activity = replace(
+            activity,
+            deadline=activity.deadline if deadline is None else deadline,
+            details=PLAIN if details == PLAIN else details,
+        )
+        if action.occurrence_bounds[1] == 0:
+            activity = replace(activity, deadline=NEVER)
+        return self._with_modes(activity, action) if action.modes else activity
+
+    def _details(self, action: Action) -> Details:
+        least, greatest = action.occurrence_bounds
+        if action.id in self.chosen_by_group:
+            least = 0
+        if action.id in self.forced:
+            least = max(least, 1)
+        repeats = (least, greatest) if greatest is None or greatest > 1 else None
+        return Details(
+            optional=repeats is None and least == 0,
+            repeats=repeats,
+            stock=self._stock(action),
+            conditions=self._conditions(action),
+            effects=self._effects(action),
+            due=None if action.due is None else ticks_or_none(action.due, self.to_ticks),
+            weight=1 if action.weight is None else action.weight,
+            reward=action.reward or 0,
+            cost=action.cost or 0,
+        )
+
+    def _with_modes(self, activity: Activity, action: Action) -> Activity:
+        uses: list[Requirement] = list(activity.uses)
+        use_modes: list[int | None] = [None] * len(uses)
+        modes: list[Mode] = []
+        for node in sorted({m.id: m for m in action.modes}.values(), key=lambda m: m.id):
+            mode = Mode(node.id, *span(node.duration, self.to_ticks))
+            own = requirements(node.uses, self.resource_index)
+            uses += own
+            use_modes += [len(modes)] * len(own)
+            modes.append(mode)
+        claims = claims_of(tuple(uses)) if activity.duration_max else ()
+        return replace(
+            activity,
+            uses=tuple(uses),
+            claims=tuple(c for c in claims if _takes_time(use_modes[c.use], modes)),
+            details=replace(activity.details, modes=tuple(modes), use_modes=tuple(use_modes)),
+        )
+
+    def _stock(self, action: Action) -> tuple[StockChange, ...]:
+        changes = [
+            StockChange(self.reservoir_index[c.resource], sign * c.amount, (c.at or usual) == "end")
+            for part, sign, usual in ((action.consumes, -1, "start"), (action.produces, 1, "end"))
+            for c in part
+            if c.resource in self.reservoir_index
+        ]
+        return tuple(sorted(changes))
+
+    def _conditions(self, action: Action) -> tuple[Condition, ...]:
+        return tuple(
+            sorted(
+                {
+                    Condition(place[0], place[1], c.at)
+                    for c in action.conditions
+                    if (place := self._place(c.var, c.value))
+                }
+            )
+        )
+
+    def _effects(self, action: Action) -> tuple[Effect, ...]:
+        return tuple(
+            sorted(
+                {
+                    Effect(place[0], place[1], e.at == "end")
+                    for e in action.effects
+                    if (place := self._place(e.var, e.value))
+                }
+            )
+        )
+
+    def _place(self, var: str, value: bool | str) -> tuple[int, int] | None:
+        v = self.variable_index.get(var)
+        k = None if v is None else self.value_index[v].get(_key(value))
+        return None if v is None or k is None else (v, k)
+
+    def group(self, group: GroupNode, i: int) -> Group:
+        return Group(
+            id=group.id,
+            members=tuple(
+                sorted({self.index[name] for name in group.actions if name in self.index})
+            ),
+            required=group.required,
+            reward=group.reward or 0,
+            due=None if group.due is None else ticks_or_none(group.due, self.to_ticks),
+            weight=1 if group.weight is None else group.weight,
+            origin=("groups", i),
+        )
+
+    def goals(self) -> tuple[tuple[int, int], ...]:
+        places = (
+            self._place(goal.var, goal.value)
+            for goal in self.task.goals
+            if not isinstance(goal, str)
+        )
+        return tuple(sorted({place for place in places if place}))
+
+
+def _key(value: bool | str) -> Hashable:
+    """True and "true" are two values, as are False and 0."""
+    return type(value), value
+
+
+def _takes_time(mode: int | None, modes: list[Mode]) -> bool:
+    return mode is None or modes[mode].duration_max > 0
+
+
+def _reservoirs(task: Task) -> tuple[Reservoir, ...]:
+    found = _first_of_each((r.id, i) for i, r in enumerate(task.resources) if r.kind == "reservoir")
+    return tuple(
+        Reservoir(r.id, r.initial, r.min, r.max, ("resources", i))
+        for i, r in ((i, task.resources[i]) for i in found)
+    )
+
+
+def _variables(task: Task) -> tuple[Variable, ...]:
+    variables = []
+    for i in _first_of_each((v.id, i) for i, v in enumerate(task.state)):
+        node = task.state[i]
+        keys = [_key(value) for value in node.values]
+        start = node.start_value
+        if start is not None and _key(start) in keys:
+            variables.append(Variable(node.id, node.values, keys.index(_key(start)), ("state", i)))
+    return tuple(variables)
+
+
+def _first_of_each(named: Iterable[tuple[str, int]]) -> list[int]:
+    """The first place of each name, by name."""
+    places: dict[str, int] = {}
+    for name, i in named:
+        places.setdefault(name, i)
+    return [places[name] for name in sorted(places, key=natural_order)]

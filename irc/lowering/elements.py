@@ -1,0 +1,61 @@
+"""The parts of a task as integers: times, demands for resources, the order of names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from irc.model import DurationRange, Use
+from irc.model.times import Instant
+from irc.problem import Claim, Renewable, Requirement, Shared
+
+_DIGITS = re.compile(r"([0-9]{1,18})")
+
+
+ToTicks = Callable[[Instant], int]
+
+
+def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
+    """Sorts names as people do: "job2" before "job10"."""
+    parts = _DIGITS.split(name)
+    if len(parts) == 3:
+        return [(-1, parts[0]), (int(parts[1]), ""), (-1, parts[2])], name
+    return [(int(p), "") if k % 2 else (-1, p) for k, p in enumerate(parts)], name
+
+
+def shared_of(resource: Renewable, k: int) -> Shared:
+    """What encoders see of a resource (the k-th) that is no part of a pool."""
+    if not resource.windows:
+        return Shared(resource.id, resource.capacity, (k,))
+    greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
+    return Shared(resource.id, greatest, (k,), resource.capacity, resource.windows)
+
+
+def ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
+    """None for a date-time without meaning here or a time before 0; the checks have told of it."""
+    try:
+        ticks = to_ticks(value)
+    except KeyError:
+        return None
+    return ticks if ticks >= 0 else None
+
+
+def span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:
+    if isinstance(duration, DurationRange):
+        return to_ticks(duration.min), to_ticks(duration.max)
+    ticks = to_ticks(duration)  # type: ignore[arg-type]
+    return ticks, ticks
+
+
+def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple[Requirement, ...]:
+    requirements = [
+        Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount, k)
+        for k, use in enumerate(uses)
+        if use.alternatives and all(r in resource_index for r in use.alternatives)
+    ]
+    return tuple(sorted(requirements))
+
+
+def claims_of(uses: tuple[Requirement, ...]) -> tuple[Claim, ...]:
+    """Every use is open at first. (A zero duration uses nothing, so it claims nothing.)"""
+    return tuple(Claim(k, use.alternatives, use.amount) for k, use in enumerate(uses))

@@ -1,0 +1,186 @@
+"""The ledger: which features of the IR a task uses, and where, so that a target can say no.
+
+Each element of a task is encoded by a backend or the compilation is refused; nothing is dropped
+in silence. Events are no part of it: they revise the task while it runs, and a backend is given
+what the task is at one moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from irc.diagnostics.source import Pointer
+from irc.model import Action, DurationRange, Resource, Task
+
+if TYPE_CHECKING:
+    from irc.model import Group
+
+
+class Feature(Enum):
+    """What a task can ask of a backend. The value is the phrase for messages."""
+
+    DURATION_RANGE = "durations the solver chooses"
+    ZERO_DURATION = "zero durations"
+    MODES = "modes"
+    OPTIONAL_ACTIONS = "optional actions"
+    REPEATED_ACTIONS = "actions that may occur more than once"
+    PRECEDENCE = "precedence"
+    PRECEDENCE_TYPES = "precedence other than finish-start"
+    MIN_LAG = "minimum lags"
+    NEGATIVE_LAG = "negative minimum lags"
+    MAX_LAG = "maximum lags"
+    RELEASE = "releases"
+    DEADLINE = "deadlines"
+    FIXED_START = "fixed starts"
+    DUE_DATE = "due dates"
+    RESOURCES = "renewable resources"
+    AMOUNTS = "amounts above 1"
+    ALTERNATIVES = "a choice of resources (one_of)"
+    CALENDARS = "availability windows"
+    RESERVOIRS = "reservoirs"
+    STATE = "state variables"
+    CONDITIONS = "conditions"
+    EFFECTS = "effects"
+    STATE_GOALS = "goals on state variables"
+    PRESENCE_GOALS = "goals that an action is present"
+    GROUPS = "groups"
+    REWARD = "rewards"
+    COST = "costs"
+    TARDINESS = "the objective minimize_tardiness"
+    MAXIMIZE_REWARD = "the objective maximize_reward"
+    MINIMIZE_COST = "the objective minimize_cost"
+    MINIMIZE_CHANGES = "the objective minimize_changes"
+    SEVERAL_OBJECTIVES = "several objectives"
+    MAKESPAN = "the objective minimize_makespan"
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureUse:
+    """One place where a task uses a feature, and the element's name for people."""
+
+    feature: Feature
+    pointer: Pointer
+    element: str
+
+
+def features_of(task: Task) -> Iterator[FeatureUse]:
+    """Every use of every feature, in the order of the document."""
+    if task.deadline is not None:
+        yield FeatureUse(Feature.DEADLINE, ("deadline",), "the task")
+    for i, resource in enumerate(task.resources):
+        yield from _of_resource(resource, ("resources", i))
+    for i, variable in enumerate(task.state):
+        yield FeatureUse(Feature.STATE, ("state", i), f"state variable {variable.id!r}")
+    for i, action in enumerate(task.actions):
+        if not action.is_simple:
+            yield from _of_action(action, i)
+    yield from _of_precedence(task)
+    for i, group in enumerate(task.groups):
+        yield from _of_group(group, ("groups", i))
+    yield from _of_goals(task)
+    yield from _of_objective(task)
+
+
+def _of_resource(resource: Resource, at: Pointer) -> Iterator[FeatureUse]:
+    name = f"resource {resource.id!r}"
+    if resource.kind == "reservoir":
+        yield FeatureUse(Feature.RESERVOIRS, at, name)
+    else:
+        yield FeatureUse(Feature.RESOURCES, at, name)
+    if resource.availability:
+        yield FeatureUse(Feature.CALENDARS, (*at, "availability"), name)
+
+
+_ACTION_FIELDS = (
+    ("modes", Feature.MODES),
+    ("consumes", Feature.RESERVOIRS),
+    ("produces", Feature.RESERVOIRS),
+    ("deadline", Feature.DEADLINE),
+    ("due", Feature.DUE_DATE),
+    ("start", Feature.FIXED_START),
+    ("conditions", Feature.CONDITIONS),
+    ("effects", Feature.EFFECTS),
+    ("reward", Feature.REWARD),
+    ("cost", Feature.COST),
+)
+
+
+def _of_action(action: Action, index: int) -> Iterator[FeatureUse]:
+    name = f"action {action.id!r}"
+    if isinstance(action.duration, DurationRange):
+        yield FeatureUse(Feature.DURATION_RANGE, ("actions", index, "duration"), name)
+    elif action.duration == 0:
+        yield FeatureUse(Feature.ZERO_DURATION, ("actions", index, "duration"), name)
+    if action.release != 0:
+        yield FeatureUse(Feature.RELEASE, ("actions", index, "release"), name)
+    for use in action.uses:
+        if use.one_of is not None:
+            yield FeatureUse(Feature.ALTERNATIVES, ("actions", index, "uses"), name)
+        if use.amount > 1:
+            yield FeatureUse(Feature.AMOUNTS, ("actions", index, "uses"), name)
+    fields = action.__dict__
+    for field, feature in _ACTION_FIELDS:
+        if fields[field] not in (None, ()):
+            yield FeatureUse(feature, ("actions", index, field), name)
+    if action.occurrence_bounds != (1, 1):
+        greatest = action.occurrence_bounds[1]
+        repeated = greatest is None or greatest > 1
+        feature = Feature.REPEATED_ACTIONS if repeated else Feature.OPTIONAL_ACTIONS
+        yield FeatureUse(feature, ("actions", index, "occurs"), name)
+
+
+def _of_precedence(task: Task) -> Iterator[FeatureUse]:
+    for k, edge in enumerate(task.precedence):
+        if edge.type == "finish-start" and edge.min_lag == 0 and edge.max_lag is None:
+            if k == 0:
+                yield FeatureUse(Feature.PRECEDENCE, ("precedence", k), "precedence 1")
+            continue
+        name = f"precedence {k + 1} ({edge.before!r} before {edge.after!r})"
+        if edge.type != "finish-start":
+            yield FeatureUse(Feature.PRECEDENCE_TYPES, ("precedence", k, "type"), name)
+        if edge.min_lag != 0:
+            negative = task.number(edge.min_lag) < 0
+            feature = Feature.NEGATIVE_LAG if negative else Feature.MIN_LAG
+            yield FeatureUse(feature, ("precedence", k, "min_lag"), name)
+        if edge.max_lag is not None:
+            yield FeatureUse(Feature.MAX_LAG, ("precedence", k, "max_lag"), name)
+
+
+def _of_group(group: Group, at: Pointer) -> Iterator[FeatureUse]:
+    name = f"group {group.id!r}"
+    yield FeatureUse(Feature.GROUPS, at, name)
+    for field, feature in (
+        ("reward", Feature.REWARD),
+        ("deadline", Feature.DEADLINE),
+        ("due", Feature.DUE_DATE),
+    ):
+        if getattr(group, field) is not None:
+            yield FeatureUse(feature, (*at, field), name)
+
+
+def _of_goals(task: Task) -> Iterator[FeatureUse]:
+    for i, goal in enumerate(task.goals):
+        if isinstance(goal, str):
+            yield FeatureUse(Feature.PRESENCE_GOALS, ("goals", i), f"the goal {goal!r}")
+        else:
+            yield FeatureUse(Feature.STATE_GOALS, ("goals", i), f"the goal on {goal.var!r}")
+
+
+_OBJECTIVES = {
+    "minimize_makespan": Feature.MAKESPAN,
+    "minimize_tardiness": Feature.TARDINESS,
+    "maximize_reward": Feature.MAXIMIZE_REWARD,
+    "minimize_cost": Feature.MINIMIZE_COST,
+    "minimize_changes": Feature.MINIMIZE_CHANGES,
+}
+
+
+def _of_objective(task: Task) -> Iterator[FeatureUse]:
+    distinct = tuple(dict.fromkeys(task.objective))
+    if len(distinct) > 1:
+        yield FeatureUse(Feature.SEVERAL_OBJECTIVES, ("objective",), "the objective")
+    for name in distinct:
+        yield FeatureUse(_OBJECTIVES[name], ("objective",), "the objective")

@@ -1,0 +1,22 @@
+"""The raw document → `Task`: pydantic judges the shape, `shape_faults` says it in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from irc.diagnostics import Findings
+from irc.model import Task
+
+
+def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
+    """The typed task, or None after every fault of shape has been added to `findings`."""
+    try:
+        return Task.model_validate(raw)
+    except ValidationError as error:
+        from irc.model.shape_faults import faults_in_words
+
+        findings.items += faults_in_words(error, raw)
+    return None

@@ -1,0 +1,305 @@
+"""What pydantic found wrong with the shape of a document, said in people's words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from irc.diagnostics import Code, Diagnostic, Findings, did_you_mean
+from irc.diagnostics.fix import Fix, renamed, replaced
+from irc.diagnostics.source import Pointer
+from irc.diagnostics.suggest import certain_keyword, closest
+from irc.model import Task
+from irc.model.lazy import Lazy, PartError, adapter
+from irc.model.parts import PRECEDENCE_ALIASES
+from irc.model.quantities import TimeError
+
+_ALIASES = {new: old for old, new in (*PRECEDENCE_ALIASES.items(), ("dependencies", "precedence"))}
+_CANONICAL = {old: new for new, old in _ALIASES.items()}
+_QUOTED = re.compile(r"'([^']*)'")
+_WHOLE = re.compile(r"-?(0|[1-9]\d{0,17})", re.ASCII)
+
+_HINTS = {
+    "needs either 'resource' or 'one_of'": "name one resource, or a choice of several, not both",
+}
+
+_EXPECTED = {
+    "string_type": "expected text in double quotes",
+    "string_too_short": "expected a text that is not empty",
+    "string_unicode": "expected text without lone surrogates",
+    "int_type": "expected a whole number",
+    "int_parsing": "expected a whole number",
+    "int_from_float": "expected a whole number",
+    "bool_type": "expected true or false",
+    "tuple_type": "expected a list [...]",
+    "dict_type": "expected an object {...}",
+    "model_type": "expected an object {...}",
+    "model_attributes_type": "expected an object {...}",
+    "too_short": "expected at least one entry",
+    "datetime_parsing": "expected a date-time such as 2026-03-01T08:00:00Z",
+    "datetime_from_date_parsing": "expected a date-time such as 2026-03-01T08:00:00Z",
+    "datetime_type": "expected a date-time such as 2026-03-01T08:00:00Z",
+    "union_tag_not_found": "expected an object with 'op'",
+}
+
+
+def faults_in_words(error: ValidationError, raw: Mapping[str, Any]) -> list[Diagnostic]:
+    """Every fault of shape of the document `raw` as a finding."""
+    told = Findings()
+    for fault in error.errors(include_url=False):
+        _add(fault, raw, told)
+    misspelt = {
+        (d.pointer[:-1], _field_close_to(str(d.pointer[-1]), _names_at(d.pointer[:-1], raw)))
+        for d in told.items
+        if d.code is Code.UNKNOWN_FIELD
+    }
+    return [d for d in told.items if not _is_told_as_misspelt(d, misspelt)]
+
+
+def _is_told_as_misspelt(d: Diagnostic, misspelt: set[tuple[Pointer, str | None]]) -> bool:
+    """Whether a field is missing only because its name is misspelt."""
+    if d.code is not Code.MISSING_FIELD:
+        return False
+    return (d.pointer, _QUOTED.findall(d.message)[-1]) in misspelt
+
+
+@lru_cache(maxsize=1024)
+def _field_close_to(word: str, names: tuple[str, ...]) -> str | None:
+    close = certain_keyword(word, names) or closest(word, names)
+    return None if close is None else _CANONICAL.get(close, close)
+
+
+def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
+    kind, loc = fault["type"], tuple(fault["loc"])
+    cause = (fault.get("ctx") or {}).get("error")
+    if isinstance(cause, PartError):
+        for inner in cause.faults:
+            _add({**inner, "loc": (*loc, *inner["loc"])}, raw, findings)
+        return
+    if kind == "missing":
+        parent = _pointer(loc[:-1], raw)
+        findings.add(
+            Code.MISSING_FIELD,
+            f"{_element(parent, raw)} has no '{loc[-1]}'",
+            parent,
+            hint=f'add "{loc[-1]}": …',
+        )
+        return
+    pointer = _pointer(loc, raw)
+    if kind == "extra_forbidden":
+        known = _fields_at(pointer[:-1], raw)
+        fix = _renaming(pointer, raw)
+        guess = (
+            fix[0].path[-1] if fix else _field_close_to(str(loc[-1]), _names_at(pointer[:-1], raw))
+        )
+        findings.add(
+            Code.UNKNOWN_FIELD,
+            f"{_element(pointer[:-1], raw)} has no field {str(loc[-1])!r}",
+            pointer,
+            hint=f"did you mean `{guess}`?" if guess else _known_fields(known),
+            at_key=True,
+            fix=fix,
+        )
+        return
+    value = _value_at(pointer, raw)
+    if kind == "too_short" and value:
+        return  # It has entries; what is wrong with them is told of each.
+    if isinstance(cause, TimeError):
+        findings.add(
+            Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer, hint=_time_hint(str(cause))
+        )
+    elif kind in ("literal_error", "union_tag_invalid"):
+        _add_word(fault, pointer, value, findings)
+    else:
+        message = _EXPECTED.get(kind) or str(cause or fault["msg"])
+        found = "" if kind == "value_error" else f", found {_shown(value)}"
+        fix = _as_meant(kind, pointer, value)
+        hint = f"write {_shown(fix[0].value)} without quotes" if fix else _HINTS.get(message)
+        if kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
+            hint = 'write {"before": …, "after": …}, or a pair of two names'
+        findings.add(
+            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=hint, fix=fix
+        )
+
+
+def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> None:
+    """A value that must be one of a few words, or an object whose tag must."""
+    expected = fault["ctx"].get("expected") or fault["ctx"].get("expected_tags", "")
+    if fault["type"] == "union_tag_invalid":
+        tag = fault["ctx"]["discriminator"].strip("'")
+        pointer, value = (*pointer, tag), value.get(tag)
+    words = tuple(_QUOTED.findall(expected))
+    sure = certain_keyword(value, words) if isinstance(value, str) else None
+    findings.add(
+        Code.WRONG_TYPE,
+        f"{_where(pointer)}: expected {_listed(words) or expected}, found {_shown(value)}",
+        pointer,
+        hint=f"did you mean `{sure}`?" if sure else did_you_mean(str(value), words),
+        fix=replaced(pointer, sure) if sure else (),
+    )
+
+
+def _known_fields(known: Sequence[str]) -> str:
+    return f"known fields are {', '.join(known)}; other data belongs into the task's `metadata`"
+
+
+def _time_hint(message: str) -> str | None:
+    if "1 h 30 min" in message:
+        return None  # It says so itself.
+    if "'origin'" in message:
+        return 'add "origin": "2026-03-01T08:00:00Z", or count from t = 0'
+    if "date-time" in message:
+        return "write a date-time such as 2026-03-01T08:00:00Z"
+    return "write a number, or a text with units such as '1 h 30 min'"
+
+
+def _listed(words: Sequence[str]) -> str:
+    quoted = [repr(word) for word in words]
+    return " or ".join(filter(None, (", ".join(quoted[:-1]), *quoted[-1:])))
+
+
+def _renaming(pointer: Pointer, raw: Any) -> Fix:
+    """The repair of an unknown field whose name is certain, if its place is free."""
+    *parents, name = pointer
+    names = _names_at(tuple(parents), raw)
+    meant = certain_keyword(str(name), names)
+    siblings = _value_at(tuple(parents), raw)
+    if meant is None or not isinstance(siblings, Mapping):
+        return ()
+    taken = {_CANONICAL.get(s, s) for s in siblings if s in names}
+    others = (s for s in siblings if s not in names and s != name)
+    if _CANONICAL.get(meant, meant) in taken or any(
+        certain_keyword(str(other), names) == meant for other in others
+    ):
+        return ()
+    return renamed(pointer, meant)
+
+
+def _as_meant(kind: str, pointer: Pointer, value: Any) -> Fix:
+    """The repair of a number or truth value that was written as text."""
+    if kind == "int_type" and isinstance(value, str) and _WHOLE.fullmatch(value):
+        return replaced(pointer, int(value))
+    if kind == "bool_type" and value in ("true", "false"):
+        return replaced(pointer, value == "true")
+    return ()
+
+
+def _pointer(loc: Sequence[str | int], raw: Any) -> Pointer:
+    """A pydantic location as a path that exists in the document: tags of unions are dropped."""
+    path: list[str | int] = []
+    for part in loc:
+        if isinstance(raw, Mapping) and isinstance(part, str):
+            part = part if part in raw else _ALIASES.get(part, part)
+            if part in raw:
+                path.append(part)
+                raw = raw[part]
+        elif isinstance(raw, (list, tuple)) and isinstance(part, int) and part < len(raw):
+            path.append(part)
+            raw = raw[part]
+        elif isinstance(raw, (list, tuple)) and part in ("before", "after") and len(raw) == 2:
+            index = ("before", "after").index(str(part))
+            path.append(index)
+            raw = raw[index]
+    return tuple(path)
+
+
+def _value_at(pointer: Pointer, raw: Any) -> Any:
+    for part in pointer:
+        raw = raw[part]
+    return raw
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "an object"
+    if isinstance(value, (list, tuple)):
+        return "a list" if value else "an empty list"
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return str(value).lower()
+    text = repr(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _where(pointer: Pointer) -> str:
+    """A field by its name, an entry of a list by its number, a name of a pair by its meaning."""
+    names = [part for part in pointer if isinstance(part, str)]
+    if not names:
+        return "the task"
+    *parents, last = pointer
+    if isinstance(last, str):
+        return f"'{last}'"
+    if parents and isinstance(parents[-1], int):
+        return f"'{('before', 'after')[last]}' of {_kind(names[-1])} {parents[-1] + 1}"
+    return f"{_kind(names[-1])} {last + 1}"
+
+
+def _kind(array: str) -> str:
+    """What one entry of an array is called."""
+    return {
+        "uses": "use",
+        "modes": "mode",
+        "changes": "change",
+        "dependencies": "precedence",
+        "availability": "window",
+        "one_of": "entry of 'one_of'",
+    }.get(array, array.removesuffix("s"))
+
+
+def _element(pointer: Pointer, raw: Any) -> str:
+    """An element in words: "action 'boil'", "precedence 3", "the task"."""
+    if not pointer:
+        return "the task"
+    value = _value_at(pointer, raw)
+    names = [part for part in pointer if isinstance(part, str)]
+    kind = _kind(names[-1])
+    if isinstance(value, Mapping) and isinstance(value.get("id"), str):
+        return f"{kind} {value['id']!r}"
+    last = pointer[-1]
+    return f"{kind} {last + 1}" if isinstance(last, int) else f"'{last}'"
+
+
+def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
+    """The fields that the IR has at a path; those of its own `op` where it is a change."""
+    model: type[BaseModel] = Task
+    for part in pointer:
+        raw = raw[part]
+        if isinstance(part, int):
+            if isinstance(raw, Mapping) and "op" in raw:
+                model = _change_model(raw["op"]) or model
+            continue
+        name = _CANONICAL.get(part, part)
+        field = model.model_fields.get(name)
+        nested = None if field is None else _model_in((field.annotation, *field.metadata))
+        if nested is None:
+            return ()
+        model = nested
+    return tuple(field.alias or name for name, field in model.model_fields.items())
+
+
+def _names_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
+    """The fields at a path and the other names they may go by."""
+    fields = _fields_at(pointer, raw)
+    return (*fields, *(alias for alias, field in _CANONICAL.items() if field in fields))
+
+
+def _change_model(op: object) -> type[BaseModel] | None:
+    from irc.model import Change
+
+    kinds: tuple[type[BaseModel], ...] = get_args(get_args(Change)[0])
+    return next((k for k in kinds if op in get_args(k.model_fields["op"].annotation)), None)
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The first model that a type mentions."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    if isinstance(annotation, Lazy):
+        return _model_in(adapter(annotation.module, annotation.name)._type)
+    inner = annotation if isinstance(annotation, tuple) else get_args(annotation)
+    return next(filter(None, map(_model_in, inner)), None)

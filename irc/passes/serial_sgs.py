@@ -1,0 +1,213 @@
+"""A quick schedule by rule: one activity after another, each as early as its resources allow.
+
+The serial schedule generation scheme with the priority rule "longest head + duration + tail
+behind it first" (Kolisch, "Serial and parallel resource-constrained project scheduling methods
+revisited", EJOR 90, 1996). It is a hint and an upper bound, not an answer: where maximum lags,
+deadlines or fixed starts defeat it there simply is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from heapq import heappop, heappush
+
+from irc.passes.resource_profile import NEVER, Profile
+from irc.problem import Activity, Claim, Earlier, Problem
+from irc.problem.decisions import Decision
+
+Choice = tuple[int, ...]
+
+Found = tuple[list[Decision], list[Choice]]
+"""Starts and ends in ticks, and for each activity the shared resource of each claim."""
+
+
+def list_schedule(
+    problem: Problem,
+    priorities: Sequence[int] | None = None,
+    floors: Sequence[int] | None = None,
+) -> Found | None:
+    """Starts and ends in ticks, and for each activity the shared resource of each claim.
+
+    Whatever has the least of the `priorities` comes first where precedence leaves a choice; by
+    default what is fixed, and then what is most urgent. Nothing starts before its floor. None where
+    the rule finds no schedule that keeps every window and lag.
+    """
+    if priorities is None:
+        priorities = [
+            -(a.duration_min + tail) if a.start is None else a.start - NEVER
+            for a, tail in zip(problem.activities, problem.tails, strict=True)
+        ]
+    order = _order(problem, priorities)
+    if order is None or any(
+        claim.amount > max(problem.shared[r].capacity for r in claim.alternatives)
+        for activity in problem.activities
+        for claim in activity.claims
+    ):
+        return None
+    incoming: list[list[int]] = [[] for _ in problem.activities]
+    for k, arc in enumerate(problem.arcs):
+        incoming[arc.after].append(k)
+    profiles = [Profile(shared) for shared in problem.shared]
+    decisions = [Decision(0, 0)] * len(problem.activities)
+    choices: list[Choice] = [()] * len(problem.activities)
+    for i in order:
+        activity = problem.activities[i]
+        start = _ready(problem, i, incoming[i], decisions)
+        if floors is not None:
+            start = max(start, floors[i])
+        if activity.start is not None:
+            start = max(start, activity.start)
+        placed = _place(activity, start, profiles)
+        if placed is None:
+            return None
+        start, choices[i] = placed
+        decisions[i] = Decision(start, start + activity.duration_min)
+    return (decisions, choices) if _keeps_windows(problem, decisions) else None
+
+
+def quick_schedule(problem: Problem) -> Found | None:
+    """The quick schedule. Where there is an earlier one, the best of three, and of equals the one
+    that moves least: by the rule, in the order of the earlier one, and with nothing sooner than in
+    that.
+    """
+    by_rule = list_schedule(problem)
+    if not any(problem.earlier):
+        return by_rule
+    as_before = _with_resources_of_before(problem)
+    order = [_place_before(problem, i) for i in range(len(problem.activities))]
+    floors = [0 if earlier is None else earlier.start for earlier in problem.earlier]
+    found = (list_schedule(as_before, order, floors), list_schedule(as_before, order), by_rule)
+    return min((f for f in found if f), key=lambda f: _quality(problem, f), default=None)
+
+
+def _quality(problem: Problem, found: Found) -> tuple[int, int]:
+    decisions, _ = found
+    moved = sum(
+        earlier is not None and decision.start != earlier.start
+        for earlier, decision in zip(problem.earlier, decisions, strict=True)
+    )
+    return max((int(d.end) for d in decisions), default=0), moved
+
+
+def _with_resources_of_before(problem: Problem) -> Problem:
+    """The problem in which each claim looks first at what the earlier schedule took for it."""
+    activities = list(problem.activities)
+    for i, earlier in enumerate(problem.earlier):
+        claims = activities[i].claims
+        if earlier is None or all(len(claim.alternatives) == 1 for claim in claims):
+            continue
+        activities[i] = replace(
+            activities[i], claims=tuple(_first_as_before(problem, c, earlier) for c in claims)
+        )
+    return replace(problem, activities=tuple(activities))
+
+
+def _first_as_before(problem: Problem, claim: Claim, earlier: Earlier) -> Claim:
+    taken = earlier.resources[claim.use]
+    order = sorted(claim.alternatives, key=lambda r: taken not in problem.shared[r].members)
+    return claim._replace(alternatives=tuple(order))
+
+
+def _place_before(problem: Problem, i: int) -> int:
+    """What is fixed comes first, then all in the order of before, then what is new."""
+    earlier = problem.earlier[i]
+    if earlier is not None:
+        return earlier.start
+    fixed = problem.activities[i].start
+    return NEVER if fixed is None else fixed - NEVER
+
+
+def quick_makespan(problem: Problem) -> int | None:
+    """The makespan of the quick schedule, in ticks; None where the rule finds none."""
+    quick = list_schedule(problem)
+    return None if quick is None else max((int(d.end) for d in quick[0]), default=0)
+
+
+def _order(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
+    """Precedence-consistent, the least priority first; None where arcs form a cycle."""
+    waiting = [0] * len(problem.activities)
+    following: list[list[int]] = [[] for _ in problem.activities]
+    for arc in problem.arcs:
+        following[arc.before].append(arc.after)
+        waiting[arc.after] += 1
+    heap: list[tuple[int, int]] = []
+
+    def push(i: int) -> None:
+        heappush(heap, (priorities[i], i))
+
+    for i, count in enumerate(waiting):
+        if not count:
+            push(i)
+    order = []
+    while heap:
+        _, i = heappop(heap)
+        order.append(i)
+        for j in following[i]:
+            waiting[j] -= 1
+            if not waiting[j]:
+                push(j)
+    return order if len(order) == len(waiting) else None
+
+
+def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[Decision]) -> int:
+    start = problem.heads[index]
+    duration = problem.activities[index].duration_min
+    for k in incoming:
+        arc = problem.arcs[k]
+        before = decisions[arc.before]
+        point = int(before.end if arc.from_end else before.start) + arc.min_lag
+        start = max(start, point - duration if arc.to_end else point)
+    return start
+
+
+def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
+    """The first time from `start` on at which every claim fits, and what it takes."""
+    duration = activity.duration_min
+    if not activity.claims or not duration:
+        return start, tuple(claim.alternatives[0] for claim in activity.claims)
+    while True:
+        choice: list[int] = []
+        needed: dict[int, int] = {}
+        later: int | None = None
+        for claim in activity.claims:
+            soonest: int | None = None
+            for r in claim.alternatives:
+                amount = claim.amount + needed.get(r, 0)
+                if amount > profiles[r].capacity:
+                    continue
+                wait = profiles[r].blocked_until(start, start + duration, amount)
+                if wait is None:
+                    choice.append(r)
+                    needed[r] = amount
+                    break
+                soonest = wait if soonest is None else min(soonest, wait)
+            else:
+                if soonest is None:
+                    return None
+                later = soonest
+                break
+        if later == NEVER:
+            return None
+        if later is None:
+            for r, amount in needed.items():
+                profiles[r].take(start, start + duration, amount)
+            return start, tuple(choice)
+        start = later
+
+
+def _keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:
+    for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
+        deadline = problem.effective_deadline(i)
+        if deadline is not None and decision.end > deadline:
+            return False
+        if activity.start is not None and decision.start != activity.start:
+            return False
+    for arc in problem.arcs:
+        before, after = decisions[arc.before], decisions[arc.after]
+        lag = (after.end if arc.to_end else after.start) - (
+            before.end if arc.from_end else before.start
+        )
+        if lag < arc.min_lag or (arc.max_lag is not None and lag > arc.max_lag):
+            return False
+    return True

@@ -1,0 +1,102 @@
+"""A horizon by which some optimal schedule has ended, if there is any schedule."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irc.problem.problem import Activity, Arc, Mode, Problem, Shared, Window
+
+
+def safe_horizon(problem: Problem) -> int:
+    """In ticks; counts durations, lags (maximum ones too), releases, fixed starts and windows.
+
+    Fix the choices and the order on every resource as some optimal schedule has them. The least
+    solution of the resulting temporal network is optimal too, and in it every time is the floor
+    of one activity plus the length of a simple path, which leaves each point at most once, over
+    an edge no longer than the longest that leaves it. Summing those over all points is enough.
+    What keeps to a window's side of a boundary has that boundary as its floor. Orders on state and
+    stock are edges of length 0 (a tick is allowed for each, should ranks not tell them apart).
+    What stays where an earlier schedule has it has its start as its floor.
+    """
+    floor = max((w.end for r in problem.resources for w in r.windows), default=0)
+    for places in (problem.earlier, *problem.recurring.values()):
+        floor = max((floor, *(place.start for place in places if place is not None)))
+    from_start = [0] * len(problem.activities)
+    from_end = [0] * len(problem.activities)
+    total = 0
+    for activity in problem.activities:
+        floor = max(floor, activity.release, activity.start or 0)
+        if activity.details.stock or activity.details.conditions or activity.details.effects:
+            total += 2
+        # A range longer than the task's deadline can never be used up.
+        longest = activity.duration_max
+        if problem.deadline is not None:
+            longest = max(activity.duration_min, min(longest, problem.deadline))
+        total += longest
+    for arc in problem.arcs:
+        leaving = from_end if arc.from_end else from_start
+        leaving[arc.before] = max(leaving[arc.before], arc.min_lag)
+        if arc.max_lag is not None and arc.max_lag < 0:
+            back = from_end if arc.to_end else from_start
+            back[arc.after] = max(back[arc.after], -arc.max_lag)
+    horizon = floor + total + sum(from_start) + sum(from_end)
+    return horizon if problem.deadline is None else min(horizon, problem.deadline)
+
+
+def within(problem: Problem, horizon: int) -> Problem:
+    """The same problem for all schedules that end by `horizon`, with no time far beyond it.
+
+    A later time means the same as the first tick after the horizon: what must wait for it or last
+    as long cannot be there, what is allowed until then is allowed throughout. So numbers stay small
+    however large the task's are, when a deadline (not they) says how far a schedule reaches.
+    """
+    never = horizon + 1
+    return replace(
+        problem,
+        activities=tuple(_activity_within(a, never) for a in problem.activities),
+        shared=tuple(_shared_within(s, never) if s.windows else s for s in problem.shared),
+        arcs=tuple(_arc_within(arc, never) for arc in problem.arcs),
+        groups=tuple(
+            g if g.due is None or g.due <= never else replace(g, due=never) for g in problem.groups
+        ),
+        heads=tuple(min(head, never) for head in problem.heads),
+        tails=tuple(min(tail, never) for tail in problem.tails),
+    )
+
+
+def _activity_within(activity: Activity, never: int) -> Activity:
+    details = activity.details
+    times = activity.duration_max, activity.release, activity.start or 0, details.due or 0
+    if max(times) <= never:
+        return activity
+    return replace(
+        activity,
+        duration_min=min(activity.duration_min, never),
+        duration_max=min(activity.duration_max, never),
+        release=min(activity.release, never),
+        start=None if activity.start is None else min(activity.start, never),
+        details=replace(
+            details,
+            due=None if details.due is None else min(details.due, never),
+            modes=tuple(
+                Mode(m.id, min(m.duration_min, never), min(m.duration_max, never))
+                for m in details.modes
+            ),
+        ),
+    )
+
+
+def _shared_within(shared: Shared, never: int) -> Shared:
+    windows = (
+        Window(w.start, min(w.end, never), w.capacity) for w in shared.windows if w.start < never
+    )
+    return replace(shared, windows=tuple(windows))
+
+
+def _arc_within(arc: Arc, never: int) -> Arc:
+    if -never <= arc.min_lag <= never and (arc.max_lag is None or -never <= arc.max_lag <= never):
+        return arc
+    return arc._replace(
+        min_lag=max(-never, min(arc.min_lag, never)),
+        max_lag=None if arc.max_lag is None or arc.max_lag > never else max(-never, arc.max_lag),
+    )

@@ -1,0 +1,95 @@
+"""What a schedule of a problem is worth: the values of its objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from irc.model.quantities import Number
+from irc.problem.problem import Activity, Earlier, Group, Problem
+from irc.schedule import CANCELLED, Entry, Schedule
+
+TIMES = frozenset(["makespan", "tardiness"])
+"""Objectives whose values are times; the others are plain numbers."""
+
+
+def in_units(problem: Problem, objective: str, value: int) -> Number:
+    """The value of an objective, which engines count in ticks where it is a time."""
+    return problem.to_units(value) if objective in TIMES else value
+
+
+def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
+    """The objectives' values, in the task's unit; each occurrence counts.
+
+    What was cancelled has its cost alone: it earns nothing and is never late.
+    """
+    # (Of an action with several occurrences the first activity stands for all.)
+    activities = {a.id: a for a in reversed(problem.activities)}
+    tardiness: Number = 0
+    reward = cost = 0
+    by_id: dict[str, list[Entry]] = {}
+    for entry in schedule.entries:
+        details = activities[entry.id].details
+        cost += details.cost
+        if entry.status == CANCELLED:
+            continue
+        by_id.setdefault(entry.id, []).append(entry)
+        reward += details.reward
+        if details.due is not None:
+            tardiness += details.weight * _late(problem, entry.end, details.due)
+    for group in problem.groups:
+        ends = _ends(problem, group, by_id)
+        if ends:
+            reward += group.reward
+            if group.due is not None:
+                tardiness += group.weight * _late(problem, max(ends), group.due)
+    return {
+        "makespan": schedule.makespan,
+        "tardiness": tardiness,
+        "reward": reward,
+        "cost": cost,
+        "changes": _changes(problem, by_id),
+    }
+
+
+def costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
+    """Each objective of the problem, in order, as something that should be small: less is better,
+    so a reward counts as its negative."""
+    values = worth(problem, schedule)
+    return {name: -values[name] if name == "reward" else values[name] for name in problem.levels}
+
+
+def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
+    """How many occurrences are not where an earlier schedule, if there is one, has them."""
+    changes = 0
+    for i, (activity, first) in enumerate(zip(problem.activities, problem.earlier, strict=False)):
+        if first is None:
+            continue
+        found = {entry.occurrence: entry for entry in by_id.get(activity.id, ())}
+        places = (first, *problem.recurring.get(i, ()))
+        for number, place in enumerate(places, activity.details.occurrence):
+            entry = found.get(number)
+            changes += entry is None or not _is_there(problem, activity, place, entry)
+    return changes
+
+
+def _is_there(problem: Problem, activity: Activity, place: Earlier, entry: Entry) -> bool:
+    details = activity.details
+    mode = None if place.mode is None else details.modes[place.mode].id
+    held: dict[str, int] = {}
+    for use, r in zip(activity.uses, place.resources, strict=True):
+        if r is not None:
+            held[problem.resources[r].id] = held.get(problem.resources[r].id, 0) + use.amount
+    start = problem.to_units(place.start)
+    return (entry.start, entry.mode, dict(entry.resources)) == (start, mode, held)
+
+
+def _late(problem: Problem, end: Number, due: int) -> Number:
+    return max(0, end - problem.to_units(due))
+
+
+def _ends(problem: Problem, group: Group, by_id: Mapping[str, list[Entry]]) -> list[Number]:
+    """The ends of a group's members where all are present; nothing where not."""
+    members = [by_id.get(problem.activities[i].id) for i in group.members]
+    if not all(members):
+        return []
+    return [entry.end for entries in members for entry in entries or ()]

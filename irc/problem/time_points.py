@@ -1,0 +1,98 @@
+"""A problem's time points and the constraints between them, as a network.
+
+An activity of fixed duration is one point, its start; where the duration is a range its end is a
+point of its own. Resources are not part of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irc.problem.problem import Problem
+from irc.problem.temporal_network import Network
+
+DURATION = -1
+"""Marks an edge that comes from an activity's own duration, not from an arc."""
+
+
+@dataclass(frozen=True)
+class PointMap:
+    """Where each activity's two ends live: a point number and an offset to it in ticks."""
+
+    start: list[int]
+    end: list[int]
+    end_offset: list[int]
+    size: int
+
+
+@dataclass(frozen=True)
+class TimingNetwork:
+    """The network of a problem. `labels[e]` is (arc index or `DURATION`, is it a maximum lag)."""
+
+    points: PointMap
+    network: Network
+    floors: list[int]
+    labels: list[tuple[int, bool]]
+    owner: list[int]
+
+
+def point_map(problem: Problem) -> PointMap:
+    """One point for each start, and one for each end that can move by itself."""
+    start, end, offset = [], [], []
+    size = 0
+    for activity in problem.activities:
+        start.append(size)
+        if activity.duration_min == activity.duration_max:
+            end.append(size)
+            offset.append(activity.duration_min)
+        else:
+            size += 1
+            end.append(size)
+            offset.append(0)
+        size += 1
+    return PointMap(start, end, offset, size)
+
+
+def timing_network(problem: Problem, *, maxima: bool = True) -> TimingNetwork:
+    """Durations, releases, fixed starts (as floors), and the lags of every arc.
+
+    `maxima=False` leaves out maximum lags and greatest durations: what remains can only be
+    pushed later, which is what lower bounds need.
+    """
+    points = point_map(problem)
+    network = Network(points.size)
+    floors = [0] * points.size
+    labels: list[tuple[int, bool]] = []
+    owner = [0] * points.size
+    for i, activity in enumerate(problem.activities):
+        s, e = points.start[i], points.end[i]
+        owner[s] = owner[e] = i
+        floors[s] = (
+            activity.release if activity.start is None else max(activity.release, activity.start)
+        )
+        if s != e:
+            network.add(s, e, activity.duration_min)
+            labels.append((DURATION, False))
+            if maxima:
+                network.add(e, s, -activity.duration_max)
+                labels.append((DURATION, True))
+    src, dst, weight = network.src, network.dst, network.weight
+    starts, ends, offsets = points.start, points.end, points.end_offset
+    for k, arc in enumerate(problem.arcs):
+        before, after, from_end, to_end, min_lag, max_lag, _ = arc
+        if from_end:
+            u, from_offset = ends[before], offsets[before]
+        else:
+            u, from_offset = starts[before], 0
+        if to_end:
+            v, to_offset = ends[after], offsets[after]
+        else:
+            v, to_offset = starts[after], 0
+        src.append(u)
+        dst.append(v)
+        weight.append(from_offset - to_offset + min_lag)
+        labels.append((k, False))
+        if max_lag is not None and maxima:
+            network.add(v, u, to_offset - from_offset - max_lag)
+            labels.append((k, True))
+    return TimingNetwork(points, network, floors, labels, owner)

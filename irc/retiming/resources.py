@@ -1,0 +1,204 @@
+"""Resources in re-timing: who takes which, in which order, and whether there is enough."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right, insort
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from irc.problem import Problem
+from irc.problem.decisions import AnswerError, Decision, Moment, Placed
+from irc.problem.time_points import PointMap
+
+
+def long_enough(problem: Problem, decisions: Sequence[Decision]) -> list[Decision]:
+    """No answer can make an action shorter than the task says (some print no durations at all)."""
+    return [
+        d if d.end - d.start >= a.duration_min else replace(d, end=d.start + a.duration_min)
+        for a, d in zip(problem.activities, decisions, strict=True)
+    ]
+
+
+def placed_at(
+    problem: Problem, times: Sequence[int], points: PointMap, chosen: Sequence[tuple[int, ...]]
+) -> list[Placed]:
+    """The activities at the times of their points.
+
+    Raises `AnswerError` where one misses its fixed start or deadline, or a resource runs out.
+    """
+    placed = []
+    for i, resources in enumerate(chosen):
+        start = times[points.start[i]]
+        end = times[points.end[i]] + points.end_offset[i]
+        fixed = problem.activities[i].start
+        if fixed is not None and start > fixed:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
+        deadline = problem.effective_deadline(i)
+        if deadline is not None and end > deadline:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot end by its deadline")
+        placed.append(Placed(start, end, resources))
+    _require_capacity(problem, placed)
+    return placed
+
+
+def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
+    """Raises `AnswerError` where an answer holds more of a resource than there is.
+
+    Order alone does not show it: what overlaps in the answer overlaps in the schedule.
+    """
+    changes: dict[int, list[tuple[int, int]]] = {}
+    for activity, place in zip(problem.activities, placed, strict=True):
+        for use, r in zip(activity.uses, place.resources, strict=True):
+            if r is not None and place.end > place.start:
+                changes.setdefault(r, []).append((place.start, use.amount))
+                changes[r].append((place.end, -use.amount))
+    for r, steps in changes.items():
+        capacity, taken = _capacity(problem, r)
+        for start, end, amount in taken:
+            steps += [(start, amount), (end, -amount)]
+        level = 0
+        for _, amount in sorted(steps):  # At one instant what is freed comes first.
+            level += amount
+            if level > capacity:
+                raise AnswerError(f"more of {problem.resources[r].id!r} is held than there is")
+
+
+def _capacity(problem: Problem, r: int) -> tuple[int, list[tuple[int, int, int]]]:
+    """The greatest capacity of a resource, and what its calendar takes away of it."""
+    resource = problem.resources[r]
+    if not resource.windows:
+        return resource.capacity, []
+    from irc.retiming.calendar import calendar_load
+
+    return calendar_load(resource)
+
+
+def resource_orders(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    chosen: Sequence[tuple[int, ...]],
+    tolerance: Fraction | int,
+) -> list[tuple[int, int]]:
+    """Pairs (i, j) with i wholly before j on a shared resource, without those that follow.
+
+    j needs an arc only from those that were still running when the last one that ended before j
+    began; the others come before that one already. At most `capacity` of them for each j.
+    """
+    users: dict[int, set[int]] = {}
+    for i, resources in enumerate(chosen):
+        for r in resources:
+            users.setdefault(r, set()).add(i)
+    orders: list[tuple[int, int]] = []
+    for members in users.values():
+        # What has no length takes no room, so it neither waits nor lets wait.
+        busy = [i for i in members if decisions[i].end - decisions[i].start > tolerance]
+        by_end = sorted((decisions[i].end, decisions[i].start, i) for i in busy)
+        ends = [e for e, _, _ in by_end]
+        latest_start: list[Moment] = []
+        for _, start, _ in by_end:
+            latest_start.append(max(start, latest_start[-1]) if latest_start else start)
+        for j in busy:
+            ended = bisect_right(ends, decisions[j].start + tolerance)
+            if not ended:
+                continue
+            first = bisect_right(ends, latest_start[ended - 1] + tolerance)
+            orders += [(i, j) for _, _, i in by_end[first:ended]]
+    return orders
+
+
+def assign(
+    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
+) -> list[tuple[int, ...]]:
+    """One resource for each use: the engine's choices first, then what is free by start time.
+
+    Members of a pool are handed out greedily in order of start, which never runs out where the
+    pool's summed capacity is kept. Raises `AnswerError` where nothing is free.
+    """
+    result: list[list[int | None]] = []
+    undecided: list[tuple[Moment, int]] = []
+    for i, activity in enumerate(problem.activities):
+        if not activity.uses:
+            result.append([])
+            continue
+        chosen: list[int | None] = list(decisions[i].chosen) or [None] * len(activity.uses)
+        for u, use in enumerate(activity.uses):
+            if len(use.alternatives) == 1:
+                chosen[u] = use.alternatives[0]
+            elif chosen[u] is None:
+                chosen[u] = problem.settled.get((i, u))
+        result.append(chosen)
+        if None in chosen:
+            undecided.append((decisions[i].start, i))
+    if undecided:
+        _hand_out(problem, decisions, result, undecided, tolerance)
+    return [tuple(r for r in chosen if r is not None) for chosen in result]
+
+
+def _hand_out(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    result: list[list[int | None]],
+    undecided: list[tuple[Moment, int]],
+    tolerance: Fraction | int,
+) -> None:
+    held: dict[int, list[tuple[Moment, Moment, int]]] = {}
+    capacity = [resource.capacity for resource in problem.resources]
+    for k, resource in enumerate(problem.resources):
+        if resource.windows:
+            capacity[k], load = _capacity(problem, k)
+            held[k] = [*load]
+    for i, chosen in enumerate(result):
+        for u, r in enumerate(chosen):
+            if r is not None:
+                insort(
+                    held.setdefault(r, []),
+                    (decisions[i].start, decisions[i].end, problem.activities[i].uses[u].amount),
+                )
+    for _, i in sorted(undecided):
+        activity, decision = problem.activities[i], decisions[i]
+        held_over = Decision(decision.start + tolerance, decision.end - tolerance)
+        for u, use in enumerate(activity.uses):
+            if result[i][u] is not None:
+                continue
+            taken = next(
+                (
+                    r
+                    for r in _in_order(problem, i, u)
+                    if held_over.end <= decision.start
+                    or _free(held.get(r, []), held_over, capacity[r]) >= use.amount
+                ),
+                None,
+            )
+            if taken is None:
+                raise AnswerError(f"nothing is left for {activity.id!r} to use")
+            result[i][u] = taken
+            insort(held.setdefault(taken, []), (decision.start, decision.end, use.amount))
+
+
+def _in_order(problem: Problem, i: int, u: int) -> tuple[int, ...]:
+    """The alternatives of a use; first the one that an earlier schedule took."""
+    alternatives = problem.activities[i].uses[u].alternatives
+    earlier = problem.earlier[i] if problem.earlier else None
+    if earlier is None or (first := earlier.resources[u]) not in alternatives:
+        return alternatives
+    return (first, *(r for r in alternatives if r != first))
+
+
+def _free(held: list[tuple[Moment, Moment, int]], decision: Decision, capacity: int) -> int:
+    """Units free throughout a decision's interval.
+
+    Called in order of start, so what has ended by now is forgotten.
+    """
+    held[:] = [h for h in held if h[1] > decision.start]
+    until = bisect_left(held, (decision.end,))
+    changes: Counter[Moment] = Counter()
+    for start, end, amount in held[:until]:
+        changes[max(start, decision.start)] += amount
+        changes[end] -= amount
+    level = peak = 0
+    for moment in sorted(changes):
+        level += changes[moment]
+        peak = max(peak, level)
+    return capacity - peak

@@ -1,0 +1,111 @@
+"""Slack: how much later each action of a schedule could start without a later makespan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import floor
+
+from irc.model.quantities import Number
+from irc.problem import Problem
+from irc.problem.decisions import AnswerError, Decision
+from irc.problem.temporal_network import Network, earliest
+from irc.problem.time_points import PointMap, timing_network
+from irc.retiming.resources import resource_orders
+from irc.schedule import Entry, Schedule
+
+
+def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
+    """By action id, the most ticks by which the action could start later; 0: it is critical.
+
+    What stays: the makespan (or less), the resources and modes chosen, and the order of every two
+    actions that share a resource without overlapping. What may change: all times and, where a
+    duration is a range, durations. All lags, deadlines and fixed starts hold. Under these rules
+    an action can start at *any* time up to its start + slack, others moving along; what several
+    of them have, they have in common, not each. (Total float, with resources: Wiest, "Some
+    properties of schedules for large projects with limited resources", 1964. Latest times of a
+    simple temporal network solve it: Dechter, Meiri, Pearl 1991.)
+
+    `schedule` must be a valid one of exactly the problem's activities; an answer without entries
+    gives nothing. Raises `AnswerError` otherwise. Takes O(n log n) and the time of one pass over
+    the temporal network.
+    """
+    if not schedule.entries:
+        return {}
+    if not problem.is_plain or problem.has_calendars:
+        raise AnswerError("it is worked out only without state, stock, calendars and choices")
+    entries = _entries(problem, schedule)
+    decisions = [
+        Decision(to_ticks(problem, entry.start), to_ticks(problem, entry.end)) for entry in entries
+    ]
+    makespan = floor(max(decision.end for decision in decisions))
+    timing = timing_network(problem)
+    points, network = timing.points, timing.network
+    for before, after in resource_orders(problem, decisions, _held(problem, entries), 0):
+        network.add(points.end[before], points.start[after], points.end_offset[before])
+    _keep_chosen_lengths(network, points, entries, decisions)
+    tails = earliest(network.reversed(), _least_tails(problem, points, makespan))
+    if tails.cycles:
+        raise AnswerError("the order of the schedule contradicts the lags of the problem")
+    found = {
+        entry.id: floor(makespan - tails.t[point] - decision.start)
+        for entry, point, decision in zip(entries, points.start, decisions, strict=True)
+    }
+    late = next((name for name, slack in found.items() if slack < 0), None)
+    if late is not None:
+        raise AnswerError(f"{late!r} is later in the schedule than the problem allows")
+    return found
+
+
+def to_ticks(problem: Problem, value: Number) -> Number:
+    """A time of the task's unit → ticks, exactly: the way back from `Problem.to_units`."""
+    # Whole numbers all the way: in a large schedule fractions would cost more than the search.
+    ticks, rest = divmod(
+        value.numerator * problem.tick.denominator, value.denominator * problem.tick.numerator
+    )
+    return Fraction(value) / problem.tick if rest else ticks
+
+
+def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:
+    """The entry of each activity, in the problem's order."""
+    by_id = {entry.id: entry for entry in schedule.entries}
+    known = {activity.id for activity in problem.activities}
+    if len(by_id) != len(schedule.entries) or by_id.keys() != known:
+        raise AnswerError("the schedule does not have exactly the actions of the problem")
+    return [by_id[activity.id] for activity in problem.activities]
+
+
+def _held(problem: Problem, entries: list[Entry]) -> list[tuple[int, ...]]:
+    index = {resource.id: k for k, resource in enumerate(problem.resources)}
+    unknown = next((r for entry in entries for r in entry.resources if r not in index), None)
+    if unknown is not None:
+        raise AnswerError(f"the problem has no resource {unknown!r}")
+    return [tuple(index[name] for name in entry.resources) for entry in entries]
+
+
+def _keep_chosen_lengths(
+    network: Network, points: PointMap, entries: list[Entry], decisions: list[Decision]
+) -> None:
+    """A mode was chosen with its duration; what has no length was put where there is no room."""
+    for i, (entry, decision) in enumerate(zip(entries, decisions, strict=True)):
+        length = decision.end - decision.start
+        if points.start[i] != points.end[i] and (not length or entry.mode is not None):
+            network.add(points.start[i], points.end[i], int(length))
+            network.add(points.end[i], points.start[i], -int(length))
+
+
+def _least_tails(problem: Problem, points: PointMap, makespan: int) -> list[int]:
+    """How long before the makespan each point must be at least, by its own limits alone."""
+    least = [0] * points.size
+    for point, tail in _limits(problem, points, makespan):
+        least[point] = max(least[point], tail)
+    return least
+
+
+def _limits(problem: Problem, points: PointMap, makespan: int) -> Iterator[tuple[int, int]]:
+    for i, activity in enumerate(problem.activities):
+        deadline = problem.effective_deadline(i)
+        end = makespan if deadline is None else min(deadline, makespan)
+        yield points.end[i], makespan - end + points.end_offset[i]
+        if activity.start is not None:
+            yield points.start[i], makespan - activity.start

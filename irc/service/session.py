@@ -1,0 +1,289 @@
+"""A session of `irc run`: requests in, answers out, and a journal that outlives the process.
+
+A request either is accepted as a whole, and is on disk before its answer is given, or it gets an
+error for an answer and changes nothing. The journal holds the requests as they were sent and the
+schedule of every replanning, so that replaying it solves nothing and ends in the same state.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, Self
+
+from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.execution.execution import Execution
+from irc.execution.simulation import in_order
+from irc.execution.step import Step
+from irc.frontends.events import PlacedEvent
+from irc.frontends.json.value import read_value
+from irc.model import Task
+from irc.model.canonical import task_sha256
+from irc.model.times import json_number
+from irc.schedule import Schedule, schedule_from_json
+from irc.service.journal import Journal, Recovered
+from irc.service.protocol import (
+    MAX_LINE,
+    Request,
+    decode_request,
+    event_of,
+    is_id,
+    time_of,
+    to_request,
+)
+from irc.targets import EngineFailed, EngineMissing, UnknownTarget
+
+RUN_VERSION = "1"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is told of one request, and whether the session ends with it."""
+
+    document: Mapping[str, Any]
+    last: bool = False
+
+    def line(self) -> str:
+        """The answer as it is sent."""
+        return json.dumps(self.document, ensure_ascii=False, allow_nan=False)
+
+
+@dataclass
+class Session:
+    """An execution that is held open. `start` or `resume` makes one."""
+
+    execution: Execution
+    journal: Journal | None = None
+    notes: tuple[Diagnostic, ...] = ()
+    recovered: int = 0
+    """How many requests were replayed."""
+    last_id: Any = None
+    """The "id" of the last request that was accepted."""
+
+    @classmethod
+    def start(cls, execution: Execution, journal: Journal | None = None) -> Self:
+        """A session that begins with an execution at its start."""
+        if journal is not None:
+            task = execution.task
+            journal.begin(
+                {
+                    "task": task.name,
+                    "task_sha256": task_sha256(task),
+                    "schedule": execution.schedule.as_json(),
+                }
+            )
+        return cls(execution, journal)
+
+    @classmethod
+    def resume(
+        cls, make: Callable[[Schedule], Execution], task: Task, journal: Journal, found: Recovered
+    ) -> Self:
+        """The session that a journal holds. `make` makes the execution from its first schedule.
+
+        Raises `InputError` where the journal is of another task or cannot be replayed.
+        """
+        schedule = first_schedule(task, found)
+        session = cls(make(schedule), None, found.notes)
+        for number, text in enumerate(found.entries, 2):
+            try:
+                entry, _ = read_value(text, "<journal>")
+                session._replay(entry)
+            except (InputError, KeyError, TypeError) as error:
+                raise _not_replayed(number, error) from None
+        session.journal = journal
+        return session
+
+    def greeting(self) -> dict[str, Any]:
+        """What is told first: where the execution stands, and what a journal brought back."""
+        return {
+            "ok": True,
+            "irc_run": RUN_VERSION,
+            "recovered": self.recovered,
+            "last_id": self.last_id,
+            **self._told(self.notes),
+            "state": self.state(),
+        }
+
+    def answer(self, line: bytes) -> Answer:
+        """The answer to one request. Raises `irc.service.journal.JournalError`: the end of it."""
+        name: Any = None
+        before = self.execution.copy()
+        try:
+            raw, source = decode_request(line)
+            name = raw.get("id") if is_id(raw.get("id")) else None
+            request = to_request(raw, source)
+            if request.do == "stop":
+                return Answer(_with_id(name, {"ok": True, **self._told()}), last=True)
+            if request.do == "state":
+                answer = {"ok": True, **self._told(), "state": self.state()}
+                return Answer(_with_id(name, answer))
+            document, step = self._do(request)
+        except InputError as error:
+            self.execution = before
+            message = error.report.errors[0].message
+            return Answer(_with_id(name, self._refused(message, error.report)))
+        except (EngineFailed, EngineMissing, UnknownTarget) as error:
+            self.execution = before
+            return Answer(_with_id(name, self._refused(str(error))))
+        self._record(source.text, step)
+        self.last_id = name
+        return Answer(_with_id(name, document))
+
+    def too_long(self) -> Answer:
+        """The answer to a line that is longer than a request may be."""
+        message = f"a request may have {MAX_LINE:,} bytes"
+        finding = Diagnostic(Code.TOO_LARGE, message, hint="send it in several requests")
+        return Answer(self._refused(message, Report((finding,))))
+
+    def broken(self, message: str) -> Answer:
+        """The last answer where the journal can no longer be written."""
+        return Answer(self._refused(message), last=True)
+
+    def state(self) -> dict[str, Any]:
+        """Where the execution stands: what ran, what runs, what is to come, and the plan."""
+        execution = self.execution
+        state = execution.state()
+        return {
+            "completed": [entry.id for entry in state.completed],
+            "running": [entry.id for entry in state.running],
+            "open": [entry.id for entry in state.open],
+            "replan_needed": bool(execution.pending),
+            "events": [
+                {"id": event.id, "at": json_number(execution.task.number(event.at))}
+                for event in in_order(execution.task)
+            ],
+            "task_sha256": task_sha256(execution.task),
+            "schedule": execution.schedule.as_json(),
+        }
+
+    def _refused(self, message: str, report: Report | None = None) -> dict[str, Any]:
+        """An error for an answer: in short, and every finding where the request is at fault."""
+        found = [] if report is None else report.as_json()
+        now = json_number(self.execution.now)
+        return {"ok": False, "now": now, "error": {"message": message, "diagnostics": found}}
+
+    def _told(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
+        return {"now": json_number(self.execution.now), "notes": [d.as_json() for d in notes]}
+
+    def _do(self, request: Request) -> tuple[dict[str, Any], Step | None]:
+        """Changes the execution as a request says; the answer, and the step where it replanned."""
+        notes = self._change(request)
+        if not request.replan:
+            return {"ok": True, **self._told(notes)}, None
+        step = self.execution.replan()
+        told = {"ok": True, **self._told((*notes, *step.notes))}
+        return {**told, "step": step.as_json()}, step
+
+    def _change(self, request: Request) -> tuple[Diagnostic, ...]:
+        """What a request does before anything is planned again, and what is noted of that."""
+        change = _CHANGES.get(request.do)
+        return () if change is None else change(self, request)
+
+    def _advance(self, request: Request) -> tuple[Diagnostic, ...]:
+        to = time_of(request, "to", self.execution.task)
+        try:
+            self.execution.advance(to)
+        except InputError as error:
+            raise InputError(_placed(error.report, request, "to")) from None
+        return ()
+
+    def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
+        task = self.execution.task
+        started, finished = (
+            None if request.raw.get(key) is None else time_of(request, key, task)
+            for key in ("started", "finished")
+        )
+        try:
+            report = self.execution.observe(
+                request.raw["action"],
+                started=started,
+                finished=finished,
+                occurrence=request.raw.get("occurrence", 1),
+            )
+        except InputError as error:
+            raise InputError(_placed(error.report, request)) from None
+        return tuple(_placed(report, request).located())
+
+    def _apply(self, request: Request) -> tuple[Diagnostic, ...]:
+        execution = self.execution
+        event = event_of(request, execution.task, execution.now)
+        placed = PlacedEvent(event, ("event",), request.source)
+        try:
+            report = execution.apply(event)
+        except InputError as error:
+            raise InputError(placed.anchored(error.report)) from None
+        return tuple(placed.anchored(report).located())
+
+    def _record(self, request: str, step: Step | None) -> None:
+        if self.journal is None:
+            return
+        result = "" if step is None else f', "step": {json.dumps(step.as_json())}'
+        self.journal.append(f'{{"request": {request.strip()}{result}}}')
+
+    def _replay(self, entry: Mapping[str, Any]) -> None:
+        request = to_request(entry["request"], read_value("{}", "<journal>")[1])
+        self._change(request)
+        if request.replan:
+            schedule = schedule_from_json(entry["step"]["schedule"])
+            if schedule.answered:
+                self.execution.adopt(schedule)
+        self.recovered += 1
+        self.last_id = request.id
+
+
+_CHANGES: Mapping[str, Callable[[Session, Request], tuple[Diagnostic, ...]]] = MappingProxyType(
+    {"advance": Session._advance, "observe": Session._observe, "apply": Session._apply}
+)
+
+
+def first_schedule(task: Task, found: Recovered) -> Schedule:
+    """The schedule that a journal began with. Raises `InputError` where it is of another task."""
+    if found.header.get("task_sha256") != task_sha256(task):
+        name = found.header.get("task")
+        raise InputError(
+            _bad_journal(
+                f"the journal is of another task ({name or 'unnamed'}), or the task has changed",
+                "give the task that it was begun with, or start another journal",
+            )
+        )
+    return schedule_from_json(found.header.get("schedule") or {})
+
+
+def _bad_journal(message: str, hint: str) -> Report:
+    return Report((Diagnostic(Code.BAD_JOURNAL, message, hint=hint),))
+
+
+def _not_replayed(line: int, error: Exception) -> InputError:
+    """A journal that is whole, but whose requests are no longer accepted."""
+    if isinstance(error, InputError) and error.report.errors:
+        reason = error.report.errors[0].message
+    else:
+        reason = "it is not an entry of `irc run`"
+    return InputError(
+        _bad_journal(
+            f"line {line} of the journal cannot be replayed: {reason}",
+            "continue it with the version of irc that wrote it",
+        )
+    )
+
+
+def _placed(report: Report | None, request: Request, field: str | None = None) -> Report:
+    """A report on what a request meant, placed in the request's text."""
+    if report is None:
+        return Report()
+
+    def there(d: Diagnostic) -> Diagnostic:
+        known = (part for part in reversed(d.pointer) if part in request.raw)
+        key = field or next(known, None)
+        return replace(d, pointer=() if key is None else (key,), fix=())
+
+    return Report(tuple(map(there, report)), request.source)
+
+
+def _with_id(name: Any, document: dict[str, Any]) -> dict[str, Any]:
+    """An answer with the request's "id" behind its "ok", where it had one."""
+    if name is None:
+        return document
+    return {"ok": document["ok"], "id": name, **document}
