@@ -1,6 +1,6 @@
 """Plain English: words that are banned in messages, help, pages, docstrings, comments and names.
 
-Each rule is a pattern with what to write instead. `python tests/unit/test_language.py` lists every
+Each rule is a pattern with what to write instead. `python tests/docs/test_language.py` lists every
 hit as "file:line: rule: text".
 """
 
