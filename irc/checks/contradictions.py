@@ -29,7 +29,7 @@ def check_contradictions(
 
 
 def _check_effects(task: Task, activity: Activity, findings: Findings) -> None:
-    """Two values given to one variable at one happening (design, section 3, rule 6)."""
+    """Two values given to one variable at one happening (docs/semantics.md, rule 6)."""
     places = fact_places(task, activity, "effects")
     # An action that takes no time has one happening, at which all its effects apply.
     whole = activity.duration_max == 0

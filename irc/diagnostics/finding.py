@@ -149,7 +149,7 @@ class Diagnostic:
         return self.code.severity
 
     def as_json(self) -> dict[str, Any]:
-        """The machine-readable form (design: "Diagnostics"); "file" only for an included one."""
+        """The machine-readable form; "file" only for an included one."""
         found = {
             "code": self.code.id,
             "severity": str(self.severity),

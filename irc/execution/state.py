@@ -19,7 +19,7 @@ def key_of(entry: Entry) -> Key:
 
 @dataclass(frozen=True, slots=True)
 class ExecutionState:
-    """The entries of a schedule at time `at` (design: "Online").
+    """The entries of a schedule at time `at` (docs/semantics.md, "While a task runs").
 
     `completed` have started before and ended by then, `running` have started before and end
     later; all others are `open`, also those that start just then, unless they were observed to.

@@ -1,4 +1,4 @@
-"""Events: revisions of a task that become known while it runs (design: "Online")."""
+"""Events: revisions of a task that become known while it runs (docs/online.md)."""
 
 from __future__ import annotations
 

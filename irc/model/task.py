@@ -1,4 +1,4 @@
-"""The whole document (design: "The IR")."""
+"""The whole document (docs/ir.md)."""
 
 from __future__ import annotations
 

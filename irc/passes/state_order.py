@@ -7,7 +7,7 @@ has ended. Solvers are far better at precedence than at state.
 Ranks stay possible. The orders taken are of the type finish-start alone, and together with the
 problem's own arcs (then finish-start too, without negative lags) they have no cycle: ranks that
 grow along them satisfy every order and every interference at once, whatever the times
-(design, section 3, rule 6).
+(docs/semantics.md, rule 6).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The independent validator: is a schedule valid for a task (design: "What a valid schedule is")?
+"""The independent validator: is a schedule valid for a task (docs/semantics.md)?
 
 It knows the task and the schedule and nothing else: no solver, no compiled form, no re-timing. All
 arithmetic is exact. Cost is near linear in the size of both, but for two questions that are NP-hard

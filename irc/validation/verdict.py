@@ -39,7 +39,7 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "objective": None,
     }
 )
-"""Each rule's short name, and the number it has under "What a valid schedule is" in the design.
+"""Each rule's short name, and the number it has in docs/semantics.md.
 
 `undecided` says that a bounded search gave up, `objective` that what the schedule states about
 itself is not so; neither is a rule of its own there.

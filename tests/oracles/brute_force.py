@@ -1,4 +1,4 @@
-"""Exact optima of small tasks, from the meaning of a valid schedule (design, section 3) alone.
+"""Exact optima of small tasks, from the meaning of a valid schedule (docs/semantics.md) alone.
 
 Known here: actions that occur once, durations fixed or in a range, the four precedence types with
 both lags, releases, deadlines, fixed starts, renewable resources, `one_of`. Whatever else a task
@@ -419,7 +419,7 @@ def _whole(task: Task, value: Instant) -> int:
 
 
 def _by_id(parts: Sequence[_Part], kind: str) -> dict[str, _Part]:
-    """Parts by id; an exact repetition counts once (design, section 2)."""
+    """Parts by id; an exact repetition counts once (docs/ir.md, "Names")."""
     known: dict[str, _Part] = {}
     for part in parts:
         if known.setdefault(part.id, part) != part:

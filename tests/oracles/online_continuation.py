@@ -1,4 +1,4 @@
-"""The exact best continuation of a small execution, by freezing the *task* (design, section 8).
+"""The exact best continuation of a small execution, by freezing the *task* (docs/semantics.md).
 
 What has started by the event becomes actions with a fixed start, an exact duration and named
 resources; what is open may not start before the event. Each action thereby has the deadlines that

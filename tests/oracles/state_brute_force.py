@@ -1,8 +1,8 @@
-"""Exact optima of small state tasks, from the meaning of a valid schedule (design, section 3).
+"""Exact optima of small state tasks, from the meaning of a valid schedule (docs/semantics.md).
 
 Known here: all of the IR but events, `minimize_changes`, and occurrences without a maximum, of
 which at most `most_occurrences` are tried. Optimal means: over all starts, ends, ranks, modes,
-durations, resources and selections, in whole ticks (design, section 2: the largest unit that
+durations, resources and selections, in whole ticks (docs/semantics.md: the largest unit that
 divides every time of the task).
 
 **Method.** The selections (how often each action occurs) are tried one after another, those that

@@ -1,6 +1,6 @@
 """A task in whole ticks, plain enough to reason about: what the state oracles read.
 
-The tick is the greatest number that divides all times of the task (design, section 2). Nothing is
+The tick is the greatest number that divides all times of the task (docs/semantics.md). Nothing is
 dropped: events and `minimize_changes` are refused with `ValueError`.
 """
 
@@ -312,7 +312,7 @@ def _gcd(times: Iterable[Fraction]) -> Fraction:
 
 
 def _by_id(parts: Sequence[_Part]) -> dict[str, _Part]:
-    """Parts by id; an exact repetition counts once (design, section 2)."""
+    """Parts by id; an exact repetition counts once (docs/ir.md, "Names")."""
     known: dict[str, _Part] = {}
     for part in parts:
         if known.setdefault(part.id, part) != part:

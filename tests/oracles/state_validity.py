@@ -1,4 +1,4 @@
-"""Is a given schedule valid (design, section 3)? Rule by rule, slowly, with every rank tried.
+"""Is a given schedule valid (docs/semantics.md)? Rule by rule, slowly, with every rank tried.
 
 A second opinion on the validator and on `oracles.state_brute_force`, whose search knows nothing of
 this module. Times may be any fractions of the tick here.

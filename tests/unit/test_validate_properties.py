@@ -1,7 +1,7 @@
 """The validator against a naive second one, on small random tasks and schedules.
 
 Tasks are built around a schedule so that it is valid by construction; then either may be damaged.
-The naive check below is written from the design alone: quadratic loops, and every assignment of
+The naive check below is written from docs/semantics.md: quadratic loops, and every assignment of
 ranks tried in turn.
 """
 
@@ -20,7 +20,7 @@ from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
 
-# The naive validator: for each rule of the design, whether it is broken.
+# The naive validator: for each rule of docs/semantics.md, whether it is broken.
 
 
 def bounds_of(action: Action, entry: Entry) -> tuple[Number, Number] | None:

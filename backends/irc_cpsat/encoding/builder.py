@@ -2,7 +2,7 @@
 
 An activity has a start and, where its duration can vary, an end; what may be absent has a literal.
 Where there is state, every happening also has a rank, and `moment = time × ranks + rank` is one
-integer that orders happenings (design, section 3, rule 6).
+integer that orders happenings (docs/semantics.md, rule 6).
 """
 
 from __future__ import annotations

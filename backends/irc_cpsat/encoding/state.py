@@ -3,7 +3,7 @@
 Each effect owns its variable from its happening to the next effect on it, so no two of these
 intervals overlap; each condition picks one effect (or the initial value) that owns the variable
 where it reads. All on the line of moments (time × ranks + rank), where "just before" is strict:
-two happenings of one moment must not interfere (design, section 3, rule 6; the encoding is that
+two happenings of one moment must not interfere (docs/semantics.md, rule 6; the encoding is that
 of chronicles with supporters, Bit-Monnot, "Constraint-based encoding of temporal planning", 2018).
 """
 
