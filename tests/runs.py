@@ -7,9 +7,11 @@ import re
 import shlex
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from typer.testing import CliRunner
+from typer import Typer
+from typer.testing import CliRunner, Result
 
 from irc.cli.app import build_app
 
@@ -27,6 +29,19 @@ class Told:
     findings: tuple[tuple[str, str | None], ...]
     text: str
     """The diagnostics alone, as they were shown."""
+
+
+@cache
+def _app() -> Typer:
+    return build_app()
+
+
+def run_irc(*arguments: object, stdin: str | bytes | None = None) -> Result:
+    """What an `irc` command says in this process; an exception other than its exit is raised."""
+    result = CliRunner().invoke(_app(), [str(a) for a in arguments], input=stdin)
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
 
 
 def run_command(command: str, folder: Path, *, engine: tuple[str, Path] | None = None) -> Told:
