@@ -1,8 +1,9 @@
 """What the tests share.
 
-Three tiers (CONTRIBUTING.md says when to run which): `-m fast` leaves out what is marked `slow`;
-without options everything runs but `tests/deep`; and `tests/deep`, which runs only where it is
-named, goes on with random tasks for as long as `--seconds` says.
+Three tiers (CONTRIBUTING.md says when to run which): `-m fast` leaves out what is marked `slow`,
+and the tests of the oracles, which `-m oracles` runs alone; without options everything runs but
+`tests/deep`; and `tests/deep`, which runs only where it is named, goes on with random tasks for as
+long as `--seconds` says.
 
 Options: `--require-shared-data` makes absent benchmark data a failure instead of a skip;
 `--refresh-golden` rewrites the golden files from what the compiler says now.
@@ -22,7 +23,7 @@ from hypothesis import settings
 from exclusive import machine
 from paths import SHARED_DATA, TESTS
 
-DEEP = TESTS / "deep"
+DEEP, JUDGED = TESTS / "deep", TESTS / "oracles" / "tests"
 
 # The same examples on every machine, and no failure because a machine is slow.
 settings.register_profile("irc", deadline=None, derandomize=True, database=None)
@@ -65,10 +66,12 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks as `fast` what is not marked `slow`, and as `deep` what is in that folder."""
+    """Gives the marks of the tiers: `deep` and `oracles` by folder, `fast` to all but `slow`."""
     for item in items:
         if DEEP in item.path.parents:
             item.add_marker("deep")
+        elif JUDGED in item.path.parents:
+            item.add_marker("oracles")
         elif not item.get_closest_marker("slow"):
             item.add_marker("fast")
 
