@@ -1,9 +1,9 @@
 """What the tests share.
 
-Three tiers (CONTRIBUTING.md says when to run which): `-m fast` leaves out what is marked `slow`,
-and the tests of the oracles, which `-m oracles` runs alone; without options everything runs but
-`tests/deep`; and `tests/deep`, which runs only where it is named, goes on with random tasks for as
-long as `--seconds` says.
+Three tiers (CONTRIBUTING.md says when to run which): `-m fast` leaves out what is marked
+`slow` or `alone`, and the tests of the oracles, which have a tier of their own (`-m oracles`);
+without options everything runs but `tests/deep`; and `tests/deep`, which runs only where it is
+named, goes on with random tasks for as long as `--seconds` says.
 
 Options: `--require-shared-data` makes absent benchmark data a failure instead of a skip;
 `--refresh-golden` rewrites the golden files from what the compiler says now.
@@ -66,13 +66,13 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Gives the marks of the tiers: `deep` and `oracles` by folder, `fast` to all but `slow`."""
+    """Gives the marks of the tiers: `deep` and `oracles` by folder, `fast` to what is not slow."""
     for item in items:
         if DEEP in item.path.parents:
             item.add_marker("deep")
         elif JUDGED in item.path.parents:
             item.add_marker("oracles")
-        elif not item.get_closest_marker("slow"):
+        elif not any(item.get_closest_marker(mark) for mark in ("slow", "alone")):
             item.add_marker("fast")
 
 

@@ -32,13 +32,15 @@ class Told:
 
 
 @cache
-def _app() -> Typer:
-    return build_app()
+def _app(command: str | None) -> Typer:
+    """The application with this command, as `irc` itself builds it to start quickly."""
+    return build_app(command)
 
 
 def run_irc(*arguments: object, stdin: str | bytes | None = None) -> Result:
     """What an `irc` command says in this process; an exception other than its exit is raised."""
-    result = CliRunner().invoke(_app(), [str(a) for a in arguments], input=stdin)
+    given = [str(a) for a in arguments]
+    result = CliRunner().invoke(_app(given[0] if given else None), given, input=stdin)
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
     return result
@@ -53,7 +55,7 @@ def run_command(command: str, folder: Path, *, engine: tuple[str, Path] | None =
         name, printed = engine
         environment[f"IRC_{name.upper()}"] = str(_planner(folder, printed))
     with contextlib.chdir(folder):
-        result = CliRunner(env=environment).invoke(build_app(), arguments)
+        result = CliRunner(env=environment).invoke(_app(arguments[0]), arguments)
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
     said = result.stderr if "[IRC" in result.stderr else result.stdout
