@@ -20,7 +20,7 @@ from oracles.generators import big_capacity_task, contended_task, hostile_names,
 from oracles.online_orders_play import play as play_orders
 from oracles.online_random import OPERATIONS
 from oracles.state_brute_force import TooLargeError, optimum
-from oracles.state_generators import match_cellar, reward_task, state_task
+from oracles.state_generators import match_cellar, state_task
 
 Seeds = Iterator[int]
 
@@ -40,12 +40,12 @@ def test_engines_say_nothing_untrue_of_plain_tasks(seeds: Seeds, target: str, en
         assert answered(task, target, engine, 30.0) in ALLOWED[engine]
 
 
-@pytest.mark.parametrize("make", [state_task, reward_task, match_cellar])
+@pytest.mark.parametrize("make", [state_task, match_cellar])
 def test_cpsat_finds_the_optimum_of_tasks_with_state(seeds: Seeds, make) -> None:
     for seed in seeds:
         task = make(seed)
         try:
-            best = optimum(task)
+            best = optimum(task, max_situations=200_000)
         except TooLargeError:
             continue
         agree(task, answer_of(task), best)

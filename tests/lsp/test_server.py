@@ -44,9 +44,27 @@ URI = "untitled:kitchen"
 JSON_URI = "untitled:soup"
 
 
+def start() -> Client:
+    return Client(textDocument={"hover": {"contentFormat": ["markdown", "plaintext"]}})
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Client]:
+    with start() as running:
+        yield running
+
+
 @pytest.fixture
-def client() -> Iterator[Client]:
-    with Client(textDocument={"hover": {"contentFormat": ["markdown", "plaintext"]}}) as running:
+def client(server: Client) -> Iterator[Client]:
+    """A server that other tests use too, with no text open."""
+    yield server
+    server.close_all()
+
+
+@pytest.fixture
+def own_client() -> Iterator[Client]:
+    """A server of the test's own: to end it, or to look at all that it says."""
+    with start() as running:
         yield running
 
 
@@ -147,26 +165,26 @@ def test_a_whole_new_text_can_be_sent(client: Client) -> None:
     assert [d["code"] for d in client.findings(URI)] == ["IRC201"]
 
 
-def test_a_burst_of_keys_ends_with_the_findings_of_the_last(client: Client) -> None:
-    client.open(URI, KITCHEN)
+def test_a_burst_of_keys_ends_with_the_findings_of_the_last(own_client: Client) -> None:
+    own_client.open(URI, KITCHEN)
     text = KITCHEN
     for i in range(30):
         change = replace(text, "deadline 40", f"deadline {40 + i} ")
-        client.change(URI, change)
+        own_client.change(URI, change)
         text = text.replace("deadline 40", f"deadline {40 + i} ")
-        client.change(URI, replace(text, f"deadline {40 + i} ", "deadline 40"))
+        own_client.change(URI, replace(text, f"deadline {40 + i} ", "deadline 40"))
         text = text.replace(f"deadline {40 + i} ", "deadline 40")
-    client.change(URI, replace(text, "deadline 40", "deadline 4"))
-    assert [d["code"] for d in client.findings(URI)] == ["IRC303"]
-    published = [m["params"]["version"] for m in client.kept if "params" in m]
+    own_client.change(URI, replace(text, "deadline 40", "deadline 4"))
+    assert [d["code"] for d in own_client.findings(URI)] == ["IRC303"]
+    published = [m["params"]["version"] for m in own_client.kept if "params" in m]
     assert len(published) < 60  # Most were outdated before anything was said of them.
     assert published == sorted(published)
 
 
-def test_a_closed_text_keeps_no_findings(client: Client) -> None:
-    client.open(URI, "boil 3 after nothing\n")
-    client.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
-    cleared = client.wait(lambda m: m.get("method") == "textDocument/publishDiagnostics")
+def test_a_closed_text_keeps_no_findings(own_client: Client) -> None:
+    own_client.open(URI, "boil 3 after nothing\n")
+    own_client.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+    cleared = own_client.wait(lambda m: m.get("method") == "textDocument/publishDiagnostics")
     assert cleared["params"] == {"uri": URI, "diagnostics": []}
 
 
@@ -398,28 +416,28 @@ def test_the_nearest_name_is_offered_for_an_unknown_one(client: Client) -> None:
 # --- the session --------------------------------------------------------------------------------
 
 
-def test_it_ends_as_the_protocol_says(client: Client) -> None:
-    assert client.request("shutdown", None) is None
-    client.notify("exit", None)
-    assert client.process.wait(WAIT_SECONDS) == 0
+def test_it_ends_as_the_protocol_says(own_client: Client) -> None:
+    assert own_client.request("shutdown", None) is None
+    own_client.notify("exit", None)
+    assert own_client.process.wait(WAIT_SECONDS) == 0
 
 
-def test_an_exit_that_was_not_announced_is_a_failure(client: Client) -> None:
-    client.notify("exit", None)
-    assert client.process.wait(WAIT_SECONDS) == 1
+def test_an_exit_that_was_not_announced_is_a_failure(own_client: Client) -> None:
+    own_client.notify("exit", None)
+    assert own_client.process.wait(WAIT_SECONDS) == 1
 
 
-def test_it_ends_when_the_client_goes_away(client: Client) -> None:
-    client.open(URI, KITCHEN)
-    assert client.process.stdin is not None
-    client.process.stdin.close()
-    assert client.process.wait(WAIT_SECONDS) == 0
+def test_it_ends_when_the_client_goes_away(own_client: Client) -> None:
+    own_client.open(URI, KITCHEN)
+    assert own_client.process.stdin is not None
+    own_client.process.stdin.close()
+    assert own_client.process.wait(WAIT_SECONDS) == 0
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_it_ends_when_it_is_told_to(client: Client) -> None:
-    client.process.send_signal(signal.SIGTERM)
-    assert client.process.wait(WAIT_SECONDS) == 128 + signal.SIGTERM
+def test_it_ends_when_it_is_told_to(own_client: Client) -> None:
+    own_client.process.send_signal(signal.SIGTERM)
+    assert own_client.process.wait(WAIT_SECONDS) == 128 + signal.SIGTERM
 
 
 @pytest.mark.parametrize(
