@@ -150,7 +150,7 @@ def _chosen(problem: Problem, i: int, uses: Mapping[str, str]) -> tuple[int | No
     for claim in activity.claims:
         named = uses.get(str(claim.use))
         if named is None:
-            continue  # Not held in this mode, or there was enough of it in what was asked.
+            continue  # Not held in this mode, or ample in the problem that was asked.
         taken = [r for r in claim.alternatives if problem.shared[r].id == named]
         if not taken:
             raise AnswerError(f"{activity.id!r} takes something it cannot use")
