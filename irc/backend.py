@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from irc._version import __version__
 from irc.diagnostics import Code, Diagnostic, InputError, Report, did_you_mean
+from irc.errors import IrcError
 from irc.features import Feature, FeatureUse, features_of
 from irc.model import Task
 from irc.problem import Problem
@@ -86,11 +87,11 @@ class Outcome:
     levels: tuple[ObjectiveLevel, ...] = ()
 
 
-class EngineMissing(Exception):
+class EngineMissing(IrcError):
     """The engine asked for is not installed; the text says what to do."""
 
 
-class EngineFailed(Exception):
+class EngineFailed(IrcError):
     """The engine ran but gave nothing that can be used; the text says what happened."""
 
 
@@ -224,7 +225,7 @@ class Backend(ABC):
         return None
 
 
-class Refusal(Exception):
+class Refusal(IrcError):
     """This target cannot express this problem, though it knows all of its features."""
 
     def __init__(self, message: str, pointer: tuple[str | int, ...] = (), hint: str | None = None):
@@ -256,7 +257,7 @@ def get_backend(name: str) -> Backend:
     return backends()[name]
 
 
-class UnknownTarget(Exception):
+class UnknownTarget(IrcError):
     """A target or engine that does not exist."""
 
     def __init__(self, kind: str, name: str, known: list[str]) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
 from typing import TYPE_CHECKING, Any
 
+from irc.errors import IrcError
 from irc.source import Pointer, Source, pointer_text
 
 if TYPE_CHECKING:
@@ -256,7 +257,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     return None if close is None else f"did you mean `{close}`?"
 
 
-class InputError(Exception):
+class InputError(IrcError):
     """The input is at fault; `report` says how, each finding with its place."""
 
     def __init__(self, report: Report) -> None:

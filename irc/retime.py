@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from irc.errors import IrcError
 from irc.network import earliest
 from irc.problem import Problem
 from irc.timing import PointMap, timing_network
@@ -20,7 +21,7 @@ from irc.timing import PointMap, timing_network
 Moment = int | Fraction
 
 
-class AnswerError(Exception):
+class AnswerError(IrcError):
     """An engine's answer that no exact schedule of the task corresponds to.
 
     `line` is where in the answer's text, from 1, that shows, if it shows somewhere.

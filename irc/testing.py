@@ -17,6 +17,7 @@ from typing import Any
 from irc.backend import Backend, Engine, Limits, Program, refused_features
 from irc.compiler import finish, lower_for, validate_schedule
 from irc.diagnostics import InputError
+from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Status
 
@@ -184,7 +185,7 @@ CONFORMANCE_TASKS: tuple[Case, ...] = (
 )
 
 
-class ConformanceError(AssertionError):
+class ConformanceError(IrcError, AssertionError):
     """A backend that breaks the contract; the text says on which task and how."""
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from irc.backend import UnknownTarget
 from irc.canonical import written_task
 from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.errors import IrcError
 from irc.files import write_folder, write_whole
 from irc.frontends.files import read_task, read_text
 from irc.model import Task
@@ -37,7 +38,7 @@ DSL_SUFFIX = ".irc"
 _UNSAFE = re.compile(r"[^\w.-]+")
 
 
-class ConversionUseError(Exception):
+class ConversionUseError(IrcError):
     """The options do not fit the format; the text says what to do."""
 
 

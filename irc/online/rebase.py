@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from irc.compiler import schedule_of
+from irc.errors import IrcError
 from irc.lower_choices import NEVER
 from irc.online.facts import Fact, choices_of, ticks_of
 from irc.online.lags import Lags, twins
@@ -35,7 +36,7 @@ from irc.retime import ABSENT, Decision, retime
 from irc.schedule import Entry, Schedule
 
 
-class PastError(Exception):
+class PastError(IrcError):
     """Something that must still happen would have had to happen before; the text says what."""
 
 

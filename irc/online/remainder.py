@@ -24,7 +24,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.model import Task
 from irc.online.freeze import Frozen, with_groups
 from irc.online.history import History
-from irc.online.rebase import PastError, rebase
+from irc.online.rebase import PastError, Rebased, rebase
 from irc.online.repair import repaired
 from irc.online.settle import settled
 from irc.online.state import key_of
@@ -133,7 +133,7 @@ class Remainder:
             limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
         return self.engine.solve(program, limits, self.means.on_progress)
 
-    def _judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
+    def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """What the validator has against a whole history; None: nothing."""
         from irc.validation import validate
 
@@ -153,14 +153,7 @@ class Remainder:
         if whole.bound.value - now > left.bound.value:
             left = replace(left, bound=replace(whole.bound, value=whole.bound.value - now))
 
-        def judge(schedule: Schedule) -> str | None:
-            """What the validator says of a plan with the history before it."""
-            try:
-                merged = rebased.merged(whole, schedule)
-            except AnswerError as error:
-                return str(error)
-            return self._judged(merged, given_up)
-
+        judge = _WithHistory(self, rebased, whole, given_up)
         found = self._solved(left, judge) if left.has_contention else _by_critical_path(left, now)
         if found.schedule is None:
             return found
@@ -174,9 +167,26 @@ class Remainder:
             merged,
             self.history.entries.values(),
             self.means.stability,
-            lambda schedule: self._judged(schedule, given_up) is None,
+            lambda schedule: self.judged(schedule, given_up) is None,
         )
         return _settled(outcome, whole, kept)
+
+
+@dataclass(frozen=True, slots=True)
+class _WithHistory:
+    """What the validator says of a plan with the history before it; None: nothing."""
+
+    remainder: Remainder
+    rebased: Rebased
+    whole: Problem
+    given_up: Sequence[int]
+
+    def __call__(self, schedule: Schedule) -> str | None:
+        try:
+            merged = self.rebased.merged(self.whole, schedule)
+        except AnswerError as error:
+            return str(error)
+        return self.remainder.judged(merged, self.given_up)
 
 
 def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:

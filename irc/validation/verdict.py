@@ -85,11 +85,11 @@ class Verdict:
 
     violations: tuple[Violation, ...]
     objective: Mapping[str, Number]
-    omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    omitted: Mapping[str, int] = field(default_factory=dict)
     time_unit: str = "s"
     at: Number | None = None
     carried: tuple[Violation, ...] = ()
-    carried_omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    carried_omitted: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def valid(self) -> bool:

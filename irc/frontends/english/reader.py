@@ -25,7 +25,7 @@ from irc.frontends.english.statements import Frame, Statement
 from irc.frontends.english.steps import StepText, hidden_order, is_optional, order_cue, read_step
 from irc.frontends.english.understanding import Reader
 from irc.frontends.json_document import RawDocument
-from irc.source import Locator, Pointer, Range, Source
+from irc.source import Pointer, Range, Source
 
 MAX_CHARACTERS = 20_000_000
 """Longer texts are refused: nobody wrote them by hand, and reading them takes minutes."""
@@ -59,14 +59,17 @@ def read_english(text: str, name: str) -> RawDocument:
     if assembly.problems:
         raise InputError(Report(tuple(findings.items), source))
     content, places = assembly.document()
-    return RawDocument(content, Source(name, text, _locator(places)), findings)
+    return RawDocument(content, Source(name, text, _Locator(places)), findings)
 
 
-def _locator(places: Mapping[Pointer, Range]) -> Locator:
-    def locate(_text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
-        return {pointer: places[pointer] for pointer in wanted if pointer in places}
+@dataclass(frozen=True, slots=True)
+class _Locator:
+    """Knows the places of all elements."""
 
-    return locate
+    places: Mapping[Pointer, Range]
+
+    def __call__(self, _text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        return {pointer: self.places[pointer] for pointer in wanted if pointer in self.places}
 
 
 @dataclass
