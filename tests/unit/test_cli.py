@@ -388,6 +388,7 @@ def test_solve_prints_the_schedule_document(kitchen: Path) -> None:
         "irc_schedule",
         "task",
         "task_sha256",
+        "time_unit",
         "status",
         "makespan",
         "objective",

@@ -52,6 +52,7 @@ schedules = st.builds(
     target=st.none() | names,
     engine=st.none() | names,
     seconds=st.none() | st.floats(0, 1e6),
+    time_unit=st.none() | names,
 )
 
 
@@ -95,8 +96,8 @@ def test_the_document_of_the_design() -> None:
     )
     document = schedule.as_json()
     assert list(document) == [
-        *("irc_schedule", "task", "task_sha256", "status", "makespan", "objective", "actions"),
-        *("target", "engine", "seconds"),
+        *("irc_schedule", "task", "task_sha256", "time_unit", "status", "makespan"),
+        *("objective", "actions", "target", "engine", "seconds"),
     ]
     assert (document["irc_schedule"], document["task"]) == ("1", "sandwich")
     assert (document["status"], document["makespan"]) == ("optimal", 12)
