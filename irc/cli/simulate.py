@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 
 from irc.cli import EXIT_INPUT
@@ -42,11 +41,8 @@ def simulate_file(
         simulation = simulate(
             task,
             schedule=given,
-            target=planning.target,
-            engine=planning.engine,
-            limits=planning.limits,
-            stability=Fraction(str(planning.stability)),
             on_step=told.tell,
+            options=planning.options,
         )
         if output is not None and simulation.final.answered:
             write_whole(output, dump_json(simulation.final.as_json()))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import groupby
-from typing import Any
+from typing import Any, Unpack
 
-from irc.backend import Limits
+from irc.backend import SolveKeywords, SolveOptions
 from irc.compiler import solve_task
 from irc.model import Event, Task
-from irc.online.execution import DEFAULT_SECONDS, Execution
+from irc.model.built import Built, task_of
+from irc.online.execution import Execution
 from irc.online.step import Step
 from irc.schedule import Schedule
 from irc.times import json_number
@@ -55,23 +55,29 @@ class Simulation:
 
 
 def simulate(
-    task: Task,
+    task: Task | Built[Task],
     *,
     schedule: Schedule | None = None,
-    target: str = "cpsat",
-    engine: str = "auto",
-    limits: Limits | None = None,
-    stability: float | Fraction = 0,
     on_step: OnStep | None = None,
+    options: SolveOptions | None = None,
+    **more: Unpack[SolveKeywords],
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
-    Events of one instant make one step, in their order. `limits` hold for each step. Raises what
-    `irc.solve` and `Execution` raise, after `on_step` has been told of all steps before.
+    Events of one instant make one step, in their order. The options are those of `SolveOptions`;
+    limits hold for each step. Raises what `irc.solve` and `Execution` raise, after `on_step` has
+    been called for all steps before.
     """
-    limits = Limits(DEFAULT_SECONDS) if limits is None else limits
+    chosen, task = SolveOptions.of(options, more), task_of(task)
     if schedule is None:
-        answer = solve_task(task, target, engine, limits)
+        answer = solve_task(
+            task,
+            chosen.target,
+            chosen.engine,
+            chosen.limits,
+            shortcut=chosen.shortcut,
+            on_progress=chosen.on_progress,
+        )
         schedule, notes = answer.schedule, answer.notes
     else:
         notes = ()
@@ -80,9 +86,7 @@ def simulate(
         on_step(steps[0])
     if not schedule.answered:
         return Simulation(task.name, tuple(steps))
-    execution = Execution(
-        task, schedule, target=target, engine=engine, limits=limits, stability=stability
-    )
+    execution = Execution(task, schedule, options=chosen)
     for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
         for event in same:
             execution.apply(event)

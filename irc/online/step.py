@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from irc.backend import Limits, OnProgress
+from irc.backend import Limits, OnProgress, SolveOptions
 from irc.diagnostics import Diagnostic
 from irc.model import Event, Task
 from irc.online.history import History
@@ -25,6 +25,13 @@ class Means:
     limits: Limits = field(default_factory=Limits)
     stability: Fraction = Fraction(0)
     on_progress: OnProgress | None = None
+
+    @classmethod
+    def of(cls, options: SolveOptions) -> Means:
+        """Those that options name."""
+        return cls(
+            options.target, options.engine, options.limits, options.share, options.on_progress
+        )
 
 
 @dataclass(frozen=True, slots=True)
