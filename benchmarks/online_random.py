@@ -114,7 +114,8 @@ class Run:
                 events,
                 target=self.target,
                 engine=self.engine,
-                limits=self.limits,
+                time_limit=self.limits.seconds,
+                workers=self.limits.workers,
             )
 
     def execution(self, seed: int, operation: str, figures: Figures) -> None:
@@ -168,7 +169,8 @@ class Run:
             schedule=first.schedule,
             target=self.target,
             engine=self.engine,
-            limits=self.limits,
+            time_limit=self.limits.seconds,
+            workers=self.limits.workers,
         )
         plans = [step.schedule for step in done.steps[1:]]
         for k, one in enumerate(played):

@@ -20,7 +20,6 @@ import time
 from fractions import Fraction
 
 import irc
-from irc.backend import Limits
 from irc.model import Event, Task
 from irc.online import Execution
 from irc.online.step import Step
@@ -75,7 +74,7 @@ def failure(rng: random.Random, task: Task, makespan: Fraction | int) -> Event:
 
 def repaired(task: Task, plan: Schedule, event: Event, seconds: float) -> tuple[Step, float]:
     """The step and how long it took, from the event to the judged schedule."""
-    execution = Execution(task, plan, limits=Limits(seconds, workers=2))
+    execution = Execution(task, plan, time_limit=seconds, workers=2)
     began = time.perf_counter()
     execution.apply(event)
     step = execution.replan()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from irc.backend import Limits
+from irc.backend import Limits, SolveOptions
 from irc.lower import lower
 from irc.model import Event, Task
 from irc.online import replan
@@ -18,6 +18,7 @@ from irc.schedule import Entry, Schedule
 from irc.times import Number
 
 LIMITS = Limits(20, workers=1)
+OPTIONS = SolveOptions(time_limit=20, workers=1)
 
 
 def action(name: str, duration: Any, *resources: str, **fields: Any) -> dict[str, Any]:
@@ -47,7 +48,7 @@ def repaired(
 ) -> Step:
     """The step after one event (or none) at a time."""
     events = [event(at, *changes)] if changes else []
-    return replan(whole, schedule, at, events, **{"limits": LIMITS, **means})
+    return replan(whole, schedule, at, events, **{"options": OPTIONS, **means})
 
 
 def starts(schedule: Schedule) -> dict[str, Number]:

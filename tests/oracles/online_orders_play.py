@@ -65,7 +65,14 @@ def play(
     )
     if not first.answered:
         return
-    execution = Execution(task, first, target=target, engine=engine, limits=limits)
+    execution = Execution(
+        task,
+        first,
+        target=target,
+        engine=engine,
+        time_limit=limits.seconds,
+        workers=limits.workers,
+    )
     before = _json(first.as_json())
     events: list[Document] = []
     at = Fraction(0)

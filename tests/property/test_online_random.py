@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from irc.backend import Limits
 from irc.model import Event, Task
 from irc.online import replan
 from irc.online.step import Step
@@ -19,7 +18,7 @@ SEEDS = range(1000, 1006)
 
 
 def repaired(task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
-    return replan(task, schedule, at, events, limits=Limits(20, workers=1))
+    return replan(task, schedule, at, events, time_limit=20, workers=1)
 
 
 def faults(seed: int, operation: str | None) -> list[str]:

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from irc import InputError, Task
+from irc import InputError
 from irc.canonical import task_sha256, written_task
 from irc.checks import run_checks
 from irc.compiler import solve_task, validate_schedule
-from irc.model import Event
+from irc.model import Event, Task
 from irc.online import apply, check_event
 from irc.schedule import Entry, Schedule
 
