@@ -196,11 +196,11 @@ class Run:
             "faults": list(faults),
             "at": json_number(at),
             "task": written_task(task),
-            "schedule": schedule.as_json(),
+            "schedule": schedule.to_dict(),
             "events": [
                 e.model_dump(mode="json", by_alias=True, exclude_unset=True) for e in events
             ],
-            "step": None if step is None else step.as_json(),
+            "step": None if step is None else step.to_dict(),
         }
         self.repros.mkdir(parents=True, exist_ok=True)
         (self.repros / f"{operation}_{seed}.json").write_text(dump_json(document), "utf-8")

@@ -108,7 +108,7 @@ def run(raw: dict[str, Any], task: Task, target: str, engine: str, limits: Limit
         time_limit=limits.seconds,
         workers=limits.workers,
     )
-    document = json.loads(json.dumps(done.as_json()), parse_float=Fraction)
+    document = json.loads(json.dumps(done.to_dict()), parse_float=Fraction)
     seconds = tuple(later - earlier for earlier, later in pairwise(began))
     return Episode(str(task.name), document, judge(raw, document), seconds)
 

@@ -55,7 +55,8 @@ def require_seconds(time_limit: float | None) -> None:
 def read_share(value: float | Fraction | str) -> Fraction:
     """A share of something as a number or a text: 0.05, "0.05" and "5%" are the same.
 
-    More than the whole is said in percent, so that 5 is never taken for 5 %. Raises `OptionError`.
+    More than the whole is said in percent, or as a `Fraction`, so that 5 is never taken for 5 %.
+    Raises `OptionError`.
     """
     text = str(value).strip()
     try:
@@ -64,7 +65,7 @@ def read_share(value: float | Fraction | str) -> Fraction:
         raise OptionError(f'expected a fraction such as 0.05 or "5%", not {text!r}') from None
     if text.endswith("%"):
         share = Fraction(share, 100)
-    elif share > 1:
+    elif share > 1 and not isinstance(value, Fraction):
         raise OptionError(
             f"{text} is more than the whole: write {format_number(exact(Fraction(share, 100)))} or "
             f'"{text}%" for {text} percent, "{format_number(share * 100)}%" for {text} times'

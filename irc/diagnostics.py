@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from irc.source import Range
 
 
+DIAGNOSTICS_VERSION = "1"
+
+
 class Severity(StrEnum):
     """How bad it is; only an error stops a compilation."""
 
@@ -151,7 +154,7 @@ class Diagnostic:
         """The severity of its code."""
         return self.code.severity
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The machine-readable form (design: "Diagnostics"); "file" only for an included one."""
         found = {
             "code": self.code.id,
@@ -161,7 +164,7 @@ class Diagnostic:
             "line": self.line,
             "column": self.column,
             "hint": self.hint,
-            "fix": [operation.as_json() for operation in self.fix] or None,
+            "fix": [operation.to_dict() for operation in self.fix] or None,
         }
         return found if self.within is None else {**found, "file": self.within.name}
 
@@ -207,15 +210,42 @@ class Report:
         placed.sort(key=_reading_order)
         return Report(tuple(placed), self.source)
 
-    def as_json(self) -> list[dict[str, Any]]:
+    def __str__(self) -> str:
+        """The findings as text, or that there are none."""
+        return self.render() or "no problems found"
+
+    def _repr_html_(self) -> str:
+        """The findings as a table, for notebooks."""
+        from irc.display.html import heading, table
+
+        if not self.diagnostics:
+            return heading("no problems found")
+        columns = ("", "code", "message", "place", "hint")
+        return table(columns, [_row(d) for d in self.located()])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that `irc check --format json` prints."""
+        return {
+            "irc_diagnostics": DIAGNOSTICS_VERSION,
+            "ok": self.ok,
+            "diagnostics": self.to_list(),
+        }
+
+    def to_list(self) -> list[dict[str, Any]]:
         """Every diagnostic, located."""
-        return [d.as_json() for d in self.located()]
+        return [d.to_dict() for d in self.located()]
 
     def render(self, *, notes: bool = True) -> str:
         """The text a person reads: each finding with the source line under a caret."""
         from irc.diagnostic_text import render
 
         return render(self.located(), notes=notes)
+
+
+def _row(d: Diagnostic) -> tuple[str, ...]:
+    """A located finding as a row of a table."""
+    place = pointer_text(d.pointer) if d.line is None else f"{d.line}:{d.column}"
+    return str(d.severity), d.code.id, d.message, place, d.hint or ""
 
 
 def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:

@@ -240,7 +240,7 @@ class Schedule:
         """The schedule that a document holds. Raises `InputError` with every fault."""
         return schedule_from_json(document)
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc solve --format json` prints."""
         return {
             "irc_schedule": SCHEDULE_VERSION,

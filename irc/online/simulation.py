@@ -41,14 +41,14 @@ class Simulation:
         """How often a planned action was moved, over all steps."""
         return sum(step.moved for step in self.steps)
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc simulate --format json` prints."""
         final = self.final
         return {
             "irc_simulation": SIMULATION_VERSION,
             "task": self.task,
-            "steps": [step.as_json() for step in self.steps],
-            "final": final.as_json(),
+            "steps": [step.to_dict() for step in self.steps],
+            "final": final.to_dict(),
             "makespan": json_number(final.makespan) if final.answered else None,
             "moved": self.moved,
         }

@@ -53,7 +53,7 @@ class Step:
     notes: tuple[Diagnostic, ...] = ()
     abandoned: tuple[str, ...] = ()
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The step as `irc simulate --format json` has it."""
         return {
             "at": json_number(self.at),
@@ -62,8 +62,8 @@ class Step:
             "running": list(self.running),
             "moved": self.moved,
             "abandoned": list(self.abandoned),
-            "notes": [note.as_json() for note in self.notes],
-            "schedule": self.schedule.as_json(),
+            "notes": [note.to_dict() for note in self.notes],
+            "schedule": self.schedule.to_dict(),
         }
 
 

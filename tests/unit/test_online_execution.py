@@ -240,7 +240,7 @@ def test_a_simulation_ends_where_nothing_continues() -> None:
     done = simulate(episode, options=OPTIONS, on_step=lambda step: seen.append(step.at))
     assert seen == [0, 2]
     assert done.final.status is Status.INFEASIBLE
-    assert done.as_json()["makespan"] is None
+    assert done.to_dict()["makespan"] is None
 
 
 def test_a_simulation_without_a_first_plan_has_one_step() -> None:
