@@ -29,7 +29,7 @@ from irc.frontends.files import parse_task, read_task
 from irc.model import Task as IrTask
 from irc.model.parts import ObjectiveName, PrecedenceType
 from irc.schedule import Schedule
-from irc.times import Instant, Number
+from irc.times import Instant, Number, parse_instant
 
 if TYPE_CHECKING:
     from irc.explanation import Explanation
@@ -242,9 +242,9 @@ class Task:
     def metadata(self, data: Mapping[str, Any]) -> None:
         self._change(metadata=dict(data))
 
-    def number(self, time: Instant) -> Number:
-        """A time of this task in its time unit, exactly."""
-        return self.ir_head.number(time)
+    def number(self, time: Moment) -> Number:
+        """A time of this task in its time unit, exactly. Raises `TimeError`."""
+        return self.ir_head.number(parse_instant(moment(time, self.ir_head)))
 
     # --- elements -----------------------------------------------------------------------------
 
