@@ -8,12 +8,17 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from decimal import Decimal
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
+from pydantic import ValidationError
+
+from irc import model
 from irc.diagnostics import Findings, InputError, Report
 from irc.errors import OptionError
 from irc.frontends.shape import to_task
 from irc.model import Task as IrTask
+from irc.model.base import Node
 from irc.times import Quantity
 
 Length = int | float | str | Fraction | Decimal | timedelta | Quantity
@@ -107,8 +112,28 @@ def read(document: Mapping[str, Any]) -> IrTask:
     return task
 
 
+_NODES = {
+    "actions": "Action",
+    "groups": "Group",
+    "precedence": "Precedence",
+    "resources": "Resource",
+    "state": "StateVariable",
+}
+
+
+@cache
+def _node_class(section: str) -> type[Node]:
+    """The class of the elements of a section."""
+    node: type[Node] = getattr(model, _NODES[section])
+    return node
+
+
 def read_part(section: str, raw: Mapping[str, Any]) -> Any:
     """One typed element of a section of a task. Raises `InputError` with every fault of shape."""
+    try:
+        return _node_class(section).model_validate(raw)
+    except ValidationError:
+        pass  # It is read once more, as a part of a task, for the words of its faults.
     try:
         (part,) = getattr(read({"actions": (), section: (raw,)}), section)
     except InputError as error:
