@@ -11,7 +11,6 @@ from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.times import Number
 from irc.schedule import Schedule
-from irc.targets import Limits
 from oracles.online_judge import judge_step
 from oracles.online_random import OPERATIONS, play
 
@@ -19,7 +18,7 @@ SEEDS = range(1000, 1006)
 
 
 def repaired(task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
-    return replan(task, schedule, at, events, limits=Limits(20, workers=1))
+    return replan(task, schedule, at, events, time_limit=20, workers=1)
 
 
 def faults(seed: int, operation: str | None) -> list[str]:
