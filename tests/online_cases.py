@@ -15,9 +15,10 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits
+from irc.targets import Limits, SolveOptions
 
 LIMITS = Limits(20, workers=1)
+OPTIONS = SolveOptions(time_limit=20, workers=1)
 
 
 def action(name: str, duration: Any, *resources: str, **fields: Any) -> dict[str, Any]:
@@ -43,7 +44,7 @@ def repaired(
 ) -> Step:
     """The step after one event (or none) at a time."""
     events = [event(at, *changes)] if changes else []
-    return replan(whole, schedule, at, events, **{"limits": LIMITS, **means})
+    return replan(whole, schedule, at, events, **{"options": OPTIONS, **means})
 
 
 def replanned(task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from irc.errors import IrcError
 from irc.model.quantities import Number
 from irc.problem import Activity, Earlier, Problem
 from irc.schedule import CANCELLED, Entry
@@ -32,7 +33,7 @@ class Fact:
         return self.entry.status == CANCELLED
 
 
-class UnexplainedError(Exception):
+class UnexplainedError(IrcError):
     """An entry names resources, or a mode, that its action cannot have."""
 
     def __init__(self, entry: Entry) -> None:

@@ -51,7 +51,7 @@ TASK: dict[str, Any] = {
 
 def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
     """What a step that has no schedule says."""
-    task = irc.Task(**{**TASK, **fields})
+    task = irc.Task(**{**TASK, **fields}).ir
     event = Event.model_validate({"at": at, "changes": changes})
     step = replan(task, irc.solve(task), at, [event])
     assert step.schedule.status is Status.INFEASIBLE

@@ -15,7 +15,6 @@ from irc.model import Event, Task
 from irc.passes import run_passes
 from irc.problem.decisions import Placed
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits
 
 OVEN = [{"id": "oven"}]
 
@@ -114,7 +113,7 @@ def test_an_engine_without_any_time_still_answers_with_it() -> None:
         }
     )
     plan = irc.solve(task, time_limit=20)
-    run = Execution(task, plan, limits=Limits(0.001, workers=1))
+    run = Execution(task, plan, time_limit=0.001, workers=1)
     broken = {"op": "set_capacity", "resource": "r0", "capacity": 0, "from": 20, "to": 30}
     run.apply(Event.model_validate({"at": 10, "changes": [broken]}))
     step = run.replan()
