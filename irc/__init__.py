@@ -74,10 +74,11 @@ _HOMES = {
     "irc.diagnostics": "Code Diagnostic InputError Report Severity",
     "irc.errors": "IrcError LibraryMissing NameNotFound OptionError",
     "irc.explanation": "Explanation",
-    "irc.execution": "Execution ExecutionState Simulation Step apply state_at",
-    "irc.retiming.retime": "AnswerError",
+    "irc.events": "apply",
+    "irc.execution": "Execution ExecutionState Simulation Step state_at",
+    "irc.problem.decisions": "AnswerError",
     "irc.schedule": "Entry ObjectiveValue Schedule Status",
-    "irc.model.times": "TimeError",
+    "irc.model.quantities": "TimeError",
     "irc.validation": "Verdict Violation",
 }
 """Where each public name is loaded from."""
