@@ -144,15 +144,19 @@ def _objective_line(page: Page, problem: Problem, schedule: Schedule, value: Obj
     makespan = f"makespan {time_in_words(page, value.value, problem.time_unit)}"
     if value.bound is None:
         return makespan
-    if value.bound == problem.to_units(problem.bound.value):
-        reason = page.visible(problem.bound.reason)
+    if value.bound == problem.to_units(problem.bounds.makespan.value):
+        reason = page.visible(problem.bounds.makespan.reason)
     else:
         reason = page.visible(f"proved by {schedule.engine or 'the engine'}")
     return f"{makespan}, bound {with_unit(value.bound, problem.time_unit)}: {reason}"
 
 
 def _why_nothing(problem: Problem, status: Status) -> str:
-    least, unit, reason = problem.bound.value, problem.time_unit, problem.bound.reason
+    least, unit, reason = (
+        problem.bounds.makespan.value,
+        problem.time_unit,
+        problem.bounds.makespan.reason,
+    )
     needed = f"; at least {with_unit(problem.to_units(least), unit)} are needed: {reason}"
     if status is Status.UNKNOWN:
         return f"no schedule was found within the limits{needed if least else ''}"

@@ -14,7 +14,7 @@ from itertools import pairwise
 from irc.execution.executed import Fact
 from irc.execution.state_conflicts import without_broken_conditions
 from irc.execution.stock_conflicts import with_stock_lent
-from irc.lowering.elements import shared_of
+from irc.lowering.elements import pool_of
 from irc.problem import Activity, Arc, Problem, Renewable, Window
 from irc.schedule import Entry
 
@@ -125,11 +125,14 @@ def _with_room(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
         problem,
         resources=resources,
         # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
-        shared=tuple(
-            shared_of(resources[s.members[0]], s.members[0])
-            if len(s.members) == 1 and s.members[0] in changed
-            else s
-            for s in problem.shared
+        contention=replace(
+            problem.contention,
+            pools=tuple(
+                pool_of(resources[p.members[0]], p.members[0])
+                if len(p.members) == 1 and p.members[0] in changed
+                else p
+                for p in problem.contention.pools
+            ),
         ),
     )
 

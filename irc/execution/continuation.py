@@ -88,7 +88,7 @@ class Remainder:
         whole, impossible = _passed(frozen)
         if impossible is not None:
             return impossible, whole
-        if not whole.has_contention and not any(whole.earlier):
+        if not whole.has_contention and not any(whole.previous.places):
             return _by_critical_path(whole), whole
         missing = self.engine.missing()
         if missing is not None:
@@ -97,7 +97,7 @@ class Remainder:
             return self._from_now(frozen, whole, given_up), whole
         if not whole.is_plain and self.means.limits.hints:
             found = repaired(whole, self.frozen.facts, self.history.plan)
-            whole = replace(whole, start_from=found)
+            whole = replace(whole, previous=replace(whole.previous, warm_start=found))
         return self._solved(whole), whole
 
     def tried(self, problem: Problem, seconds: float) -> Outcome:
@@ -152,8 +152,9 @@ class Remainder:
         left, impossible = _passed(rebased.problem, now)
         if impossible is not None:
             return impossible
-        if whole.bound.value - now > left.bound.value:
-            left = replace(left, bound=replace(whole.bound, value=whole.bound.value - now))
+        if whole.bounds.makespan.value - now > left.bounds.makespan.value:
+            bound = whole.bounds.makespan
+            left = left.with_bound(bound.value - now, bound.reason)
 
         def judge(schedule: Schedule) -> str | None:
             """What the validator says of a plan with the history before it."""
@@ -190,11 +191,11 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
         problem = run_passes(problem, _PASSES)
     except ValueError:
         return problem, _impossible("what has begun and the lags of the task contradict each other")
-    if problem.deadline is not None and problem.bound.value > problem.deadline:
-        bound = f"no continuation ends before {problem.time_text(since + problem.bound.value)}"
-        return problem, _impossible(f"{bound} ({problem.bound.reason})")
+    if problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
+        bound = f"no continuation ends before {problem.time_text(since + problem.bounds.makespan.value)}"
+        return problem, _impossible(f"{bound} ({problem.bounds.makespan.reason})")
     for i in mandatory_places(problem):
-        head, activity = problem.heads[i], problem.activities[i]
+        head, activity = problem.bounds.heads[i], problem.activities[i]
         too_late = _too_late(problem, i, head, head + activity.duration_min, since)
         if too_late is not None:
             return problem, _impossible(too_late)
@@ -229,7 +230,7 @@ def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
         if too_late is not None:
             return _impossible(too_late)
     schedule = schedule_of(problem, placed)
-    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 
 
 def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, now: int) -> Outcome:
@@ -253,7 +254,7 @@ def _settled(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
     values = worth(whole, schedule)
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
     status = outcome.status
-    if status is Status.OPTIMAL and whole.stability:
+    if status is Status.OPTIMAL and whole.previous.stability:
         status = Status.FEASIBLE
     return replace(outcome, status=status, schedule=schedule, levels=levels)
 

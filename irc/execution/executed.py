@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from irc.model.quantities import Number
-from irc.problem import Activity, Earlier, Problem
+from irc.problem import Activity, PreviousPlace, Problem
 from irc.schedule import CANCELLED, Entry
 
 
@@ -55,7 +55,7 @@ def fact_of(problem: Problem, activity: Activity, entry: Entry, *, running: bool
     return Fact(entry, start, end, mode, resources, running, entry.rank, entry.last_rank)
 
 
-def earlier_of(problem: Problem, activity: Activity, entry: Entry) -> Earlier | None:
+def previous_place_of(problem: Problem, activity: Activity, entry: Entry) -> PreviousPlace | None:
     """Where an entry has an activity that may still move; None where it does not say all of it."""
     try:
         mode, resources = choices_of(problem, activity, entry)
@@ -63,7 +63,7 @@ def earlier_of(problem: Problem, activity: Activity, entry: Entry) -> Earlier | 
         return None
     if resources is None or (mode is None and activity.details.modes):
         return None
-    return Earlier(ticks_of(problem, entry.start), mode, resources)
+    return PreviousPlace(ticks_of(problem, entry.start), mode, resources)
 
 
 def choices_of(
@@ -140,19 +140,21 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
     if apart:
         longest = shortest + 1
     uses = activity.uses
-    claims = activity.claims
+    demands = activity.open_demands
     if fact.resources is not None:
         taken = [r for r in fact.resources if r is not None]
         uses = tuple(
             use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
         )
-        claims = tuple(
+        demands = tuple(
             claim._replace(
                 alternatives=tuple(
-                    k for k in claim.alternatives if taken[claim.use] in problem.shared[k].members
+                    k
+                    for k in claim.alternatives
+                    if taken[claim.use] in problem.contention.pools[k].members
                 )
             )
-            for claim in activity.claims
+            for claim in activity.open_demands
         )
     details = activity.details
     details = replace(
@@ -185,7 +187,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         duration_min=shortest,
         duration_max=longest,
         uses=uses,
-        claims=claims if fact.running else (),
+        open_demands=demands if fact.running else (),
         details=details,
     )
 
@@ -227,6 +229,8 @@ def _in_mode(activity: Activity, fact: Fact) -> Activity:
         duration_min=mode.duration_min,
         duration_max=mode.duration_max,
         uses=tuple(activity.uses[u] for u in kept),
-        claims=tuple(c._replace(use=place[c.use]) for c in activity.claims if c.use in place),
+        open_demands=tuple(
+            d._replace(use=place[d.use]) for d in activity.open_demands if d.use in place
+        ),
         details=replace(details, modes=(mode,), use_modes=tuple(None for _ in kept)),
     )

@@ -13,11 +13,10 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 
 from irc.execution.conflicts import relaxed
-from irc.execution.executed import Fact, as_fact, earlier_of, fact_of
+from irc.execution.executed import Fact, as_fact, fact_of, previous_place_of
 from irc.execution.history import History
-from irc.lowering.choices import NEVER
 from irc.model.quantities import Number
-from irc.problem import Activity, Earlier, Group, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
 
 
@@ -54,8 +53,8 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
     activities: list[Activity] = []
     further: list[Activity] = []
     facts: dict[int, Fact] = {}
-    earlier: list[Earlier | None] = []
-    recurring: dict[int, tuple[Earlier, ...]] = {}
+    earlier: list[PreviousPlace | None] = []
+    recurring: dict[int, tuple[PreviousPlace, ...]] = {}
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
@@ -69,10 +68,10 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
-                rest = replace(rest, details=replace(rest.details, previous=previous))
+                rest = replace(rest, details=replace(rest.details, previous_occurrence=previous))
             activities.append(_open(rest, ticks, activity.id in history.cancelled))
             its = sorted(planned.get(activity.id, ()), key=lambda e: e.occurrence)
-            places = [earlier_of(problem, activity, e) for e in its]
+            places = [previous_place_of(problem, activity, e) for e in its]
             # (Without all of the first ones known, nobody could say which is which.)
             known = [*takewhile(lambda place: place is not None, places)]
             earlier.append(known[0] if known else None)
@@ -84,24 +83,27 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         else:
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
             entries = planned.get(activity.id)
-            earlier.append(earlier_of(problem, activity, entries[0]) if entries else None)
+            earlier.append(previous_place_of(problem, activity, entries[0]) if entries else None)
     frozen = replace(
         problem,
         activities=(*activities, *_chained(further, len(activities))),
-        earlier=(*earlier, *(None for _ in further)) if any(earlier) else (),
-        recurring=recurring,
+        previous=replace(
+            problem.previous,
+            places=(*earlier, *(None for _ in further)) if any(earlier) else (),
+            recurring=recurring,
+        ),
     )
-    frozen = replace(frozen, wanted=_still_wanted(frozen, facts))
+    frozen = replace(frozen, required=_still_required(frozen, facts))
     count = len(frozen.activities)
     frozen, facts = relaxed(frozen, facts, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
     return Frozen(frozen, ticks, facts, helpers)
 
 
-def _still_wanted(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:
+def _still_required(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:
     """A goal is reached when one occurrence of its action has begun."""
     begun = {problem.activities[i].id for i, fact in facts.items() if not fact.cancelled}
-    return tuple(i for i in problem.wanted if problem.activities[i].id not in begun)
+    return tuple(i for i in problem.required if problem.activities[i].id not in begun)
 
 
 def _by_action(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
@@ -122,7 +124,7 @@ def _rest(activity: Activity, begun: Sequence[Fact]) -> Activity:
     if greatest is None or greatest > 1:
         return replace(activity, details=replace(details, repeats=(least, greatest)))
     details = replace(details, repeats=None, optional=least == 0)
-    deadline = NEVER if greatest == 0 else activity.deadline
+    deadline = IMPOSSIBLE_DEADLINE if greatest == 0 else activity.deadline
     return replace(activity, deadline=deadline, details=details)
 
 
@@ -135,7 +137,7 @@ def _chained(further: Sequence[Activity], first: int) -> list[Activity]:
     return [
         a
         if a.details.occurrence == 1
-        else replace(a, details=replace(a.details, previous=first + k - 1))
+        else replace(a, details=replace(a.details, previous_occurrence=first + k - 1))
         for k, a in enumerate(further)
     ]
 
@@ -145,7 +147,7 @@ def _open(activity: Activity, now: int, cancelled: bool) -> Activity:
     if not cancelled:
         return replace(activity, release=max(activity.release, now))
     details = replace(activity.details, optional=True, repeats=None)
-    return replace(activity, deadline=NEVER, details=details)
+    return replace(activity, deadline=IMPOSSIBLE_DEADLINE, details=details)
 
 
 def with_groups(frozen: Frozen, given_up: Collection[int]) -> Problem:
@@ -164,7 +166,7 @@ def with_groups(frozen: Frozen, given_up: Collection[int]) -> Problem:
     for i in needed:
         activities[i] = _mandatory(activities[i])
     for i in gone:
-        activities[i] = replace(activities[i], deadline=NEVER)
+        activities[i] = replace(activities[i], deadline=IMPOSSIBLE_DEADLINE)
     return replace(
         problem,
         activities=tuple(activities),

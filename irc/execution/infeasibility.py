@@ -17,9 +17,8 @@ from irc.diagnostics import Code, Diagnostic
 from irc.execution.continuation import PROVER, Remainder
 from irc.execution.freeze import with_groups
 from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
-from irc.lowering.choices import NEVER
 from irc.passes import order_from_state
-from irc.problem import Activity, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, PreviousPlan, Problem
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, Status
 from irc.targets import EngineFailed, Refusal, get_backend
@@ -42,7 +41,7 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
     frozen, left = remainder.frozen, remainder.left
     until = time.perf_counter() + (PATIENCE if left is None else min(PATIENCE, left))
     problem = order_from_state(with_groups(frozen, frozen.half_done()))
-    problem = replace(problem, earlier=(), recurring={})
+    problem = replace(problem, previous=PreviousPlan(stability=problem.previous.stability))
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
     backend = get_backend(PROVER)
     prover = replace(remainder, backend=backend, engine=backend.engine())
@@ -83,7 +82,7 @@ class _Search:
         return [
             (i, a)
             for i, a in enumerate(self.problem.activities)
-            if i not in self.begun and a.deadline != NEVER
+            if i not in self.begun and a.deadline != IMPOSSIBLE_DEADLINE
         ]
 
     def tried(self, relaxed: Problem) -> tuple[Schedule, bool] | None:
@@ -238,13 +237,17 @@ def _capacities(search: _Search) -> Iterator[_Reason]:
 def _with_plenty(problem: Problem, resource: int, capacity: int) -> Problem:
     """The problem where a resource always has so much."""
     larger = replace(problem.resources[resource], capacity=capacity, windows=())
-    shared = tuple(
-        replace(s, capacity=max(capacity, s.capacity), base=None, windows=())
-        if resource in s.members
-        else s
-        for s in problem.shared
+    pools = tuple(
+        replace(p, capacity=max(capacity, p.capacity), base=None, windows=())
+        if resource in p.members
+        else p
+        for p in problem.contention.pools
     )
-    return replace(problem, resources=_put(problem.resources, resource, larger), shared=shared)
+    return replace(
+        problem,
+        resources=_put(problem.resources, resource, larger),
+        contention=replace(problem.contention, pools=pools),
+    )
 
 
 def _put(items: Sequence[_Item], index: int, item: _Item) -> tuple[_Item, ...]:

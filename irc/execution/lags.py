@@ -9,8 +9,7 @@ from itertools import pairwise
 
 from irc.execution.executed import Fact
 from irc.execution.fresh_names import fresh_name
-from irc.lowering.choices import NEVER
-from irc.problem import Activity, Arc, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Arc, Problem
 
 _NOW = "now"
 """What the instant is called that lags to the past are counted from."""
@@ -82,7 +81,7 @@ class Lags:
             release = least - activity.duration_min if at_end else least
             activity, least = replace(activity, release=max(activity.release, release)), None
         if most is not None and (activity.is_fixed or at_end):
-            deadline = max(NEVER, most if at_end else most + activity.duration_min)
+            deadline = max(IMPOSSIBLE_DEADLINE, most if at_end else most + activity.duration_min)
             if activity.deadline is None or deadline < activity.deadline:
                 activity = replace(activity, deadline=deadline)
             most = None

@@ -7,8 +7,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import NamedTuple
 
-from irc.lowering.choices import NEVER
-from irc.problem import Arc, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Arc, Problem
 from irc.schedule import Schedule
 
 
@@ -33,7 +32,7 @@ def time_limits(problem: Problem, begun: Collection[int]) -> Iterator[Limit]:
     if problem.deadline is not None:
         yield Limit(Sort.ALL)
     for i, activity in enumerate(problem.activities):
-        if i in begun or activity.deadline == NEVER:
+        if i in begun or activity.deadline == IMPOSSIBLE_DEADLINE:
             continue
         if activity.deadline is not None:
             yield Limit(Sort.DEADLINE, i)

@@ -45,7 +45,9 @@ def solve_step(
     engine = backend.engine(means.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
-    problem = replace(lower(task, instants), stability=means.stability)
+    problem = lower(task, instants)
+    previous = replace(problem.previous, stability=means.stability)
+    problem = replace(problem, previous=previous)
     if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
         problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
@@ -79,7 +81,7 @@ def _choices(problem: Problem) -> int:
     return sum(
         len(claim.alternatives)
         for activity in problem.activities
-        for claim in activity.claims
+        for claim in activity.open_demands
         if len(claim.alternatives) > 1
     )
 

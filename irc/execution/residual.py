@@ -17,16 +17,16 @@ from functools import cached_property
 from irc.execution.executed import Fact, choices_of, ticks_of
 from irc.execution.fresh_names import fresh_name
 from irc.execution.lags import Lags, twins
-from irc.lowering.choices import NEVER
 from irc.passes.unroll import unroll
 from irc.problem import (
+    IMPOSSIBLE_DEADLINE,
     Activity,
+    ContendedPool,
     Details,
-    Earlier,
+    PreviousPlace,
     Problem,
     Renewable,
     Reservoir,
-    Shared,
     Variable,
     Window,
 )
@@ -151,7 +151,10 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
             activities=tuple(arcs.activities),
             arcs=tuple(arcs.arcs),
             resources=tuple(_later(r, now) for r in problem.resources),
-            shared=tuple(_shared_later(s, now) for s in problem.shared),
+            contention=replace(
+                problem.contention,
+                pools=tuple(_pool_later(p, now) for p in problem.contention.pools),
+            ),
             deadline=None if deadline is None else deadline - now,
             reservoirs=_stock_now(problem, facts, now, places),
             variables=_state_now(problem, facts, now, places),
@@ -160,16 +163,21 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
                 for g in problem.groups
                 if (members := tuple(places[i] for i in g.members if i in places))
             ),
-            wanted=tuple(places[i] for i in problem.wanted if i in places),
-            sequel=tuple(
-                (places[a], places[b]) for a, b in problem.sequel if a in places and b in places
+            required=tuple(places[i] for i in problem.required if i in places),
+            state_precedences=tuple(
+                (places[a], places[b])
+                for a, b in problem.state_precedences
+                if a in places and b in places
             ),
-            earlier=_earlier(problem, kept, len(arcs.activities), now),
-            start_from=(),
-            recurring={
-                places[i]: tuple(e._replace(start=e.start - now) for e in more)
-                for i, more in problem.recurring.items()
-            },
+            previous=replace(
+                problem.previous,
+                places=_earlier(problem, kept, len(arcs.activities), now),
+                recurring={
+                    places[i]: tuple(e._replace(start=e.start - now) for e in more)
+                    for i, more in problem.previous.recurring.items()
+                },
+                warm_start=(),
+            ),
         ),
         places,
     )
@@ -184,16 +192,16 @@ def _all_too_late(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
         repeats = activity.details.repeats
         if not activity.details.optional and (repeats is None or repeats[0] > 0):
             raise PastError("the task's deadline has passed, and not everything is done")
-        activities[i] = replace(activity, deadline=NEVER)
+        activities[i] = replace(activity, deadline=IMPOSSIBLE_DEADLINE)
     return replace(problem, activities=tuple(activities), deadline=None)
 
 
 def _earlier(
     problem: Problem, kept: Sequence[int], size: int, now: int
-) -> tuple[Earlier | None, ...]:
-    if not problem.earlier:
+) -> tuple[PreviousPlace | None, ...]:
+    if not problem.previous.places:
         return ()
-    found = [problem.earlier[i] for i in kept]
+    found = [problem.previous.places[i] for i in kept]
     shifted = [None if e is None else e._replace(start=e.start - now) for e in found]
     return (*shifted, *(None for _ in range(size - len(shifted))))
 
@@ -240,19 +248,19 @@ def _shifted(activity: Activity, now: int, facts: Mapping[int, Fact]) -> Activit
         raise PastError(f"{activity.id!r} has a fixed start that has passed, and has not begun")
     deadline = activity.deadline
     if activity.start is not None and activity.start < now:
-        deadline = NEVER
+        deadline = IMPOSSIBLE_DEADLINE
     details = activity.details
     due, release = details.due, activity.release
-    if details.previous is not None:
-        release = max(release, facts[details.previous].end)
-    if due is not None or details.previous is not None or details.occurrence != 1:
+    if details.previous_occurrence is not None:
+        release = max(release, facts[details.previous_occurrence].end)
+    if due is not None or details.previous_occurrence is not None or details.occurrence != 1:
         due = None if due is None else due - now
-        details = replace(details, due=due, previous=None, occurrence=1)
+        details = replace(details, due=due, previous_occurrence=None, occurrence=1)
     return replace(
         activity,
         release=max(0, release - now),
         start=None if activity.start is None else max(0, activity.start - now),
-        deadline=None if deadline is None else max(NEVER, deadline - now),
+        deadline=None if deadline is None else max(IMPOSSIBLE_DEADLINE, deadline - now),
         details=details,
     )
 
@@ -284,7 +292,9 @@ def _residual(activity: Activity, fact: Fact, now: int, names: Counter[str]) -> 
         id=name,
         start=0,
         release=0,
-        deadline=None if activity.deadline is None else max(NEVER, activity.deadline - now),
+        deadline=None
+        if activity.deadline is None
+        else max(IMPOSSIBLE_DEADLINE, activity.deadline - now),
         duration_min=shortest,
         duration_max=longest,
         details=own,
@@ -297,10 +307,10 @@ def _later(resource: Renewable, now: int) -> Renewable:
     return replace(resource, windows=_windows_later(resource.windows, now))
 
 
-def _shared_later(shared: Shared, now: int) -> Shared:
-    if not shared.windows:
-        return shared
-    return replace(shared, windows=_windows_later(shared.windows, now))
+def _pool_later(pool: ContendedPool, now: int) -> ContendedPool:
+    if not pool.windows:
+        return pool
+    return replace(pool, windows=_windows_later(pool.windows, now))
 
 
 def _windows_later(windows: Iterable[Window], now: int) -> tuple[Window, ...]:

@@ -16,7 +16,7 @@ from fractions import Fraction
 from irc.execution.executed import UnexplainedError, choices_of, ticks_of
 from irc.execution.state import key_of
 from irc.model.quantities import Number
-from irc.problem import Activity, Problem
+from irc.problem import Activity, PreviousPlan, Problem
 from irc.problem.decisions import ABSENT, AnswerError, Decision, Moment
 from irc.problem.objective_values import costs
 from irc.retiming.retime import retime
@@ -40,7 +40,7 @@ def settled(
     one as a whole is the best of all if `is_valid` finds nothing against it. With occurrences of
     actions that repeat there is nothing between that and the schedule as it is.
     """
-    if not any(problem.earlier):
+    if not any(problem.previous.places):
         return schedule
     limits = _limits(problem, schedule, stability)
     whole = Schedule(tuple(sorted(old, key=lambda e: (e.start, e.end, e.id))))
@@ -51,7 +51,7 @@ def settled(
     before, now = _decisions(problem, whole.entries), _decisions(problem, schedule.entries)
     can_stay = [
         i
-        for i, earlier in enumerate(problem.earlier)
+        for i, earlier in enumerate(problem.previous.places)
         if earlier is not None
         and before[i].present
         and now[i].present
@@ -138,14 +138,14 @@ class _Settling:
             activities[i] = replace(activities[i], start=int(self.before[i].start))
             length = self._length(i)
             there[i] = replace(self.before[i], end=self.before[i].start + length)
-        problem = replace(self.problem, activities=tuple(activities), earlier=())
+        problem = replace(self.problem, activities=tuple(activities), previous=PreviousPlan())
         same_choices = all(
             (self.before[i].mode, self.before[i].chosen) == (self.now[i].mode, self.now[i].chosen)
             for i in candidates
         )
         for decisions in (there, self.now) if same_choices else (there,):
             if self._can_be(problem, decisions):
-                self.problem = replace(problem, earlier=self.problem.earlier)
+                self.problem = replace(problem, previous=self.problem.previous)
                 self.now = decisions
                 return True
         return False

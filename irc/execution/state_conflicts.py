@@ -44,7 +44,10 @@ def without_broken_conditions(
     changed = replace(
         problem,
         activities=(*activities, *(a for a, _ in helpers)),
-        earlier=problem.earlier and (*problem.earlier, *(None for _ in helpers)),
+        previous=replace(
+            problem.previous,
+            places=problem.previous.places and (*problem.previous.places, *(None for _ in helpers)),
+        ),
     )
     return changed, {**facts, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
 

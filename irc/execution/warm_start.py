@@ -14,9 +14,9 @@ from irc.execution.executed import Fact, UnexplainedError, choices_of
 from irc.execution.state import Key
 from irc.model.quantities import exact
 from irc.passes.critical_path import heads_and_tails
-from irc.passes.resource_profile import NEVER
+from irc.passes.resource_profile import UNREACHABLE_TIME
 from irc.passes.serial_sgs import list_schedule
-from irc.problem import PLAIN, Arc, Problem
+from irc.problem import PLAIN, Arc, PreviousPlan, Problem
 from irc.problem.decisions import ABSENT, AnswerError, Decision, Placed
 from irc.retiming.retime import retime
 from irc.retiming.selection import Selection, select
@@ -41,7 +41,7 @@ def repaired(
         selection = select(problem, before)
         orders = state_orders(selection.problem, selection.decisions, 0)
         found = _list_scheduled(problem, selection, orders)
-        return () if found is None else retime(replace(problem, earlier=()), found)
+        return () if found is None else retime(replace(problem, previous=PreviousPlan()), found)
     except (AnswerError, UnexplainedError, ValueError):  # The old order does not survive.
         return ()
 
@@ -57,7 +57,7 @@ def _before(problem: Problem, i: int, fact: Fact | None, plan: Mapping[Key, Entr
         if activity.details.optional:
             return ABSENT
         mode = 0 if activity.details.modes else None
-        return Decision(NEVER, NEVER + activity.duration_min, (), mode=mode)
+        return Decision(UNREACHABLE_TIME, UNREACHABLE_TIME + activity.duration_min, (), mode=mode)
     if fact is not None:
         mode = 0 if activity.details.modes else None
         chosen: tuple[int | None, ...] = tuple(use.alternatives[0] for use in activity.uses)
@@ -80,7 +80,7 @@ def _keeps_groups(problem: Problem, decisions: Sequence[Decision]) -> bool:
         there = [decisions[i].present for i in group.members]
         if not all(there) and (group.required or any(there)):
             return False
-    return all(decisions[i].present for i in problem.wanted)
+    return all(decisions[i].present for i in problem.required)
 
 
 def _list_scheduled(
@@ -92,9 +92,11 @@ def _list_scheduled(
     for k, i in enumerate(selection.kept):
         place = {u: n for n, u in enumerate(selection.uses[k])}
         claims = tuple(
-            c._replace(use=place[c.use]) for c in problem.activities[i].claims if c.use in place
+            c._replace(use=place[c.use])
+            for c in problem.activities[i].open_demands
+            if c.use in place
         )
-        activities.append(replace(chosen.activities[k], claims=claims, details=PLAIN))
+        activities.append(replace(chosen.activities[k], open_demands=claims, details=PLAIN))
     arcs = [
         Arc(o.before.activity, o.after.activity, o.before.at_end, o.after.at_end, 0, None, -1)
         for o in orders
@@ -106,17 +108,18 @@ def _list_scheduled(
         variables=(),
         goals=(),
         groups=(),
-        wanted=(),
+        required=(),
         reservoirs=(),
-        sequel=(),
-        earlier=(),
+        state_precedences=(),
+        previous=PreviousPlan(),
     )
     plain = heads_and_tails(plain)
     starts = [int(d.start) for d in selection.decisions]
     order = [
-        s - NEVER if a.start is not None else s for s, a in zip(starts, activities, strict=True)
+        s - UNREACHABLE_TIME if a.start is not None else s
+        for s, a in zip(starts, activities, strict=True)
     ]
-    floors = [0 if start >= NEVER else start for start in starts]
+    floors = [0 if start >= UNREACHABLE_TIME else start for start in starts]
     found = [f for f in (list_schedule(plain, order, floors), list_schedule(plain, order)) if f]
     if not found:
         return None
@@ -143,9 +146,9 @@ def _spread(
     for k, i in enumerate(selection.kept):
         activity = problem.activities[i]
         taken: list[int | None] = [None] * len(activity.uses)
-        kept = [c for c in activity.claims if c.use in selection.uses[k]]
+        kept = [c for c in activity.open_demands if c.use in selection.uses[k]]
         for claim, r in zip(kept, choices[k], strict=True):
-            members = problem.shared[r].members
+            members = problem.contention.pools[r].members
             taken[claim.use] = members[0] if len(members) == 1 else None
         place = placed[k]
         spread[i] = Decision(

@@ -28,13 +28,14 @@ def resource_bounds(problem: Problem) -> Problem:
         return problem
     core = mandatory_part(problem)
     if core is not problem:
-        return replace(problem, bound=resource_bounds(heads_and_tails(core)).bound)
+        bound = resource_bounds(heads_and_tails(core)).bounds.makespan
+        return replace(problem, bounds=replace(problem.bounds, makespan=bound))
     from irc.passes.energy import energy_bound
     from irc.passes.serial_sgs import quick_makespan
 
     problem = energy_bound(problem)
     reached = quick_makespan(problem)
-    if reached == problem.bound.value:
+    if reached == problem.bounds.makespan.value:
         return problem
     from irc.passes.destructive import destructive_bound
 

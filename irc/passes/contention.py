@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
 
-from irc.problem import Activity, Claim, Earlier, Problem, Shared
+from irc.problem import Activity, ContendedPool, OpenDemand, PreviousPlace, Problem
 
 
 def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
@@ -22,10 +22,10 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     pools: dict[tuple[int, ...], bool] = {}
     owner: dict[int, tuple[int, ...]] = {}
     for activity in problem.activities:
-        for claim in activity.claims:
+        for claim in activity.open_demands:
             key = claim.alternatives
             alike = claim.amount == 1 and not any(
-                problem.shared[r].windows or r in apart for r in key
+                problem.contention.pools[r].windows or r in apart for r in key
             )
             pools[key] = pools.get(key, True) and alike
             for r in key:
@@ -41,30 +41,30 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
 
 def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
     gone = {r for key in merged for r in key}
-    kept = [r for r in range(len(problem.shared)) if r not in gone]
+    kept = [r for r in range(len(problem.contention.pools)) if r not in gone]
     place = {r: k for k, r in enumerate(kept)}
     pool_place = {key: len(kept) + k for k, key in enumerate(merged)}
-    shared = [problem.shared[r] for r in kept]
+    pools = [problem.contention.pools[r] for r in kept]
     for key in merged:
-        members = [problem.shared[r] for r in key]
-        shared.append(
-            Shared(
+        members = [problem.contention.pools[r] for r in key]
+        pools.append(
+            ContendedPool(
                 "|".join(m.id for m in members),
                 sum(m.capacity for m in members),
                 tuple(i for m in members for i in m.members),
             )
         )
 
-    def move(claim: Claim) -> Claim:
+    def move(claim: OpenDemand) -> OpenDemand:
         if claim.alternatives in pool_place:
             return claim._replace(alternatives=(pool_place[claim.alternatives],))
         return claim._replace(alternatives=tuple(place[r] for r in claim.alternatives))
 
     return replace(
         problem,
-        shared=tuple(shared),
+        contention=replace(problem.contention, pools=tuple(pools)),
         activities=tuple(
-            replace(a, claims=tuple(map(move, a.claims))) if a.claims else a
+            replace(a, open_demands=tuple(map(move, a.open_demands))) if a.open_demands else a
             for a in problem.activities
         ),
     )
@@ -79,53 +79,61 @@ def drop_uncontended(problem: Problem) -> Problem:
     settled choice relieves the other alternatives.
     """
     activities = list(problem.activities)
-    settled = dict(problem.settled)
+    fixed = dict(problem.contention.fixed_choices)
     while True:
         load: Counter[int] = Counter()
         for activity in activities:
-            for claim in activity.claims:
+            for claim in activity.open_demands:
                 for r in claim.alternatives:
                     load[r] += claim.amount
-        enough = {r for r, amount in load.items() if amount <= problem.shared[r].least_capacity}
+        enough = {
+            r for r, amount in load.items() if amount <= problem.contention.pools[r].least_capacity
+        }
         if not enough:
             break
         before = list(activities)
         for i, activity in enumerate(activities):
-            if activity.claims:
-                activities[i] = _settle(problem, i, activity, enough, settled)
+            if activity.open_demands:
+                activities[i] = _without_ample(problem, i, activity, enough, fixed)
         if activities == before:
             break
-    return replace(problem, activities=tuple(activities), settled=settled)
+    return replace(
+        problem,
+        activities=tuple(activities),
+        contention=replace(problem.contention, fixed_choices=fixed),
+    )
 
 
-def _settle(
+def _without_ample(
     problem: Problem,
     index: int,
     activity: Activity,
     enough: set[int],
-    settled: dict[tuple[int, int], int],
+    fixed: dict[tuple[int, int], int],
 ) -> Activity:
-    open_claims = []
-    old = problem.earlier[index] if problem.earlier else None
-    for claim in activity.claims:
+    still_open = []
+    old = problem.previous.places[index] if problem.previous.places else None
+    for claim in activity.open_demands:
         chosen = next((r for r in claim.alternatives if r in enough), None)
         if chosen is not None and old is not None:
             chosen = _as_before(problem, claim, old, enough)
         if chosen is None:
-            open_claims.append(claim)
+            still_open.append(claim)
             continue
-        members = problem.shared[chosen].members
+        members = problem.contention.pools[chosen].members
         if len(members) == 1:
-            settled[index, claim.use] = members[0]
-    if len(open_claims) == len(activity.claims):
+            fixed[index, claim.use] = members[0]
+    if len(still_open) == len(activity.open_demands):
         return activity
-    return replace(activity, claims=tuple(open_claims))
+    return replace(activity, open_demands=tuple(still_open))
 
 
-def _as_before(problem: Problem, claim: Claim, old: Earlier, enough: set[int]) -> int | None:
+def _as_before(
+    problem: Problem, claim: OpenDemand, old: PreviousPlace, enough: set[int]
+) -> int | None:
     """What an earlier schedule took, if there is always enough of it."""
     taken = old.resources[claim.use]
     for r in claim.alternatives:
-        if r in enough and (taken is None or taken in problem.shared[r].members):
+        if r in enough and (taken is None or taken in problem.contention.pools[r].members):
             return r
     return None

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from irc.passes.fixed_load import release_behind_fixed
 from irc.passes.mandatory import mandatory_part, mandatory_places
-from irc.problem import Bound, Problem
+from irc.problem import Bound, Bounds, Problem
 from irc.problem.temporal_network import earliest
 from irc.problem.time_points import timing_network
 
@@ -22,7 +22,7 @@ def heads_and_tails(problem: Problem) -> Problem:
     released = release_behind_fixed(problem)
     core = mandatory_part(released)
     found = _of_network(released) if core is released else _of_core(released, _of_network(core))
-    return replace(problem, heads=found.heads, tails=found.tails, bound=found.bound)
+    return replace(problem, bounds=found.bounds)
 
 
 def _of_network(problem: Problem) -> Problem:
@@ -36,29 +36,30 @@ def _of_network(problem: Problem) -> Problem:
         floors[end] = offset
     backward = earliest(network.reversed(), floors)
     critical = max((a + b for a, b in zip(forward.t, backward.t, strict=True)), default=0)
-    bound = problem.bound
+    bound = problem.bounds.makespan
     if critical > bound.value:
         bound = Bound(critical, "critical path")
-    return replace(
-        problem,
+    bounds = Bounds(
         heads=tuple(forward.t[p] for p in points.start),
         tails=tuple(
             backward.t[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
         ),
-        bound=bound,
+        makespan=bound,
     )
+    return replace(problem, bounds=bounds)
 
 
 def _of_core(problem: Problem, core: Problem) -> Problem:
     places = mandatory_places(problem)
-    return replace(
-        problem,
+    bounds = Bounds(
         heads=tuple(
-            core.heads[places[i]] if i in places else max(a.release, a.start or 0)
+            core.bounds.heads[places[i]] if i in places else max(a.release, a.start or 0)
             for i, a in enumerate(problem.activities)
         ),
         tails=tuple(
-            core.tails[places[i]] if i in places else 0 for i in range(len(problem.activities))
+            core.bounds.tails[places[i]] if i in places else 0
+            for i in range(len(problem.activities))
         ),
-        bound=core.bound,
+        makespan=core.bounds.makespan,
     )
+    return replace(problem, bounds=bounds)

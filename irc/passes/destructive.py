@@ -22,13 +22,13 @@ from __future__ import annotations
 
 from bisect import insort
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import permutations
 from typing import NamedTuple
 
 from irc.model.times import format_number
 from irc.passes.energy import Load, loads, thinned
-from irc.problem import Bound, Problem
+from irc.problem import Problem
 from irc.problem.temporal_network import earliest
 from irc.problem.time_points import PointMap, TimingNetwork, timing_network
 
@@ -69,20 +69,20 @@ def destructive_bound(problem: Problem, reached: int | None = None) -> Problem:
     if not problem.has_contention or len(problem.activities) + len(problem.arcs) > SIZE_LIMIT:
         return problem
     model = _model(problem)
-    if problem.bound.value > model.limit:
+    if problem.bounds.makespan.value > model.limit:
         return problem
     steps = min(MOST_STEPS, BASE_STEPS + STEPS_PER_ACTIVITY * len(problem.activities))
     refuter = _Refuter(model, steps)
-    value, reason = problem.bound.value, ""
+    value, reason = problem.bounds.makespan.value, ""
     stands = model.limit + 1 if reached is None else min(reached, model.limit + 1)
     for depth in (0, DEPTH_LIMIT):
         value, reason = _climb(value, reason, refuter, depth, stands)
         if value >= stands:
             break
-    if value == problem.bound.value or (value > model.limit and problem.deadline is None):
+    if value == problem.bounds.makespan.value or (value > model.limit and problem.deadline is None):
         return problem
     last = format_number(problem.to_units(value - 1))
-    return replace(problem, bound=Bound(value, f"a makespan of {last} {reason}"))
+    return problem.with_bound(value, f"a makespan of {last} {reason}")
 
 
 def _climb(value: int, reason: str, refuter: _Refuter, depth: int, stands: int) -> tuple[int, str]:
@@ -161,7 +161,7 @@ def _model(problem: Problem) -> _Model:
         entering[v].append((u, weight))
     limit = problem.deadline
     if limit is None:
-        limit = max(_enough_time(problem, timing), problem.bound.value)
+        limit = max(_enough_time(problem, timing), problem.bounds.makespan.value)
     backward = network.reversed()
     contended = list(loads(problem))
     demands = [_demand(problem, points, load) for load in contended]

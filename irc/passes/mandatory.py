@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem import PLAIN, Activity, Arc, Problem
+from irc.problem import PLAIN, Activity, Arc, Bounds, Contention, PreviousPlan, Problem
 
 
 def mandatory_part(problem: Problem) -> Problem:
@@ -32,7 +32,9 @@ def mandatory_part(problem: Problem) -> Problem:
             replace(r, capacity=max((r.capacity, *(w.capacity for w in r.windows))), windows=())
             for r in problem.resources
         ),
-        shared=tuple(replace(s, base=None, windows=()) for s in problem.shared),
+        contention=Contention(
+            tuple(replace(p, base=None, windows=()) for p in problem.contention.pools)
+        ),
         arcs=(
             *(
                 arc._replace(before=places[arc.before], after=places[arc.after])
@@ -41,18 +43,14 @@ def mandatory_part(problem: Problem) -> Problem:
             ),
             *chains,
         ),
-        settled={},
-        heads=(),
-        tails=(),
+        bounds=Bounds(makespan=problem.bounds.makespan),
         reservoirs=(),
         variables=(),
         groups=(),
         goals=(),
-        wanted=(),
-        sequel=(),
-        earlier=(),
-        recurring={},
-        start_from=(),
+        required=(),
+        state_precedences=(),
+        previous=PreviousPlan(stability=problem.previous.stability),
     )
 
 
@@ -71,9 +69,9 @@ def _plain(activity: Activity) -> Activity:
     if details is PLAIN:
         return activity
     own = [u for k, u in enumerate(activity.uses) if details.use_mode(k) is None]
-    claims = tuple(c for c in activity.claims if details.use_mode(c.use) is None)
+    claims = tuple(c for c in activity.open_demands if details.use_mode(c.use) is None)
     # (Its own uses come first, so the claims still point to them.)
-    return replace(activity, uses=tuple(own), claims=claims, details=PLAIN)
+    return replace(activity, uses=tuple(own), open_demands=claims, details=PLAIN)
 
 
 def mandatory_places(problem: Problem) -> dict[int, int]:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-from irc.problem import Shared
+from irc.problem import ContendedPool
 
-NEVER = 1 << 62
+UNREACHABLE_TIME = 1 << 62
 """Later than any time: what waits for it finds no place."""
 
 
 class Profile:
     """How much of one shared resource is in use, or never there: a step function of time."""
 
-    def __init__(self, shared: Shared) -> None:
+    def __init__(self, shared: ContendedPool) -> None:
         self.capacity = shared.capacity
         base = shared.capacity if shared.base is None else shared.base
         self.times = [0]
@@ -29,7 +29,7 @@ class Profile:
             if self.used[k] > limit:
                 while k < len(self.times) and self.used[k] > limit:
                     k += 1
-                return self.times[k] if k < len(self.times) else NEVER
+                return self.times[k] if k < len(self.times) else UNREACHABLE_TIME
             k += 1
         return None
 

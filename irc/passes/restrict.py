@@ -19,8 +19,7 @@ def restrict(problem: Problem, present: Collection[int], absent: Collection[int]
         activities=tuple(
             _mandatory(a) if i in present else a for i, a in enumerate(problem.activities)
         ),
-        heads=(),
-        tails=(),
+        bounds=replace(problem.bounds, heads=(), tails=()),
     )
     return _without(settled, absent)
 
@@ -33,7 +32,7 @@ def settle_presence(problem: Problem) -> Problem:
         return problem
     optional = {i for i, a in enumerate(problem.activities) if a.details.optional}
     bound_to_be = {i for i in range(len(problem.activities)) if i not in optional}
-    bound_to_be |= set(problem.wanted)
+    bound_to_be |= set(problem.required)
     never = {i for i in optional if (problem.activities[i].deadline or 0) < 0}
     for group in problem.groups:  # An activity is in one such group at most.
         members = set(group.members)
@@ -42,12 +41,19 @@ def settle_presence(problem: Problem) -> Problem:
         elif members & never:
             never |= members
     present = {i for i in bound_to_be if problem.activities[i].details.optional}
-    present |= {i for i in problem.wanted if _may_never_happen(problem.activities[i])}
+    present |= {i for i in problem.required if _may_never_happen(problem.activities[i])}
     never -= bound_to_be
     if not (present or never):
         return problem
     changed = restrict(problem, present, never)
-    return replace(changed, heads=_kept(problem.heads, never), tails=_kept(problem.tails, never))
+    return replace(
+        changed,
+        bounds=replace(
+            changed.bounds,
+            heads=_kept(problem.bounds.heads, never),
+            tails=_kept(problem.bounds.tails, never),
+        ),
+    )
 
 
 def drop_ample_stock(problem: Problem) -> Problem:
@@ -139,11 +145,23 @@ def _without(problem: Problem, gone: Collection[int]) -> Problem:
             for arc in problem.arcs
             if arc.before in place and arc.after in place
         ),
-        settled={(place[i], u): r for (i, u), r in problem.settled.items() if i in place},
+        contention=replace(
+            problem.contention,
+            fixed_choices={
+                (place[i], u): r
+                for (i, u), r in problem.contention.fixed_choices.items()
+                if i in place
+            },
+        ),
         groups=tuple(groups),
-        wanted=moved(problem.wanted),
-        earlier=tuple(e for i, e in enumerate(problem.earlier) if i in place),
-        start_from=(),
-        recurring={place[i]: more for i, more in problem.recurring.items() if i in place},
-        sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
+        required=moved(problem.required),
+        previous=replace(
+            problem.previous,
+            places=tuple(e for i, e in enumerate(problem.previous.places) if i in place),
+            recurring={place[i]: m for i, m in problem.previous.recurring.items() if i in place},
+            warm_start=(),
+        ),
+        state_precedences=tuple(
+            (place[a], place[b]) for a, b in problem.state_precedences if a in place and b in place
+        ),
     )

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from heapq import heappop, heappush
 
-from irc.passes.resource_profile import NEVER, Profile
-from irc.problem import Activity, Claim, Earlier, Problem
+from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
+from irc.problem import Activity, OpenDemand, PreviousPlace, Problem
 from irc.problem.decisions import Decision
 
 Choice = tuple[int, ...]
@@ -35,20 +35,20 @@ def list_schedule(
     """
     if priorities is None:
         priorities = [
-            -(a.duration_min + tail) if a.start is None else a.start - NEVER
-            for a, tail in zip(problem.activities, problem.tails, strict=True)
+            -(a.duration_min + tail) if a.start is None else a.start - UNREACHABLE_TIME
+            for a, tail in zip(problem.activities, problem.bounds.tails, strict=True)
         ]
     order = _order(problem, priorities)
     if order is None or any(
-        claim.amount > max(problem.shared[r].capacity for r in claim.alternatives)
+        claim.amount > max(problem.contention.pools[r].capacity for r in claim.alternatives)
         for activity in problem.activities
-        for claim in activity.claims
+        for claim in activity.open_demands
     ):
         return None
     incoming: list[list[int]] = [[] for _ in problem.activities]
     for k, arc in enumerate(problem.arcs):
         incoming[arc.after].append(k)
-    profiles = [Profile(shared) for shared in problem.shared]
+    profiles = [Profile(shared) for shared in problem.contention.pools]
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
     for i in order:
@@ -72,11 +72,11 @@ def quick_schedule(problem: Problem) -> Found | None:
     that.
     """
     by_rule = list_schedule(problem)
-    if not any(problem.earlier):
+    if not any(problem.previous.places):
         return by_rule
     as_before = _with_resources_of_before(problem)
     order = [_place_before(problem, i) for i in range(len(problem.activities))]
-    floors = [0 if earlier is None else earlier.start for earlier in problem.earlier]
+    floors = [0 if earlier is None else earlier.start for earlier in problem.previous.places]
     found = (list_schedule(as_before, order, floors), list_schedule(as_before, order), by_rule)
     return min((f for f in found if f), key=lambda f: _quality(problem, f), default=None)
 
@@ -85,7 +85,7 @@ def _quality(problem: Problem, found: Found) -> tuple[int, int]:
     decisions, _ = found
     moved = sum(
         earlier is not None and decision.start != earlier.start
-        for earlier, decision in zip(problem.earlier, decisions, strict=True)
+        for earlier, decision in zip(problem.previous.places, decisions, strict=True)
     )
     return max((int(d.end) for d in decisions), default=0), moved
 
@@ -93,29 +93,31 @@ def _quality(problem: Problem, found: Found) -> tuple[int, int]:
 def _with_resources_of_before(problem: Problem) -> Problem:
     """The problem in which each claim looks first at what the earlier schedule took for it."""
     activities = list(problem.activities)
-    for i, earlier in enumerate(problem.earlier):
-        claims = activities[i].claims
+    for i, earlier in enumerate(problem.previous.places):
+        claims = activities[i].open_demands
         if earlier is None or all(len(claim.alternatives) == 1 for claim in claims):
             continue
         activities[i] = replace(
-            activities[i], claims=tuple(_first_as_before(problem, c, earlier) for c in claims)
+            activities[i], open_demands=tuple(_first_as_before(problem, c, earlier) for c in claims)
         )
     return replace(problem, activities=tuple(activities))
 
 
-def _first_as_before(problem: Problem, claim: Claim, earlier: Earlier) -> Claim:
+def _first_as_before(problem: Problem, claim: OpenDemand, earlier: PreviousPlace) -> OpenDemand:
     taken = earlier.resources[claim.use]
-    order = sorted(claim.alternatives, key=lambda r: taken not in problem.shared[r].members)
+    order = sorted(
+        claim.alternatives, key=lambda r: taken not in problem.contention.pools[r].members
+    )
     return claim._replace(alternatives=tuple(order))
 
 
 def _place_before(problem: Problem, i: int) -> int:
     """What is fixed comes first, then all in the order of before, then what is new."""
-    earlier = problem.earlier[i]
+    earlier = problem.previous.places[i]
     if earlier is not None:
         return earlier.start
     fixed = problem.activities[i].start
-    return NEVER if fixed is None else fixed - NEVER
+    return UNREACHABLE_TIME if fixed is None else fixed - UNREACHABLE_TIME
 
 
 def quick_makespan(problem: Problem) -> int | None:
@@ -151,7 +153,7 @@ def _order(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
 
 
 def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[Decision]) -> int:
-    start = problem.heads[index]
+    start = problem.bounds.heads[index]
     duration = problem.activities[index].duration_min
     for k in incoming:
         arc = problem.arcs[k]
@@ -164,13 +166,13 @@ def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[De
 def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
     """The first time from `start` on at which every claim fits, and what it takes."""
     duration = activity.duration_min
-    if not activity.claims or not duration:
-        return start, tuple(claim.alternatives[0] for claim in activity.claims)
+    if not activity.open_demands or not duration:
+        return start, tuple(claim.alternatives[0] for claim in activity.open_demands)
     while True:
         choice: list[int] = []
         needed: dict[int, int] = {}
         later: int | None = None
-        for claim in activity.claims:
+        for claim in activity.open_demands:
             soonest: int | None = None
             for r in claim.alternatives:
                 amount = claim.amount + needed.get(r, 0)
@@ -187,7 +189,7 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
                     return None
                 later = soonest
                 break
-        if later == NEVER:
+        if later == UNREACHABLE_TIME:
             return None
         if later is None:
             for r, amount in needed.items():

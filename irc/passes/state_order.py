@@ -23,7 +23,7 @@ ACTIVITY_LIMIT = 4_000
 
 def order_from_state(problem: Problem) -> Problem:
     """The problem without the variables whose changes follow from each other, and with arcs
-    (and `sequel`) in their place."""
+    (and `state_precedences`) in their place."""
     if not problem.variables or len(problem.activities) > ACTIVITY_LIMIT:
         return problem
     if not all(a.from_end and not a.to_end and a.min_lag >= 0 for a in problem.arcs):
@@ -235,7 +235,7 @@ def _without(problem: Problem, gone: set[int], pairs: set[tuple[int, int]]) -> P
             *problem.arcs,
             *(Arc(a, b, origin=-1) for a, b in sorted(pairs) if (a, b) not in known),
         ),
-        sequel=tuple(sorted(pairs)),
+        state_precedences=tuple(sorted(pairs)),
     )
 
 

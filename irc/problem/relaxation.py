@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from irc.problem.problem import Activity, Arc, Claim, Problem, Renewable, Requirement, Shared
+from irc.problem.problem import (
+    Activity,
+    Arc,
+    ContendedPool,
+    Contention,
+    OpenDemand,
+    Problem,
+    Renewable,
+    Requirement,
+)
 
 
 class Draft:
@@ -63,7 +72,9 @@ class Draft:
             tick=self.problem.tick,
             activities=activities,
             resources=resources,
-            shared=tuple(Shared(r.id, r.capacity, (k,)) for k, r in enumerate(resources)),
+            contention=Contention(
+                tuple(ContendedPool(r.id, r.capacity, (k,)) for k, r in enumerate(resources))
+            ),
             arcs=tuple(
                 arc._replace(before=place[arc.before], after=place[arc.after])
                 for arc in sorted(self._arcs, key=lambda arc: arc[:5])
@@ -78,12 +89,12 @@ class Draft:
         )
         fields = {"duration_min": 0, "duration_max": self.free_length, **self._fields[i]}
         fields["duration_max"] = max(fields["duration_max"], fields["duration_min"])
-        claims = tuple(Claim(k, r.alternatives, r.amount) for k, r in enumerate(requirements))
+        demands = tuple(OpenDemand(k, r.alternatives, r.amount) for k, r in enumerate(requirements))
         return Activity(
             of.id,
             uses=requirements,
             # A zero duration uses nothing.
-            claims=claims if fields["duration_max"] else (),
+            open_demands=demands if fields["duration_max"] else (),
             origin=of.origin,
             **fields,
         )

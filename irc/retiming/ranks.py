@@ -32,7 +32,10 @@ def with_ranks(
     """
     strict = [
         *(order for order in orders if order.strict),
-        *(Order(Happening(a, True), Happening(b, False), True) for a, b in problem.sequel),
+        *(
+            Order(Happening(a, True), Happening(b, False), True)
+            for a, b in problem.state_precedences
+        ),
     ]
     if not any(_time(placed, o.before) == _time(placed, o.after) for o in strict):
         return tuple(placed)

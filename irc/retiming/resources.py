@@ -127,7 +127,7 @@ def assign(
             if len(use.alternatives) == 1:
                 chosen[u] = use.alternatives[0]
             elif chosen[u] is None:
-                chosen[u] = problem.settled.get((i, u))
+                chosen[u] = problem.contention.fixed_choices.get((i, u))
         result.append(chosen)
         if None in chosen:
             undecided.append((decisions[i].start, i))
@@ -180,7 +180,7 @@ def _hand_out(
 def _in_order(problem: Problem, i: int, u: int) -> tuple[int, ...]:
     """The alternatives of a use; first the one that an earlier schedule took."""
     alternatives = problem.activities[i].uses[u].alternatives
-    earlier = problem.earlier[i] if problem.earlier else None
+    earlier = problem.previous.places[i] if problem.previous.places else None
     if earlier is None or (first := earlier.resources[u]) not in alternatives:
         return alternatives
     return (first, *(r for r in alternatives if r != first))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, Earlier, Problem
+from irc.problem import Activity, PreviousPlace, Problem
 from irc.problem.decisions import ABSENT_PLACE, AnswerError, Decision, Placed
 
 
@@ -57,9 +57,11 @@ def select(problem: Problem, decisions: Sequence[Decision]) -> Selection:
             for a in problem.arcs
             if a.before in place and a.after in place
         ),
-        sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
-        settled=_settled(problem, place, uses),
-        earlier=_earlier(problem, kept, uses),
+        state_precedences=tuple(
+            (place[a], place[b]) for a, b in problem.state_precedences if a in place and b in place
+        ),
+        contention=replace(problem.contention, fixed_choices=_settled(problem, place, uses)),
+        previous=replace(problem.previous, places=_earlier(problem, kept, uses)),
     )
     return Selection(
         selected,
@@ -101,11 +103,11 @@ def _with_uses(decision: Decision, uses: tuple[int, ...]) -> Decision:
 
 def _earlier(
     problem: Problem, kept: Sequence[int], uses: Sequence[tuple[int, ...]]
-) -> tuple[Earlier | None, ...]:
+) -> tuple[PreviousPlace | None, ...]:
     """Where the kept activities were; resources are those of the uses that are kept."""
-    found: list[Earlier | None] = []
-    for i, its in zip(kept, uses, strict=True) if problem.earlier else ():
-        earlier = problem.earlier[i]
+    found: list[PreviousPlace | None] = []
+    for i, its in zip(kept, uses, strict=True) if problem.previous.places else ():
+        earlier = problem.previous.places[i]
         if earlier is not None:
             taken = tuple(earlier.resources[u] for u in its)
             earlier = earlier._replace(mode=None, resources=taken)
@@ -117,7 +119,7 @@ def _settled(
     problem: Problem, place: dict[int, int], uses: Sequence[tuple[int, ...]]
 ) -> dict[tuple[int, int], int]:
     settled: dict[tuple[int, int], int] = {}
-    for (i, u), r in problem.settled.items():
+    for (i, u), r in problem.contention.fixed_choices.items():
         k = place.get(i)
         if k is not None and u in uses[k]:
             settled[k, uses[k].index(u)] = r

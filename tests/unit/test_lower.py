@@ -201,7 +201,10 @@ def test_of_a_calendar_the_greatest_capacity_counts() -> None:
     window = {"from": 1, "to": 2, "capacity": 5}
     problem = lowered(resources=[{"id": "r", "availability": [window]}], actions=[])
     assert problem.resources[0].windows == ((1, 2, 5),)
-    assert (problem.shared[0].capacity, problem.shared[0].least_capacity) == (5, 1)
+    assert (problem.contention.pools[0].capacity, problem.contention.pools[0].least_capacity) == (
+        5,
+        1,
+    )
     assert mandatory_part(problem).resources[0].capacity == 5
 
 

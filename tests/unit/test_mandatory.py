@@ -55,7 +55,7 @@ def test_the_least_number_of_occurrences_comes_one_after_the_other() -> None:
     assert [a.id for a in core.activities] == ["a", "a", "a", "b"]
     assert core.arcs == (Arc(0, 1, origin=-1), Arc(1, 2, origin=-1))
     assert mandatory_places(problem) == {0: 0, 1: 3}
-    assert run_passes(problem).bound.value == 3  # In ticks of 2.
+    assert run_passes(problem).bounds.makespan.value == 3  # In ticks of 2.
 
 
 def test_a_great_number_of_occurrences_costs_no_more_than_the_limit() -> None:
@@ -76,8 +76,8 @@ def test_of_modes_the_shortest_and_what_all_hold_remain() -> None:
     (a, b) = mandatory_part(problem).activities
     assert (a.duration_min, a.duration_max, a.details) == (2, 3, PLAIN)
     assert [use.alternatives for use in a.uses] == [(0,)]
-    assert [claim.alternatives for claim in a.claims] == [(0,)]
-    assert len(b.claims) == 2
+    assert [claim.alternatives for claim in a.open_demands] == [(0,)]
+    assert len(b.open_demands) == 2
 
 
 def test_of_a_calendar_the_greatest_capacity_remains() -> None:
@@ -88,7 +88,7 @@ def test_of_a_calendar_the_greatest_capacity_remains() -> None:
     )
     core = mandatory_part(problem)
     assert [(r.capacity, r.windows) for r in core.resources] == [(3, ())]
-    assert [(s.capacity, s.windows) for s in core.shared] == [(3, ())]
+    assert [(s.capacity, s.windows) for s in core.contention.pools] == [(3, ())]
 
 
 @pytest.mark.parametrize("batch", range(4))
@@ -102,6 +102,6 @@ def test_no_schedule_is_shorter_than_the_bound_of_the_mandatory_part(batch: int)
         best = optimum(task)
         if best is not None:
             problem = run_passes(lower(task))
-            assert problem.to_units(problem.bound.value) <= best.vector[0], seed
-            judged += problem.bound.value > 0
+            assert problem.to_units(problem.bounds.makespan.value) <= best.vector[0], seed
+            judged += problem.bounds.makespan.value > 0
     assert judged > 2

@@ -14,7 +14,7 @@ from irc.execution.stabilise import settled
 from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
-from irc.problem import Earlier
+from irc.problem import PreviousPlace, PreviousPlan
 from irc.schedule import Status
 from online_cases import LIMITS, action, entry, event, plan, repaired, starts, task
 
@@ -202,8 +202,8 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
         action("c", 1),
         resources=VAN,
     )
-    earlier = (Earlier(0, None, (0,)), Earlier(2, 0, ()), Earlier(2, None, ()))
-    problem = replace(run_passes(lower(document)), earlier=earlier)
+    earlier = (PreviousPlace(0, None, (0,)), PreviousPlace(2, 0, ()), PreviousPlace(2, None, ()))
+    problem = replace(run_passes(lower(document)), previous=PreviousPlan(earlier))
     old = [entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3)]
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
     verdicts = iter([False, True])

@@ -61,9 +61,13 @@ def test_occurrences_that_have_begun_are_counted_and_the_others_follow() -> None
     entries = [entry("beat", 2 * k, 2 * k + 2, "r1", occurrence=k + 1) for k in range(3)]
     frozen = frozen_at(beat, entries, 3)
     rest, first, second = frozen.problem.activities
-    assert (rest.details.repeats, rest.details.occurrence, rest.details.previous) == ((1, 2), 3, 2)
+    assert (rest.details.repeats, rest.details.occurrence, rest.details.previous_occurrence) == (
+        (1, 2),
+        3,
+        2,
+    )
     assert [(a.start, a.details.occurrence) for a in (first, second)] == [(0, 1), (2, 2)]
-    assert second.details.previous == 1
+    assert second.details.previous_occurrence == 1
     assert {i: fact.running for i, fact in frozen.facts.items()} == {1: False, 2: True}
 
 

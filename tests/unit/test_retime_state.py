@@ -286,7 +286,7 @@ def kitchen() -> tuple[Task, Problem]:
         action("fry", 3, (at("start", "cut"),)),
     )
     problem = run_passes(lower(task))
-    assert problem.sequel
+    assert problem.state_precedences
     return task, problem
 
 

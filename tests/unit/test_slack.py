@@ -40,9 +40,9 @@ def by_rule(problem: Problem) -> tuple[Placed, ...] | None:
     decisions = []
     for i, (decision, choice) in enumerate(zip(*found, strict=True)):
         activity = problem.activities[i]
-        chosen = [problem.settled.get((i, u)) for u in range(len(activity.uses))]
-        for claim, r in zip(activity.claims, choice, strict=True):
-            members = problem.shared[r].members
+        chosen = [problem.contention.fixed_choices.get((i, u)) for u in range(len(activity.uses))]
+        for claim, r in zip(activity.open_demands, choice, strict=True):
+            members = problem.contention.pools[r].members
             chosen[claim.use] = members[0] if len(members) == 1 else None
         decisions.append(replace(decision, chosen=tuple(chosen)))
     return retime(problem, decisions)

@@ -14,7 +14,7 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.passes.serial_sgs import quick_schedule
-from irc.problem import PLAIN, Activity, Claim, Problem
+from irc.problem import PLAIN, Activity, OpenDemand, Problem
 from irc.problem.decisions import Decision
 from irc.problem.horizon import safe_horizon, within
 
@@ -77,7 +77,9 @@ class Builder:
         self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
     ) -> None:
         found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
-        by_makespan = bounds and problem.objectives[:1] == ("makespan",) and not problem.stability
+        by_makespan = (
+            bounds and problem.objectives[:1] == ("makespan",) and not problem.previous.stability
+        )
         self.bounds = bounds
         self.hints = hints
         self.hint = found if hints else None
@@ -89,7 +91,7 @@ class Builder:
             self.safe_horizon, problem, found[0] if by_makespan and found else None
         )
         self.problem = within(problem, self.horizon)
-        self.uses = [ResourceUses() for _ in problem.shared]
+        self.uses = [ResourceUses() for _ in problem.contention.pools]
         self.starts: list[cp_model.IntVar] = []
         self.ends: list[cp_model.IntVar | None] = []
         self.sizes: dict[int, cp_model.IntVar] = {}
@@ -128,7 +130,9 @@ class Builder:
             self.conjunctions[key] = both, a, b
         return self.conjunctions[key][0]
 
-    def taking(self, i: int, claim: Claim, r: int, *literals: Literal | None) -> Literal | None:
+    def taking(
+        self, i: int, claim: OpenDemand, r: int, *literals: Literal | None
+    ) -> Literal | None:
         """A literal under which the claim takes shared resource r; None where it always does."""
         together: Literal | None = None
         for literal in literals:
@@ -155,4 +159,4 @@ def _tightened(horizon: int, problem: Problem, known: Sequence[Decision] | None)
     """The horizon, no later than the end of a known schedule, no earlier than the bound."""
     if known is not None:
         horizon = min(horizon, max((int(d.end) for d in known), default=0))
-    return max(horizon, problem.bound.value)
+    return max(horizon, problem.bounds.makespan.value)

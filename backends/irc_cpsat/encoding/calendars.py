@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from irc.problem import Shared
+from irc.problem import ContendedPool
 from irc_cpsat.encoding.builder import Builder, ResourceUses
 
 
-def with_windows(builder: Builder, shared: Shared, uses: ResourceUses) -> ResourceUses:
+def with_windows(builder: Builder, shared: ContendedPool, uses: ResourceUses) -> ResourceUses:
     """The uses of a resource, and a fixed interval for what each window lacks of its capacity."""
     filled = ResourceUses(list(uses.intervals), list(uses.amounts))
     base = shared.capacity if shared.base is None else shared.base
@@ -21,7 +21,12 @@ def with_windows(builder: Builder, shared: Shared, uses: ResourceUses) -> Resour
 
 
 def _fill(
-    builder: Builder, filled: ResourceUses, shared: Shared, start: int, end: int, capacity: int
+    builder: Builder,
+    filled: ResourceUses,
+    shared: ContendedPool,
+    start: int,
+    end: int,
+    capacity: int,
 ) -> None:
     if start < end and capacity < shared.capacity:
         away = builder.model.new_fixed_size_interval_var(start, end - start, f"away {shared.id}")

@@ -105,8 +105,8 @@ def _variables(built: Model, i: int) -> dict[str, Any]:
     else:
         shown["end"] = end.index
     choices = {
-        str(claim.use): {problem.shared[r].id: literal.index for r, literal in literals}
-        for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+        str(claim.use): {problem.contention.pools[r].id: literal.index for r, literal in literals}
+        for claim, literals in zip(activity.open_demands, built.literals[i], strict=True)
         if literals
     }
     if choices:

@@ -24,7 +24,7 @@ MAX_MAKESPAN_VALUES = 5_000
 
 def add_makespan(builder: Builder) -> cp_model.IntVar:
     """A variable that no end exceeds; with bounds one of the makespans of best schedules."""
-    least = builder.problem.bound.value if builder.bounds else 0
+    least = builder.problem.bounds.makespan.value if builder.bounds else 0
     domain = cp_model.Domain(least, builder.horizon)
     grid = grid_of(builder.problem)
     if builder.bounds and 1 < grid.count(least, builder.horizon) <= MAX_MAKESPAN_VALUES:
@@ -32,7 +32,7 @@ def add_makespan(builder: Builder) -> cp_model.IntVar:
         domain = cp_model.Domain.from_values([*grid.between(least, last)])
     makespan = builder.model.new_int_var_from_domain(domain, "makespan")
     for i in range(len(builder.starts)):
-        tail = builder.problem.tails[i] if builder.bounds else 0
+        tail = builder.problem.bounds.tails[i] if builder.bounds else 0
         builder.enforced(builder.model.add(makespan >= builder.end(i) + tail), i)
     return makespan
 
@@ -79,7 +79,7 @@ def set_objective(model: cp_model.CpModel, name: str, value: Any) -> None:
 def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
     """The number of activities that are not where the earlier schedule has them."""
     changed: list[Expression] = []
-    for i, earlier in enumerate(builder.problem.earlier):
+    for i, earlier in enumerate(builder.problem.previous.places):
         if earlier is None:
             continue
         activity = builder.problem.activities[i]
@@ -88,10 +88,12 @@ def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
         implied = [] if (present := builder.present[i]) is None else [present]
         if earlier.mode is not None:
             implied.append(builder.modes[i][earlier.mode])
-        for claim, choices in zip(activity.claims, literals[i], strict=True):
+        for claim, choices in zip(activity.open_demands, literals[i], strict=True):
             taken = earlier.resources[claim.use]
             implied += [
-                literal for r, literal in choices if taken in builder.problem.shared[r].members
+                literal
+                for r, literal in choices
+                if taken in builder.problem.contention.pools[r].members
             ]
         for literal in implied:
             builder.model.add_implication(stays, literal)

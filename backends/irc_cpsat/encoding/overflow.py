@@ -29,8 +29,8 @@ def refuse_overflow(problem: Problem, horizon: int, rank_count: int) -> None:
 
 
 def _refuse_capacities(problem: Problem, horizon: int, times: int) -> None:
-    claimed = {r for a in problem.activities for c in a.claims for r in c.alternatives}
-    for shared in (problem.shared[r] for r in sorted(claimed)):
+    claimed = {r for a in problem.activities for c in a.open_demands for r in c.alternatives}
+    for shared in (problem.contention.pools[r] for r in sorted(claimed)):
         if times * shared.capacity >= MAX_SUM:
             raise Refusal(
                 f"{shared.capacity} units of {shared.id!r} over {horizon} ticks are beyond what "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ortools.sat.python import cp_model
 
-from irc.problem import Activity, Claim, Shared
+from irc.problem import Activity, ContendedPool, OpenDemand
 from irc_cpsat.encoding.builder import Builder, ClaimLiterals, Literal, ResourceUses, name_of
 from irc_cpsat.encoding.calendars import with_windows
 
@@ -13,16 +13,19 @@ def add_resources(builder: Builder) -> ClaimLiterals:
     """Adds the claims of all activities and the capacities; returns the claims' literals."""
     activities = enumerate(builder.problem.activities)
     literals = [_add_claims(builder, i, activity) for i, activity in activities]
-    for shared, uses in zip(builder.problem.shared, builder.uses, strict=True):
+    for shared, uses in zip(builder.problem.contention.pools, builder.uses, strict=True):
         _add_capacity(builder, shared, uses)
     return literals
 
 
 def _add_claims(builder: Builder, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
-    if not activity.claims:
+    if not activity.open_demands:
         return []
     has_length = _has_length(builder, i, activity)
-    return [_add_claim(builder, i, claim, c, has_length) for c, claim in enumerate(activity.claims)]
+    return [
+        _add_claim(builder, i, claim, c, has_length)
+        for c, claim in enumerate(activity.open_demands)
+    ]
 
 
 def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
@@ -37,7 +40,7 @@ def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
 
 
 def _add_claim(
-    builder: Builder, i: int, claim: Claim, c: int, has_length: Literal | None
+    builder: Builder, i: int, claim: OpenDemand, c: int, has_length: Literal | None
 ) -> list[tuple[int, Literal]]:
     mode = builder.problem.activities[i].details.use_mode(claim.use)
     needed = builder.present[i] if mode is None else builder.modes[i][mode]
@@ -52,7 +55,7 @@ def _add_claim(
 def _add_choice(
     builder: Builder,
     i: int,
-    claim: Claim,
+    claim: OpenDemand,
     c: int,
     needed: Literal | None,
     has_length: Literal | None,
@@ -61,7 +64,7 @@ def _add_choice(
     model, activity = builder.model, builder.problem.activities[i]
     literals: list[tuple[int, Literal]] = []
     for r in claim.alternatives:
-        shared = builder.problem.shared[r]
+        shared = builder.problem.contention.pools[r]
         literal = model.new_bool_var(f"use {c} of {name_of(activity)} on {shared.id}")
         literals.append((r, literal))
         if claim.amount > shared.capacity and activity.duration_min > 0:
@@ -88,7 +91,7 @@ def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.Int
     return model.new_optional_interval_var(start, length, end, literal, name)
 
 
-def _add_capacity(builder: Builder, shared: Shared, uses: ResourceUses) -> None:
+def _add_capacity(builder: Builder, shared: ContendedPool, uses: ResourceUses) -> None:
     if not uses.intervals:
         return
     if shared.base is not None:

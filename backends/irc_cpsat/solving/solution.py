@@ -45,7 +45,7 @@ def _decision(built: Model, solver: cp_model.CpSolver, i: int) -> Decision:
     ranks = built.ranks[i] if built.ranks else None
     taken = tuple(
         next((r for r, literal in literals if solver.value(literal)), claim.alternatives[0])
-        for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+        for claim, literals in zip(activity.open_demands, built.literals[i], strict=True)
     )
     return Decision(
         start,
@@ -61,7 +61,7 @@ def _members_taken(problem: Problem, i: int, taken: tuple[int, ...]) -> tuple[in
     """The resource of each use, where the shared resource taken is not a pool."""
     activity = problem.activities[i]
     chosen: list[int | None] = [None] * len(activity.uses)
-    for claim, r in zip(activity.claims, taken, strict=True):
-        members = problem.shared[r].members
+    for claim, r in zip(activity.open_demands, taken, strict=True):
+        members = problem.contention.pools[r].members
         chosen[claim.use] = members[0] if len(members) == 1 else None
     return tuple(chosen)

@@ -39,14 +39,16 @@ def add_resources(builder: Builder) -> ResourceUnits:
     problem, grounded = builder.problem, builder.grounded
     units = ResourceUnits()
     for r in _resources_by_counter(problem):
-        name = builder.names.new(f"left_of_{problem.shared[r].id}")
+        name = builder.names.new(f"left_of_{problem.contention.pools[r].id}")
         units.counters[r] = name
-        builder.encoding.counters[name] = problem.shared[r].capacity
-        grounded.tokens[name] = f"units of {problem.shared[r].id!r} left"
-    for r in sorted({r for a in problem.activities for c in a.claims for r in c.alternatives}):
+        builder.encoding.counters[name] = problem.contention.pools[r].capacity
+        grounded.tokens[name] = f"units of {problem.contention.pools[r].id!r} left"
+    for r in sorted(
+        {r for a in problem.activities for c in a.open_demands for r in c.alternatives}
+    ):
         if r in units.counters:
             continue
-        shared = problem.shared[r]
+        shared = problem.contention.pools[r]
         tokens = [builder.names.new(f"free_{shared.id}_{k + 1}") for k in range(shared.capacity)]
         units.tokens[r] = tokens
         builder.encoding.facts += tokens
@@ -67,11 +69,11 @@ def _resources_by_counter(problem: Problem) -> list[int]:
         while _variant_count(problem, activity, by_counter) > MAX_VARIANTS:
             candidates = {
                 r
-                for claim in activity.claims
+                for claim in activity.open_demands
                 for r in claim.alternatives
                 if r not in by_counter
-                and problem.shared[r].capacity > 1
-                and not problem.shared[r].windows
+                and problem.contention.pools[r].capacity > 1
+                and not problem.contention.pools[r].windows
             }
             if not candidates:
                 raise Refusal(
@@ -80,7 +82,7 @@ def _resources_by_counter(problem: Problem) -> list[int]:
                     (*activity.origin, "modes" if activity.details.modes else "uses"),
                     "use fewer alternatives, or target 'cpsat'",
                 )
-            by_counter.add(max(candidates, key=lambda r: (problem.shared[r].capacity, r)))
+            by_counter.add(max(candidates, key=lambda r: (problem.contention.pools[r].capacity, r)))
     return sorted(by_counter)
 
 
@@ -91,7 +93,9 @@ def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -
         count = 1
         for claim in claims_in(activity, mode):
             count *= sum(
-                1 if r in by_counter else _token_sets(problem.shared[r].capacity, claim.amount)
+                1
+                if r in by_counter
+                else _token_sets(problem.contention.pools[r].capacity, claim.amount)
                 for r in claim.alternatives
             )
         total += count

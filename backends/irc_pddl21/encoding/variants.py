@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from irc.problem import Activity, Claim, Problem
+from irc.problem import Activity, OpenDemand, Problem
 from irc_pddl21.encoding.modes import claims_in, modes_of
 from irc_pddl21.encoding.resources import ResourceUnits
 
@@ -19,7 +19,7 @@ class Variant:
     """
 
     mode: int | None
-    claims: tuple[Claim, ...] = ()
+    claims: tuple[OpenDemand, ...] = ()
     resources: tuple[int, ...] = ()
     tokens: tuple[str, ...] = ()
     takes: tuple[tuple[str, int], ...] = ()
@@ -36,7 +36,7 @@ def variants_of(problem: Problem, activity: Activity, units: ResourceUnits) -> I
             amounts: dict[int, int] = {}
             for claim, r in zip(claims, resources, strict=True):
                 amounts[r] = amounts.get(r, 0) + claim.amount
-            if any(amount > problem.shared[r].capacity for r, amount in amounts.items()):
+            if any(amount > problem.contention.pools[r].capacity for r, amount in amounts.items()):
                 continue
             counters = units.counters
             takes = tuple((counters[r], n) for r, n in amounts.items() if r in counters)

@@ -126,7 +126,7 @@ class _OutputWatcher:
         ticks = int(schedule.makespan / problem.tick)
         if self.on_progress is not None:
             seconds = time.perf_counter() - self.began
-            self.on_progress(Progress(seconds, ticks, problem.bound.value, self.engine))
+            self.on_progress(Progress(seconds, ticks, problem.bounds.makespan.value, self.engine))
         return ticks <= self.given.request.enough
 
 

@@ -52,11 +52,11 @@ def _choice(problem: Problem, activity: Activity, held: Mapping[str, int]) -> Ch
             (
                 r
                 for r in claim.alternatives
-                if any(problem.resources[m].id in held for m in problem.shared[r].members)
+                if any(problem.resources[m].id in held for m in problem.contention.pools[r].members)
             ),
             claim.alternatives[0],
         )
-        for claim in activity.claims
+        for claim in activity.open_demands
     )
 
 
@@ -99,9 +99,9 @@ def _orders(users: list[int], fixed: Places) -> Iterator[tuple[int, int]]:
 def _with_choice(activity: Activity, choice: Choice) -> Activity:
     return replace(
         activity,
-        claims=tuple(
+        open_demands=tuple(
             claim._replace(alternatives=(r,))
-            for claim, r in zip(activity.claims, choice, strict=True)
+            for claim, r in zip(activity.open_demands, choice, strict=True)
         ),
     )
 

@@ -130,7 +130,8 @@ class SelectionSpace:
         problem = replace(problem, objectives=("makespan",), groups=open_groups)
         problem = heads_and_tails(drop_uncontended(problem))
         core = mandatory_part(problem)  # Only mandatory activities take time for certain.
-        return replace(problem, bound=energy_bound(heads_and_tails(core)).bound)
+        bound = energy_bound(heads_and_tails(core)).bounds.makespan
+        return problem.with_bound(bound.value, bound.reason)
 
     def upper_bound(self, chosen: Selection, undecided: Selection) -> int | None:
         """The greatest value with these items and some undecided ones; None if there is none."""
@@ -213,7 +214,9 @@ def _ends(problem: Problem) -> tuple[dict[str, int], dict[str, int]]:
         core = heads_and_tails(core)
     heads: dict[str, int] = {}
     tails: dict[str, int] = {}
-    for activity, head, tail in zip(core.activities, core.heads, core.tails, strict=True):
+    for activity, head, tail in zip(
+        core.activities, core.bounds.heads, core.bounds.tails, strict=True
+    ):
         heads[activity.id] = min(head, heads.get(activity.id, head))
         tails[activity.id] = min(tail, tails.get(activity.id, tail))
     return heads, tails
@@ -264,7 +267,7 @@ def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
             deadline is not None
             and not activity.details.optional
             and activity.details.repeats is None
-            and problem.heads[i] + activity.duration_min > deadline
+            and problem.bounds.heads[i] + activity.duration_min > deadline
         ):
             return True
     if is_out_of_reach(problem):
@@ -272,6 +275,6 @@ def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
     latest = problem.deadline
     if latest is None:
         return False
-    if thoroughly and problem.bound.value <= latest:
+    if thoroughly and problem.bounds.makespan.value <= latest:
         problem = resource_bounds(problem)
-    return problem.bound.value > latest
+    return problem.bounds.makespan.value > latest
