@@ -43,7 +43,7 @@ from irc.cli.table import (
 from irc.model.quantities import Number, exact
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
-from irc.retiming.slack import slacks, to_ticks
+from irc.retiming.slack import slacks
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 
 if TYPE_CHECKING:
@@ -251,7 +251,7 @@ def _chart(
     if free:
         titles.append("no resource" if names else "")
     gutter = max(map(cell_len, titles)) + 1 if names else 0
-    axis = _axis(page, problem, to_ticks(problem, schedule.makespan), page.width - gutter)
+    axis = _axis(page, problem, problem.to_ticks(schedule.makespan), page.width - gutter)
     if free:
         rows_left = CHART_ROWS - sum(map(len, blocks))
         blocks.append(_lanes_with_labels(page, free, axis, rows_left))
@@ -282,7 +282,7 @@ def _bars(
     for entry in schedule.entries:
         critical = None if slack is None else slack[entry.id] == 0
         title = entry_title(page, entry)
-        start, end = to_ticks(problem, entry.start), to_ticks(problem, entry.end)
+        start, end = problem.to_ticks(entry.start), problem.to_ticks(entry.end)
         bar = _Bar(start, end, (title,), critical)
         if not entry.resources or entry.start == entry.end:
             free.append(bar)

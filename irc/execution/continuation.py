@@ -25,7 +25,7 @@ from irc.passes import order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.grid import bound_on_grid
-from irc.passes.mandatory import mandatory_places
+from irc.passes.mandatory import least_occurrences
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
@@ -191,11 +191,13 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
         problem = run_passes(problem, _PASSES)
     except ValueError:
         return problem, _impossible("what has begun and the lags of the task contradict each other")
-    if problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
-        bound = f"no continuation ends before {problem.time_text(since + problem.bounds.makespan.value)}"
-        return problem, _impossible(f"{bound} ({problem.bounds.makespan.reason})")
-    for i in mandatory_places(problem):
-        head, activity = problem.bounds.heads[i], problem.activities[i]
+    bound = problem.bounds.makespan
+    if problem.deadline is not None and bound.value > problem.deadline:
+        least = f"no continuation ends before {problem.time_text(since + bound.value)}"
+        return problem, _impossible(f"{least} ({bound.reason})")
+    for i, (activity, head) in enumerate(zip(problem.activities, problem.bounds.heads, strict=True)):
+        if not least_occurrences(activity):
+            continue
         too_late = _too_late(problem, i, head, head + activity.duration_min, since)
         if too_late is not None:
             return problem, _impossible(too_late)

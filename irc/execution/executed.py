@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.model.quantities import Number
 from irc.problem import Activity, PreviousPlace, Problem
+from irc.problem.choices import UnexplainedError, choices_of
+from irc.problem.projection import with_uses
 from irc.schedule import CANCELLED, Entry
 
 
@@ -32,26 +33,10 @@ class Fact:
         return self.entry.status == CANCELLED
 
 
-class UnexplainedError(Exception):
-    """An entry names resources, or a mode, that its action cannot have."""
-
-    def __init__(self, entry: Entry) -> None:
-        super().__init__(entry.id)
-        self.entry = entry
-
-
-def ticks_of(problem: Problem, time: Number) -> int:
-    """A time of the task's unit, which must be a whole number of ticks, in ticks."""
-    ticks = time / problem.tick
-    if ticks.denominator != 1:
-        raise ValueError(f"{time} is not a whole number of ticks of {problem.tick}")
-    return int(ticks)
-
-
 def fact_of(problem: Problem, activity: Activity, entry: Entry, *, running: bool) -> Fact:
     """What an entry says of an activity that has begun. Raises `UnexplainedError`."""
     mode, resources = choices_of(problem, activity, entry)
-    start, end = ticks_of(problem, entry.start), ticks_of(problem, entry.end)
+    start, end = problem.whole_ticks(entry.start), problem.whole_ticks(entry.end)
     return Fact(entry, start, end, mode, resources, running, entry.rank, entry.last_rank)
 
 
@@ -63,63 +48,13 @@ def previous_place_of(problem: Problem, activity: Activity, entry: Entry) -> Pre
         return None
     if resources is None or (mode is None and activity.details.modes):
         return None
-    return PreviousPlace(ticks_of(problem, entry.start), mode, resources)
+    return PreviousPlace(problem.whole_ticks(entry.start), mode, resources)
 
 
-def choices_of(
-    problem: Problem, activity: Activity, entry: Entry
-) -> tuple[int | None, tuple[int | None, ...] | None]:
-    """The mode and the resource of each use; None for what the entry leaves open."""
-    details = activity.details
-    mode: int | None = None
-    if details.modes:
-        if entry.mode is None:
-            return None, None
-        names = [m.id for m in details.modes]
-        if entry.mode not in names:
-            raise UnexplainedError(entry)
-        mode = names.index(entry.mode)
-    relevant = [
-        u
-        for u in range(len(activity.uses))
-        if not details.modes or details.use_mode(u) in (None, mode)
-    ]
-    if not entry.resources and relevant:
-        return mode, None
-    index = {resource.id: k for k, resource in enumerate(problem.resources)}
-    held: dict[int, int] = {}
-    for name, amount in entry.resources.items():
-        if name not in index:
-            raise UnexplainedError(entry)
-        held[index[name]] = amount
-    chosen: list[int | None] = [None] * len(activity.uses)
-    # Uses with the fewest alternatives first: there is less to take back.
-    order = sorted(relevant, key=lambda u: len(activity.uses[u].alternatives))
-    if not _explain(activity, order, 0, held, chosen):
-        raise UnexplainedError(entry)
-    return mode, tuple(chosen)
-
-
-def _explain(
-    activity: Activity,
-    order: list[int],
-    at: int,
-    held: dict[int, int],
-    chosen: list[int | None],
-) -> bool:
-    """Chooses a resource for each use so that exactly what is held is taken."""
-    if at == len(order):
-        return not any(held.values())
-    use = activity.uses[order[at]]
-    for r in use.alternatives:
-        if held.get(r, 0) >= use.amount:
-            held[r] -= use.amount
-            chosen[order[at]] = r
-            if _explain(activity, order, at + 1, held, chosen):
-                return True
-            held[r] += use.amount
-    chosen[order[at]] = None
-    return False
+def frozen_choices(activity: Activity) -> tuple[int | None, tuple[int, ...]]:
+    """The mode and the resource of each use of an activity that happened: it has no others."""
+    mode = 0 if activity.details.modes else None
+    return mode, tuple(use.alternatives[0] for use in activity.uses)
 
 
 def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activity:
@@ -222,15 +157,10 @@ def _in_mode(activity: Activity, fact: Fact) -> Activity:
     if not details.modes or fact.mode is None:
         return activity
     mode = details.modes[fact.mode]
-    kept = [u for u in range(len(activity.uses)) if details.use_mode(u) in (None, fact.mode)]
-    place = {u: k for k, u in enumerate(kept)}
+    kept = activity.uses_in(fact.mode)
     return replace(
-        activity,
+        with_uses(activity, kept),
         duration_min=mode.duration_min,
         duration_max=mode.duration_max,
-        uses=tuple(activity.uses[u] for u in kept),
-        open_demands=tuple(
-            d._replace(use=place[d.use]) for d in activity.open_demands if d.use in place
-        ),
         details=replace(details, modes=(mode,), use_modes=tuple(None for _ in kept)),
     )

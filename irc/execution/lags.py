@@ -31,25 +31,21 @@ class Lags:
         self.arcs: list[Arc] = []
         self.anchor: int | None = None
 
-    def add(self, arc: Arc, *, keep: bool) -> None:
-        """Adds an arc of the frozen problem.
+    def add(self, arc: Arc, renumbered: Arc | None, *, keep: bool) -> None:
+        """Adds an arc of the frozen problem; `renumbered` is the same in what is left, if there.
 
         With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
         """
         left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
             arc.after, arc.to_end
         )
-        if keep and left:
-            self.arcs.append(
-                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
-            )
+        if renumbered is not None and keep and left:
+            self.arcs.append(renumbered)
             return
         before = self._known(arc.before, at_end=arc.from_end)
         after = self._known(arc.after, at_end=arc.to_end)
-        if before is None and after is None:
-            self.arcs.append(
-                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
-            )
+        if renumbered is not None and before is None and after is None:
+            self.arcs.append(renumbered)
         elif before is not None and after is None:
             least = before + arc.min_lag
             most = None if arc.max_lag is None else before + arc.max_lag

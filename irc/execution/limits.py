@@ -97,7 +97,7 @@ def _times(problem: Problem, schedule: Schedule, at_end: bool) -> dict[int, int]
     for i, activity in enumerate(problem.activities):
         entry = entries.get((activity.id, activity.details.occurrence))
         if entry is not None:
-            times[i] = int((entry.end if at_end else entry.start) / problem.tick)
+            times[i] = problem.whole_ticks(entry.end if at_end else entry.start)
     return times
 
 

@@ -10,11 +10,11 @@ way back leads through the frozen problem, which is re-timed as a whole.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from irc.execution.executed import Fact, choices_of, ticks_of
+from irc.execution.executed import Fact, frozen_choices
 from irc.execution.fresh_names import fresh_name
 from irc.execution.lags import Lags, twins
 from irc.passes.unroll import unroll
@@ -23,14 +23,16 @@ from irc.problem import (
     Activity,
     ContendedPool,
     Details,
-    PreviousPlace,
+    PreviousPlan,
     Problem,
     Renewable,
     Reservoir,
     Variable,
     Window,
 )
+from irc.problem.choices import decision_of
 from irc.problem.decisions import ABSENT, Decision
+from irc.problem.projection import restricted
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
@@ -89,29 +91,17 @@ class Rebased:
             start_rank, end, end_rank = fact.rank, fact.end, fact.end_rank
             if i in self.places:
                 entry = entries[self.problem.activities[self.places[i]].id][0]
-                end = self.now + ticks_of(self.whole, entry.end)
+                end = self.now + self.whole.whole_ticks(entry.end)
                 end_rank = rank + entry.last_rank
                 start_rank = rank + entry.rank if fact.start == self.now else fact.rank
-            mode = 0 if activity.details.modes else None
-            chosen = tuple(use.alternatives[0] for use in activity.uses)
+            mode, chosen = frozen_choices(activity)
             return Decision(fact.start, end, chosen, mode=mode, rank=start_rank, end_rank=end_rank)
         found = entries.get(activity.id, [])
         number = activity.details.occurrence - self._first[activity.id]
         if number >= len(found):
             return ABSENT
         entry = sorted(found, key=lambda e: e.occurrence)[number]
-        return self._placed(whole, activity, entry, rank)
-
-    def _placed(self, whole: Problem, activity: Activity, entry: Entry, rank: int) -> Decision:
-        mode, chosen = choices_of(whole, activity, entry)
-        return Decision(
-            self.now + ticks_of(self.whole, entry.start),
-            self.now + ticks_of(self.whole, entry.end),
-            chosen or (),
-            mode=mode,
-            rank=rank + entry.rank,
-            end_rank=rank + entry.last_rank,
-        )
+        return decision_of(whole, activity, entry, now=self.now, rank=rank)
 
 
 def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
@@ -127,60 +117,37 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
         for i in range(len(problem.activities))
         if i not in facts or facts[i].running or i in disputed
     ]
+    left, way = restricted(problem, activities=kept)
+    places = way.activities.new
     names = Counter(a.id for a in problem.activities)
-    places = {i: k for k, i in enumerate(kept)}
     activities = []
-    for i in kept:
-        fact, activity = facts.get(i), problem.activities[i]
+    for i, activity in zip(kept, left.activities, strict=True):
+        fact = facts.get(i)
         if fact is None:
-            activities.append(_shifted(activity, now, facts))
+            activities.append(_shifted(activity, now, _end_before(problem, i, facts)))
         else:
             activities.append(_residual(activity, fact, now, names))
     arcs = Lags(facts, now, places, activities, names)
-    for arc in problem.arcs:
-        arcs.add(arc, keep=bool(problem.variables))
+    renumbered = dict(zip(way.arcs.old, left.arcs, strict=True))
+    for k, arc in enumerate(problem.arcs):
+        arcs.add(arc, renumbered.get(k), keep=bool(problem.variables))
     if problem.variables:
         arcs.arcs += twins(problem, facts, places)
     deadline = problem.deadline
-    return Rebased(
-        problem,
-        facts,
-        now,
-        replace(
-            problem,
-            activities=tuple(arcs.activities),
-            arcs=tuple(arcs.arcs),
-            resources=tuple(_later(r, now) for r in problem.resources),
-            contention=replace(
-                problem.contention,
-                pools=tuple(_pool_later(p, now) for p in problem.contention.pools),
-            ),
-            deadline=None if deadline is None else deadline - now,
-            reservoirs=_stock_now(problem, facts, now, places),
-            variables=_state_now(problem, facts, now, places),
-            groups=tuple(
-                replace(g, members=members)
-                for g in problem.groups
-                if (members := tuple(places[i] for i in g.members if i in places))
-            ),
-            required=tuple(places[i] for i in problem.required if i in places),
-            state_precedences=tuple(
-                (places[a], places[b])
-                for a, b in problem.state_precedences
-                if a in places and b in places
-            ),
-            previous=replace(
-                problem.previous,
-                places=_earlier(problem, kept, len(arcs.activities), now),
-                recurring={
-                    places[i]: tuple(e._replace(start=e.start - now) for e in more)
-                    for i, more in problem.previous.recurring.items()
-                },
-                warm_start=(),
-            ),
+    residual = replace(
+        left,
+        activities=tuple(arcs.activities),
+        arcs=tuple(arcs.arcs),
+        resources=tuple(_later(r, now) for r in problem.resources),
+        contention=replace(
+            left.contention, pools=tuple(_pool_later(p, now) for p in left.contention.pools)
         ),
-        places,
+        deadline=None if deadline is None else deadline - now,
+        reservoirs=_stock_now(problem, facts, now, places),
+        variables=_state_now(problem, facts, now, places),
+        previous=_previous_later(left.previous, len(arcs.activities), now),
     )
+    return Rebased(problem, facts, now, residual, places)
 
 
 def _all_too_late(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
@@ -196,14 +163,25 @@ def _all_too_late(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
     return replace(problem, activities=tuple(activities), deadline=None)
 
 
-def _earlier(
-    problem: Problem, kept: Sequence[int], size: int, now: int
-) -> tuple[PreviousPlace | None, ...]:
-    if not problem.previous.places:
-        return ()
-    found = [problem.previous.places[i] for i in kept]
-    shifted = [None if e is None else e._replace(start=e.start - now) for e in found]
-    return (*shifted, *(None for _ in range(size - len(shifted))))
+def _previous_later(plan: PreviousPlan, size: int, now: int) -> PreviousPlan:
+    """The previous plan of `size` activities, those that were added last without a place."""
+    places = [None if p is None else p._replace(start=p.start - now) for p in plan.places]
+    added = size - len(places) if places else 0
+    return replace(
+        plan,
+        places=(*places, *[None] * added),
+        recurring={
+            i: tuple(p._replace(start=p.start - now) for p in more)
+            for i, more in plan.recurring.items()
+        },
+        warm_start=(),
+    )
+
+
+def _end_before(problem: Problem, i: int, facts: Mapping[int, Fact]) -> int:
+    """When the occurrence before an activity has ended; 0 where there is none."""
+    previous = problem.activities[i].details.previous_occurrence
+    return 0 if previous is None else facts[previous].end
 
 
 def _in_dispute(problem: Problem, facts: Mapping[int, Fact], now: int) -> set[int]:
@@ -242,17 +220,18 @@ def _is_over(fact: Fact, at_end: bool, now: int, left: bool) -> bool:
     return not left or (not at_end and fact.start < now)
 
 
-def _shifted(activity: Activity, now: int, facts: Mapping[int, Fact]) -> Activity:
-    """An open activity: all its times are earlier by now, and it counts its occurrences anew."""
+def _shifted(activity: Activity, now: int, after: int) -> Activity:
+    """An open activity: all its times are earlier by now, and it counts its occurrences anew.
+
+    `after` is when the occurrence before it has ended.
+    """
     if activity.start is not None and activity.start < now and not activity.details.optional:
         raise PastError(f"{activity.id!r} has a fixed start that has passed, and has not begun")
     deadline = activity.deadline
     if activity.start is not None and activity.start < now:
         deadline = IMPOSSIBLE_DEADLINE
     details = activity.details
-    due, release = details.due, activity.release
-    if details.previous_occurrence is not None:
-        release = max(release, facts[details.previous_occurrence].end)
+    due, release = details.due, max(activity.release, after)
     if due is not None or details.previous_occurrence is not None or details.occurrence != 1:
         due = None if due is None else due - now
         details = replace(details, due=due, previous_occurrence=None, occurrence=1)

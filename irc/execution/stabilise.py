@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from irc.execution.executed import UnexplainedError, choices_of, ticks_of
 from irc.execution.state import key_of
 from irc.model.quantities import Number
-from irc.problem import Activity, PreviousPlan, Problem
+from irc.problem import PreviousPlan, Problem
+from irc.problem.choices import UnexplainedError, decision_of
 from irc.problem.decisions import ABSENT, AnswerError, Decision, Moment
 from irc.problem.objective_values import costs
 from irc.retiming.retime import retime
@@ -73,22 +73,10 @@ def _decisions(problem: Problem, entries: Iterable[Entry]) -> list[Decision]:
     for activity in problem.activities:
         entry = known.get((activity.id, activity.details.occurrence))
         try:
-            decisions.append(ABSENT if entry is None else _decision(problem, activity, entry))
+            decisions.append(ABSENT if entry is None else decision_of(problem, activity, entry))
         except UnexplainedError:  # An event has taken away the mode or the resource.
             decisions.append(ABSENT)
     return decisions
-
-
-def _decision(problem: Problem, activity: Activity, entry: Entry) -> Decision:
-    mode, chosen = choices_of(problem, activity, entry)
-    return Decision(
-        ticks_of(problem, entry.start),
-        ticks_of(problem, entry.end),
-        chosen or (),
-        mode=mode,
-        rank=entry.rank,
-        end_rank=entry.last_rank,
-    )
 
 
 def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[str, Number]:
@@ -135,7 +123,9 @@ class _Settling:
         activities = list(self.problem.activities)
         there = list(self.now)
         for i in candidates:
-            activities[i] = replace(activities[i], start=int(self.before[i].start))
+            place = self.problem.previous.places[i]
+            assert place is not None
+            activities[i] = replace(activities[i], start=place.start)
             length = self._length(i)
             there[i] = replace(self.before[i], end=self.before[i].start + length)
         problem = replace(self.problem, activities=tuple(activities), previous=PreviousPlan())

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from irc.execution.executed import Fact, UnexplainedError, choices_of
+from irc.execution.executed import Fact, frozen_choices
 from irc.execution.state import Key
-from irc.model.quantities import exact
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.resource_profile import UNREACHABLE_TIME
 from irc.passes.serial_sgs import list_schedule
 from irc.problem import PLAIN, Arc, PreviousPlan, Problem
-from irc.problem.decisions import ABSENT, AnswerError, Decision, Placed
+from irc.problem.choices import UnexplainedError, decision_of, members_taken
+from irc.problem.decisions import ABSENT, AnswerError, Decision, Placed, as_decision
 from irc.retiming.retime import retime
 from irc.retiming.selection import Selection, select
 from irc.retiming.state import Order, state_orders
@@ -58,15 +58,12 @@ def _before(problem: Problem, i: int, fact: Fact | None, plan: Mapping[Key, Entr
             return ABSENT
         mode = 0 if activity.details.modes else None
         return Decision(UNREACHABLE_TIME, UNREACHABLE_TIME + activity.duration_min, (), mode=mode)
-    if fact is not None:
-        mode = 0 if activity.details.modes else None
-        chosen: tuple[int | None, ...] = tuple(use.alternatives[0] for use in activity.uses)
-    else:
-        mode, resources = choices_of(problem, activity, entry)
-        chosen = resources or ()
+    if fact is None:
+        return decision_of(problem, activity, entry)
+    mode, chosen = frozen_choices(activity)
     return Decision(
-        exact(entry.start / problem.tick),
-        exact(entry.end / problem.tick),
+        problem.to_ticks(entry.start),
+        problem.to_ticks(entry.end),
         chosen,
         mode=mode,
         rank=entry.rank,
@@ -88,15 +85,7 @@ def _list_scheduled(
 ) -> list[Decision] | None:
     """Decisions about the whole problem, from a list schedule of what is there."""
     chosen = selection.problem
-    activities = []
-    for k, i in enumerate(selection.kept):
-        place = {u: n for n, u in enumerate(selection.uses[k])}
-        claims = tuple(
-            c._replace(use=place[c.use])
-            for c in problem.activities[i].open_demands
-            if c.use in place
-        )
-        activities.append(replace(chosen.activities[k], open_demands=claims, details=PLAIN))
+    activities = [replace(a, details=PLAIN) for a in chosen.activities]
     arcs = [
         Arc(o.before.activity, o.after.activity, o.before.at_end, o.after.at_end, 0, None, -1)
         for o in orders
@@ -142,21 +131,10 @@ def _spread(
         [Placed(int(d.start), int(d.end), ()) for d in decisions],
         orders,
     )
-    spread = [ABSENT] * len(problem.activities)
-    for k, i in enumerate(selection.kept):
-        activity = problem.activities[i]
-        taken: list[int | None] = [None] * len(activity.uses)
-        kept = [c for c in activity.open_demands if c.use in selection.uses[k]]
-        for claim, r in zip(kept, choices[k], strict=True):
-            members = problem.contention.pools[r].members
-            taken[claim.use] = members[0] if len(members) == 1 else None
-        place = placed[k]
-        spread[i] = Decision(
-            place.start,
-            place.end,
-            tuple(taken),
-            mode=selection.decisions[k].mode,
-            rank=place.rank,
-            end_rank=place.end_rank,
+    with_resources = [
+        replace(place, resources=members_taken(selection.problem, activity, taken))
+        for place, activity, taken in zip(
+            placed, selection.problem.activities, choices, strict=True
         )
-    return spread
+    ]
+    return [as_decision(place) for place in selection.spread(problem, with_resources)]

@@ -55,7 +55,7 @@ def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
     # (What cannot hold of the part that every schedule contains cannot hold at all.)
-    problem = mandatory_part(checked.problem)
+    problem, _ = mandatory_part(checked.problem)
     if not checked.report.ok:
         explanation = _without_solver(task, problem, until)
         if explanation is None:
@@ -246,7 +246,8 @@ def _proof(answer: Answer, links: tuple[Link, ...] | None) -> str:
         return f"no other order is better: {problem.bounds.makespan.reason}"
     if schedule.status is Status.OPTIMAL:
         return f"no other order is better: proved by {schedule.engine}"
-    return f"another order may be better: at least {least} are needed ({problem.bounds.makespan.reason})"
+    reason = problem.bounds.makespan.reason
+    return f"another order may be better: at least {least} are needed ({reason})"
 
 
 def _reaches(schedule: Schedule, problem: Problem) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from irc.passes import order_from_state
-from irc.passes.mandatory import mandatory_part, mandatory_places
+from irc.passes.mandatory import mandatory_part
 from irc.problem import Problem
 from irc.problem.temporal_network import earliest
 from irc.problem.time_points import PointMap, timing_network
@@ -41,8 +41,7 @@ class Outlook:
 
 def outlook(problem: Problem) -> Outlook | None:
     """The outlook of a problem without errors; None where its times contradict each other."""
-    core = mandatory_part(order_from_state(problem))
-    places = mandatory_places(problem)
+    core, way = mandatory_part(order_from_state(problem))
     timing = timing_network(core)
     points = timing.points
     forward = earliest(timing.network, timing.floors)
@@ -54,7 +53,7 @@ def outlook(problem: Problem) -> Outlook | None:
     if tails.cycles:
         return None
     times = {}
-    for i, place in places.items():
+    for i, place in way.activities.new.items():
         point = points.start[place]
         found = Times(forward.t[point], length - tails.t[point])
         if found.slack < 0:

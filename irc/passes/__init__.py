@@ -26,7 +26,7 @@ def resource_bounds(problem: Problem) -> Problem:
     """Raises the bound by what resources say; without contention there is nothing to say."""
     if not problem.has_contention:
         return problem
-    core = mandatory_part(problem)
+    core, _ = mandatory_part(problem)
     if core is not problem:
         bound = resource_bounds(heads_and_tails(core)).bounds.makespan
         return replace(problem, bounds=replace(problem.bounds, makespan=bound))

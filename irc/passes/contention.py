@@ -7,6 +7,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from irc.problem import Activity, ContendedPool, OpenDemand, PreviousPlace, Problem
+from irc.problem.projection import with_demands_on
 
 
 def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
@@ -40,13 +41,15 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
 
 
 def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
+    """The problem in which each of these sets of pools is one pool, behind all others."""
+    old = problem.contention.pools
     gone = {r for key in merged for r in key}
-    kept = [r for r in range(len(problem.contention.pools)) if r not in gone]
-    place = {r: k for k, r in enumerate(kept)}
-    pool_place = {key: len(kept) + k for k, key in enumerate(merged)}
-    pools = [problem.contention.pools[r] for r in kept]
+    kept = [r for r in range(len(old)) if r not in gone]
+    new = {r: k for k, r in enumerate(kept)}
+    new |= {r: len(kept) + k for k, key in enumerate(merged) for r in key}
+    pools = [old[r] for r in kept]
     for key in merged:
-        members = [problem.contention.pools[r] for r in key]
+        members = [old[r] for r in key]
         pools.append(
             ContendedPool(
                 "|".join(m.id for m in members),
@@ -54,19 +57,10 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
                 tuple(i for m in members for i in m.members),
             )
         )
-
-    def move(claim: OpenDemand) -> OpenDemand:
-        if claim.alternatives in pool_place:
-            return claim._replace(alternatives=(pool_place[claim.alternatives],))
-        return claim._replace(alternatives=tuple(place[r] for r in claim.alternatives))
-
     return replace(
         problem,
         contention=replace(problem.contention, pools=tuple(pools)),
-        activities=tuple(
-            replace(a, open_demands=tuple(map(move, a.open_demands))) if a.open_demands else a
-            for a in problem.activities
-        ),
+        activities=tuple(with_demands_on(a, new) for a in problem.activities),
     )
 
 

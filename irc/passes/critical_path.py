@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from irc.passes.fixed_load import release_behind_fixed
-from irc.passes.mandatory import mandatory_part, mandatory_places
+from irc.passes.mandatory import mandatory_part
 from irc.problem import Bound, Bounds, Problem
 from irc.problem.temporal_network import earliest
 from irc.problem.time_points import timing_network
@@ -20,8 +21,10 @@ def heads_and_tails(problem: Problem) -> Problem:
     Raises `ValueError` where the network has a contradiction; the checks tell of it before.
     """
     released = release_behind_fixed(problem)
-    core = mandatory_part(released)
-    found = _of_network(released) if core is released else _of_core(released, _of_network(core))
+    core, way = mandatory_part(released)
+    found = _of_network(core)
+    if core is not released:
+        found = _of_core(released, found, way.activities.new)
     return replace(problem, bounds=found.bounds)
 
 
@@ -49,8 +52,7 @@ def _of_network(problem: Problem) -> Problem:
     return replace(problem, bounds=bounds)
 
 
-def _of_core(problem: Problem, core: Problem) -> Problem:
-    places = mandatory_places(problem)
+def _of_core(problem: Problem, core: Problem, places: Mapping[int, int]) -> Problem:
     bounds = Bounds(
         heads=tuple(
             core.bounds.heads[places[i]] if i in places else max(a.release, a.start or 0)

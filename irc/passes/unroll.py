@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irc.problem import Activity, PreviousPlace, Problem
+from irc.problem.projection import restricted
 
 
 def unroll(problem: Problem, depth: int) -> Problem:
@@ -29,31 +30,19 @@ def unroll(problem: Problem, depth: int) -> Problem:
             here = len(problem.activities) + len(further)
             further.append((i, _occurrence(activity, k, previous, least)))
             previous = here
-    whose = [i for i, _ in further]
+    whole = range(len(problem.activities))
+    longer, _ = restricted(problem, activities=(*whole, *(i for i, _ in further)))
     return replace(
-        problem,
+        longer,
         activities=(*activities, *(a for _, a in further)),
         bounds=replace(
             problem.bounds,
             heads=_further_heads(problem, further),
             tails=_further_tails(problem, further),
         ),
-        contention=replace(
-            problem.contention,
-            fixed_choices={
-                **problem.contention.fixed_choices,
-                **{
-                    (len(problem.activities) + k, use): r
-                    for k, i in enumerate(whose)
-                    for (j, use), r in problem.contention.fixed_choices.items()
-                    if j == i
-                },
-            },
-        ),
         previous=replace(
             problem.previous,
-            places=problem.previous.places
-            and (*problem.previous.places, *_further_earlier(problem, further)),
+            places=_further_places(problem, further),
             recurring={},
             warm_start=(),
         ),
@@ -106,15 +95,17 @@ def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tup
     )
 
 
-def _further_earlier(
+def _further_places(
     problem: Problem, further: list[tuple[int, Activity]]
 ) -> tuple[PreviousPlace | None, ...]:
-    """Where the earlier schedule has the k-th occurrence, if it has one."""
+    """Where the previous plan has the k-th occurrence, if it has one."""
+    if not problem.previous.places:
+        return ()
     found = []
     for i, activity in further:
         known, k = problem.previous.recurring.get(i, ()), _number(problem, i, activity) - 2
         found.append(known[k] if k < len(known) else None)
-    return tuple(found)
+    return (*problem.previous.places, *found)
 
 
 def _number(problem: Problem, i: int, occurrence: Activity) -> int:

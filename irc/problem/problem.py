@@ -139,6 +139,12 @@ class Activity:
         """Whether the solver has no say in the duration."""
         return self.duration_min == self.duration_max
 
+    def uses_in(self, mode: int | None) -> tuple[int, ...]:
+        """The indexes of the uses that apply in a mode (index); None: of those in every mode."""
+        if not self.details.use_modes:
+            return tuple(range(len(self.uses)))
+        return tuple(u for u, m in enumerate(self.details.use_modes) if m is None or m == mode)
+
 
 class Window(NamedTuple):
     """Another capacity throughout [start, end)."""
@@ -333,6 +339,21 @@ class Problem:
         if self.tick.denominator == 1:
             return ticks * self.tick.numerator
         return exact(ticks * self.tick)
+
+    def to_ticks(self, time: Number) -> Number:
+        """A time of the task's unit → ticks, exactly: a `Fraction` where it is between two."""
+        # Whole numbers all the way: in a large schedule fractions would cost more than the search.
+        ticks, rest = divmod(
+            time.numerator * self.tick.denominator, time.denominator * self.tick.numerator
+        )
+        return Fraction(time) / self.tick if rest else ticks
+
+    def whole_ticks(self, time: Number) -> int:
+        """A time of the task's unit → ticks. Raises `ValueError` where it is between two."""
+        ticks = self.to_ticks(time)
+        if not isinstance(ticks, int):
+            raise ValueError(f"{time} is not a whole number of ticks of {self.tick}")
+        return ticks
 
     def time_text(self, ticks: int) -> str:
         """A time as messages show it: in the task's unit, which it names."""

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from math import floor
 
-from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
 from irc.problem.temporal_network import Network, earliest
@@ -36,7 +34,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
         raise AnswerError("it is worked out only without state, stock, calendars and choices")
     entries = _entries(problem, schedule)
     decisions = [
-        Decision(to_ticks(problem, entry.start), to_ticks(problem, entry.end)) for entry in entries
+        Decision(problem.to_ticks(entry.start), problem.to_ticks(entry.end)) for entry in entries
     ]
     makespan = floor(max(decision.end for decision in decisions))
     timing = timing_network(problem)
@@ -55,15 +53,6 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     if late is not None:
         raise AnswerError(f"{late!r} is later in the schedule than the problem allows")
     return found
-
-
-def to_ticks(problem: Problem, value: Number) -> Number:
-    """A time of the task's unit → ticks, exactly: the way back from `Problem.to_units`."""
-    # Whole numbers all the way: in a large schedule fractions would cost more than the search.
-    ticks, rest = divmod(
-        value.numerator * problem.tick.denominator, value.denominator * problem.tick.numerator
-    )
-    return Fraction(value) / problem.tick if rest else ticks
 
 
 def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:

@@ -205,7 +205,7 @@ def test_of_a_calendar_the_greatest_capacity_counts() -> None:
         5,
         1,
     )
-    assert mandatory_part(problem).resources[0].capacity == 5
+    assert mandatory_part(problem)[0].resources[0].capacity == 5
 
 
 def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
@@ -224,7 +224,7 @@ def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
         ],
         precedence=[["a", "b"], ["a", "c"], ["e", "f"]],
     )
-    problem = mandatory_part(whole)
+    problem, _ = mandatory_part(whole)
     assert [a.id for a in problem.activities] == ["a", "c", "d", "f"]
     assert problem.arcs == (Arc(0, 1, origin=1),)
     assert [a.id for a in whole.activities if a.details.optional] == ["b", "e"]

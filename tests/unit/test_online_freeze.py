@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from irc.execution.executed import UnexplainedError, choices_of
 from irc.execution.freeze import with_groups
 from irc.execution.residual import PastError, Rebased, rebase
 from irc.lowering.lower import lower
 from irc.problem import Arc
+from irc.problem.choices import UnexplainedError, choices_of
 from irc.schedule import Entry
 from online_cases import action, entry, frozen_at, plan, repaired, starts, task
 

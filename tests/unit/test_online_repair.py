@@ -63,7 +63,7 @@ def places(task: Task, schedule: Schedule, at: int, **ends: int) -> dict[str, Pl
     for name, end in ends.items():
         history.entries[name, 1] = replace(history.entries[name, 1], end=end)
     problem = lower(task, [at])
-    ticks = int(at / problem.tick)
+    ticks = problem.whole_ticks(at)
     frozen = freeze(problem, history, at, ticks)
     whole = run_passes(with_groups(frozen, ()))
     found = repaired(whole, frozen.facts, history.plan)

@@ -16,7 +16,7 @@ from irc.passes.serial_sgs import list_schedule
 from irc.problem import Activity, Problem, Renewable, Requirement
 from irc.problem.decisions import AnswerError, Decision, Placed
 from irc.retiming.retime import earliest_schedule, retime
-from irc.retiming.slack import slacks, to_ticks
+from irc.retiming.slack import slacks
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
@@ -186,7 +186,7 @@ def test_slack_is_in_ticks() -> None:
     problem = problem_of(document)
     found = slacks(problem, schedule_of(problem, earliest_schedule(problem)))
     assert problem.to_units(found["short"]) == 100 - problem.to_units(1)
-    assert to_ticks(problem, problem.to_units(found["short"])) == found["short"]
+    assert problem.to_ticks(problem.to_units(found["short"])) == found["short"]
 
 
 def test_what_was_chosen_to_have_no_length_keeps_none() -> None:

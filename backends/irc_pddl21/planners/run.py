@@ -123,7 +123,7 @@ class _OutputWatcher:
         if not _is_better(self.given.program, schedule, self.best):
             return False
         self.best = schedule
-        ticks = int(schedule.makespan / problem.tick)
+        ticks = problem.whole_ticks(schedule.makespan)
         if self.on_progress is not None:
             seconds = time.perf_counter() - self.began
             self.on_progress(Progress(seconds, ticks, problem.bounds.makespan.value, self.engine))

@@ -129,7 +129,7 @@ class SelectionSpace:
         open_groups = tuple(group for group in problem.groups if not group.required)
         problem = replace(problem, objectives=("makespan",), groups=open_groups)
         problem = heads_and_tails(drop_uncontended(problem))
-        core = mandatory_part(problem)  # Only mandatory activities take time for certain.
+        core, _ = mandatory_part(problem)  # Only mandatory activities take time for certain.
         bound = energy_bound(heads_and_tails(core)).bounds.makespan
         return problem.with_bound(bound.value, bound.reason)
 
@@ -163,7 +163,7 @@ def _energy_limits(space: SelectionSpace) -> list[Limit]:
     deadline, items = space.problem.deadline, space.items
     if deadline is None or not items:
         return []
-    everything = mandatory_part(space.restricted(frozenset(range(len(items)))))
+    everything, _ = mandatory_part(space.restricted(frozenset(range(len(items)))))
     heads, tails = _ends(space.restricted(frozenset()))
     for k in range(len(items)):
         alone = _ends(space.restricted(frozenset([k])))
@@ -209,7 +209,7 @@ def _limit(room: int, inside: list[_ResourceUser], owner: Mapping[str, int], cou
 
 def _ends(problem: Problem) -> tuple[dict[str, int], dict[str, int]]:
     """Heads and tails by name, the least of all occurrences."""
-    core = mandatory_part(problem)
+    core, _ = mandatory_part(problem)
     if core is not problem:
         core = heads_and_tails(core)
     heads: dict[str, int] = {}
