@@ -195,7 +195,9 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
     if problem.deadline is not None and bound.value > problem.deadline:
         least = f"no continuation ends before {problem.time_text(since + bound.value)}"
         return problem, _impossible(f"{least} ({bound.reason})")
-    for i, (activity, head) in enumerate(zip(problem.activities, problem.bounds.heads, strict=True)):
+    for i, (activity, head) in enumerate(
+        zip(problem.activities, problem.bounds.heads, strict=True)
+    ):
         if not least_occurrences(activity):
             continue
         too_late = _too_late(problem, i, head, head + activity.duration_min, since)

@@ -9,7 +9,7 @@ from irc.passes.fixed_load import release_behind_fixed
 from irc.passes.mandatory import mandatory_part
 from irc.problem import Bound, Bounds, Problem
 from irc.problem.temporal_network import earliest
-from irc.problem.time_points import timing_network
+from irc.problem.time_points import least_times_to_end, timing_network
 
 
 def heads_and_tails(problem: Problem) -> Problem:
@@ -28,24 +28,27 @@ def heads_and_tails(problem: Problem) -> Problem:
     return replace(problem, bounds=found.bounds)
 
 
+def bounded_mandatory_part(problem: Problem) -> Problem:
+    """What every schedule contains, with heads and tails; the problem itself where that is all."""
+    core, _ = mandatory_part(problem)
+    return problem if core is problem else heads_and_tails(core)
+
+
 def _of_network(problem: Problem) -> Problem:
     timing = timing_network(problem)
     points, network = timing.points, timing.network
     forward = earliest(network, timing.floors)
     if forward.cycles:
         raise ValueError("the temporal network of the problem contradicts itself")
-    floors = [0] * points.size
-    for end, offset in zip(points.end, points.end_offset, strict=True):
-        floors[end] = offset
-    backward = earliest(network.reversed(), floors)
-    critical = max((a + b for a, b in zip(forward.t, backward.t, strict=True)), default=0)
+    to_end = least_times_to_end(points, network)
+    critical = max((a + b for a, b in zip(forward.t, to_end, strict=True)), default=0)
     bound = problem.bounds.makespan
     if critical > bound.value:
         bound = Bound(critical, "critical path")
     bounds = Bounds(
         heads=tuple(forward.t[p] for p in points.start),
         tails=tuple(
-            backward.t[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
+            to_end[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
         ),
         makespan=bound,
     )

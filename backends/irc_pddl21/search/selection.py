@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from irc.passes import resource_bounds
 from irc.passes.contention import drop_uncontended
-from irc.passes.critical_path import heads_and_tails
+from irc.passes.critical_path import bounded_mandatory_part, heads_and_tails
 from irc.passes.energy import energy_bound, loads
 from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import drop_ample_stock, restrict
@@ -129,8 +129,8 @@ class SelectionSpace:
         open_groups = tuple(group for group in problem.groups if not group.required)
         problem = replace(problem, objectives=("makespan",), groups=open_groups)
         problem = heads_and_tails(drop_uncontended(problem))
-        core, _ = mandatory_part(problem)  # Only mandatory activities take time for certain.
-        bound = energy_bound(heads_and_tails(core)).bounds.makespan
+        core = bounded_mandatory_part(problem)  # Only mandatory activities take time for certain.
+        bound = energy_bound(core).bounds.makespan
         return problem.with_bound(bound.value, bound.reason)
 
     def upper_bound(self, chosen: Selection, undecided: Selection) -> int | None:
@@ -209,9 +209,7 @@ def _limit(room: int, inside: list[_ResourceUser], owner: Mapping[str, int], cou
 
 def _ends(problem: Problem) -> tuple[dict[str, int], dict[str, int]]:
     """Heads and tails by name, the least of all occurrences."""
-    core, _ = mandatory_part(problem)
-    if core is not problem:
-        core = heads_and_tails(core)
+    core = bounded_mandatory_part(problem)
     heads: dict[str, int] = {}
     tails: dict[str, int] = {}
     for activity, head, tail in zip(
