@@ -6,7 +6,6 @@ sort of limit is tried for itself, with CP-SAT and for a short time only.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.execution.continuation import PROVER, Remainder
 from irc.execution.freeze import with_groups
 from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
+from irc.model.state_values import value_text
 from irc.passes import order_from_state
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, PreviousPlan, Problem
 from irc.problem.decisions import AnswerError
@@ -183,7 +183,7 @@ def _goals(search: _Search) -> Iterator[_Reason]:
         rest = problem.goals[:k] + problem.goals[k + 1 :]
         if search.is_possible(replace(problem, goals=rest)):
             variable = problem.variables[v]
-            what = f"{variable.id!r} = {_value(variable.values[value])}"
+            what = f"{variable.id!r} = {value_text(variable.values[value])}"
             yield f"the goal {what} cannot be reached any more", "other goals would help"
 
 
@@ -193,7 +193,7 @@ def _state(search: _Search) -> Iterator[_Reason]:
     for v, variable in enumerate(problem.variables):
         needed = sorted(
             {
-                (a.id, _value(variable.values[c.value]))
+                (a.id, value_text(variable.values[c.value]))
                 for _, a in search.open
                 for c in a.details.conditions
                 if c.var == v
@@ -252,10 +252,6 @@ def _with_plenty(problem: Problem, resource: int, capacity: int) -> Problem:
 
 def _put(items: Sequence[_Item], index: int, item: _Item) -> tuple[_Item, ...]:
     return (*items[:index], item, *items[index + 1 :])
-
-
-def _value(value: bool | str) -> str:
-    return json.dumps(value, ensure_ascii=False)
 
 
 _SORTS: tuple[Callable[[_Search], Iterator[_Reason]], ...] = (

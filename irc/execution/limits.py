@@ -8,6 +8,8 @@ from enum import Enum
 from typing import NamedTuple
 
 from irc.problem import IMPOSSIBLE_DEADLINE, Arc, Problem
+from irc.problem.arc_text import arc_in_words
+from irc.problem.statements import Side
 from irc.schedule import Schedule
 
 
@@ -110,13 +112,8 @@ def in_words(problem: Problem, limit: Limit, needed: str, only: bool) -> str:
         limited = text(problem.deadline or 0)
         return f"everything must end by {limited}, {could} {needed}"
     if sort is Sort.LAG:
-        arc = problem.arcs[i]
-        after, before = problem.activities[arc.after].id, problem.activities[arc.before].id
-        most = text(arc.max_lag or 0)
-        return (
-            f"{after!r} must {'end' if arc.to_end else 'start'} at most {most} after {before!r} "
-            f"{'ends' if arc.from_end else 'starts'}, and the best plan found has {needed}"
-        )
+        lag = arc_in_words(problem, problem.arcs[i], Side.MOST, must=True)
+        return f"{lag}, and the best plan found has {needed}"
     activity = problem.activities[i]
     if sort is Sort.DEADLINE:
         return f"{activity.id!r} must end by {text(activity.deadline or 0)}, {could} {needed}"

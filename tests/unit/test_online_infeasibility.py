@@ -86,7 +86,7 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "set_goals", "goals": [{"var": "table", "value": "bare"}]},
-            "the goal 'table' = \"bare\" cannot be reached any more",
+            "the goal 'table' = 'bare' cannot be reached any more",
         ),
         (
             {"op": "cancel_actions", "actions": ["lay"]},
