@@ -62,7 +62,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
     is running for a duration of its own choice, its end.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
-    has ended claims nothing any more. Releases and deadlines were for the time before.
+    has ended demands nothing any more. Releases and deadlines were for the time before.
     """
     if activity.details.modes and fact.mode is None:
         return _begun(activity, fact)
@@ -82,14 +82,14 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
             use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
         )
         demands = tuple(
-            claim._replace(
+            demand._replace(
                 alternatives=tuple(
                     k
-                    for k in claim.alternatives
-                    if taken[claim.use] in problem.contention.pools[k].members
+                    for k in demand.alternatives
+                    if taken[demand.use] in problem.contention.pools[k].members
                 )
             )
-            for claim in activity.open_demands
+            for demand in activity.open_demands
         )
     details = activity.details
     details = replace(

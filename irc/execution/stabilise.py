@@ -51,8 +51,8 @@ def settled(
     before, now = _decisions(problem, whole.entries), _decisions(problem, schedule.entries)
     can_stay = [
         i
-        for i, earlier in enumerate(problem.previous.places)
-        if earlier is not None
+        for i, place in enumerate(problem.previous.places)
+        if place is not None
         and before[i].present
         and now[i].present
         and _place(before[i]) != _place(now[i])

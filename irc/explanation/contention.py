@@ -141,7 +141,7 @@ class _Search:
         """
         settled = drop_uncontended(merge_pools(self.problem))
         uses = {
-            (i, claim.use) for i, a in enumerate(settled.activities) for claim in a.open_demands
+            (i, demand.use) for i, a in enumerate(settled.activities) for demand in a.open_demands
         }
         resources = {r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives}
         return [
@@ -153,14 +153,14 @@ class _Search:
 
     def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
         uses = {(s.of, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
-        claims: dict[int, list[OpenDemand]] = {}
+        demands: dict[int, list[OpenDemand]] = {}
         for i, u in uses:
             of = self.problem.activities[i].uses[u]
-            claims.setdefault(i, []).append(OpenDemand(u, of.alternatives, of.amount))
+            demands.setdefault(i, []).append(OpenDemand(u, of.alternatives, of.amount))
         bare = replace(
             self.problem,
             activities=tuple(
-                Activity(a.id, 0, self.horizon, uses=a.uses, open_demands=tuple(claims.get(i, ())))
+                Activity(a.id, 0, self.horizon, uses=a.uses, open_demands=tuple(demands.get(i, ())))
                 for i, a in enumerate(self.problem.activities)
             ),
             arcs=(),

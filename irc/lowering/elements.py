@@ -57,5 +57,5 @@ def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple
 
 
 def open_demands_of(uses: tuple[Requirement, ...]) -> tuple[OpenDemand, ...]:
-    """Every use is open at first. (A zero duration uses nothing, so it claims nothing.)"""
+    """Every use is open at first. (A zero duration uses nothing, so it demands nothing.)"""
     return tuple(OpenDemand(k, use.alternatives, use.amount) for k, use in enumerate(uses))

@@ -1,4 +1,4 @@
-"""Which resources a solver must look at: the others are settled here, without loss."""
+"""Which resources a solver must look at: the others are decided here, without loss."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     Resources `apart` are in no pool: more of them is in use than there is, which the others have no
     part in.
 
-    Where every claim on any member is for one unit of the same set, the members are
+    Where every open demand on any member is for one unit of the same set, the members are
     interchangeable units: any schedule that keeps the summed capacity can be told apart again
     (interval graphs are perfect: greedy colouring by start time needs no more units than overlap).
     """
     pools: dict[tuple[int, ...], bool] = {}
     owner: dict[int, tuple[int, ...]] = {}
     for activity in problem.activities:
-        for claim in activity.open_demands:
-            key = claim.alternatives
-            alike = claim.amount == 1 and not any(
+        for demand in activity.open_demands:
+            key = demand.alternatives
+            alike = demand.amount == 1 and not any(
                 problem.contention.pools[r].windows or r in apart for r in key
             )
             pools[key] = pools.get(key, True) and alike
             for r in key:
                 if owner.setdefault(r, key) != key:
                     pools[key] = pools[owner[r]] = False
-                    pools[claim.alternatives] = False
+                    pools[demand.alternatives] = False
     # A set that shares a member with a set seen earlier spoils both; spread that to all its users.
     merged = [key for key, free in pools.items() if free and len(key) > 1]
     if not merged:
@@ -65,21 +65,21 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 
 
 def drop_uncontended(problem: Problem) -> Problem:
-    """Drops claims on resources that have enough, always, even if everything ran at once.
+    """Drops open demands on resources that have enough, always, even if everything ran at once.
 
     (Occurrences of one action never overlap: they count once, as do its modes together.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
-    settled choice relieves the other alternatives.
+    choice that is fixed relieves the other alternatives.
     """
     activities = list(problem.activities)
     fixed = dict(problem.contention.fixed_choices)
     while True:
         load: Counter[int] = Counter()
         for activity in activities:
-            for claim in activity.open_demands:
-                for r in claim.alternatives:
-                    load[r] += claim.amount
+            for demand in activity.open_demands:
+                for r in demand.alternatives:
+                    load[r] += demand.amount
         enough = {
             r for r, amount in load.items() if amount <= problem.contention.pools[r].least_capacity
         }
@@ -107,27 +107,27 @@ def _without_ample(
 ) -> Activity:
     still_open = []
     old = problem.previous.places[index] if problem.previous.places else None
-    for claim in activity.open_demands:
-        chosen = next((r for r in claim.alternatives if r in enough), None)
+    for demand in activity.open_demands:
+        chosen = next((r for r in demand.alternatives if r in enough), None)
         if chosen is not None and old is not None:
-            chosen = _as_before(problem, claim, old, enough)
+            chosen = _as_before(problem, demand, old, enough)
         if chosen is None:
-            still_open.append(claim)
+            still_open.append(demand)
             continue
         members = problem.contention.pools[chosen].members
         if len(members) == 1:
-            fixed[index, claim.use] = members[0]
+            fixed[index, demand.use] = members[0]
     if len(still_open) == len(activity.open_demands):
         return activity
     return replace(activity, open_demands=tuple(still_open))
 
 
 def _as_before(
-    problem: Problem, claim: OpenDemand, old: PreviousPlace, enough: set[int]
+    problem: Problem, demand: OpenDemand, old: PreviousPlace, enough: set[int]
 ) -> int | None:
-    """What an earlier schedule took, if there is always enough of it."""
-    taken = old.resources[claim.use]
-    for r in claim.alternatives:
+    """What the previous plan took, if there is always enough of it."""
+    taken = old.resources[demand.use]
+    for r in demand.alternatives:
         if r in enough and (taken is None or taken in problem.contention.pools[r].members):
             return r
     return None

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from irc.diagnostics.listing import and_more
 from irc.model.times import format_number
 from irc.problem import Problem
 
@@ -149,16 +150,16 @@ def _works(problem: Problem, load: Load) -> Iterator[int]:
 def loads(problem: Problem) -> Iterator[Load]:
     """What is contended for: each resource, each pool of alternatives, and views of them.
 
-    A claim that can only be met inside a set of resources loads the sum of their capacities.
+    An open demand that can only be met inside a set of resources loads the sum of their capacities.
     """
     demands = _demands(problem)
     room = _room(problem, demands)
     singles = [frozenset(key) for key in sorted(demands) if len(key) == 1]
     for members in (*singles, *_pools(demands)):
         total: Counter[int] = Counter()
-        for key, claims in demands.items():
+        for key, entries in demands.items():
             if members.issuperset(key):
-                for i, amount in claims:
+                for i, amount in entries:
                     total[i] += amount
         load = Load(
             _named(problem, sorted(members)),
@@ -172,11 +173,11 @@ def loads(problem: Problem) -> Iterator[Load]:
 
 
 Demands = dict[tuple[int, ...], list[tuple[int, int]]]
-"""For each set of alternatives the (activity, amount) pairs of the claims on it."""
+"""For each set of alternatives the (activity, amount) pairs of the open demands on it."""
 
 
 def _demands(problem: Problem) -> Demands:
-    """Claims that cost something, on those of their alternatives that can meet them."""
+    """Open demands that cost something, on those of their alternatives that can meet them."""
     demands: Demands = {}
     for i, activity in enumerate(problem.activities):
         if not activity.duration_min:
@@ -192,8 +193,8 @@ def _demands(problem: Problem) -> Demands:
 def _room(problem: Problem, demands: Demands) -> dict[int, int]:
     """For each resource how much of it can be in use at once."""
     amounts: dict[int, Counter[int]] = {}
-    for key, claims in demands.items():
-        counted = Counter(amount for _, amount in claims)
+    for key, entries in demands.items():
+        counted = Counter(amount for _, amount in entries)
         for r in key:
             amounts.setdefault(r, Counter()).update(counted)
     return {
@@ -253,10 +254,8 @@ def _crowds(load: Load) -> Iterator[Load]:
 
 
 def _named(problem: Problem, members: list[int]) -> str:
-    """The resources behind some shared ones, in the user's words."""
+    """The resources of some pools, in the user's words."""
     names = [
         repr(problem.resources[k].id) for r in members for k in problem.contention.pools[r].members
     ]
-    if len(names) > _NAMES_SHOWN:
-        names = [*names[:_NAMES_SHOWN], f"{len(names) - _NAMES_SHOWN} more"]
-    return " or ".join(names)
+    return and_more(names[:_NAMES_SHOWN], len(names), " or ", " or ")

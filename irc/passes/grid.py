@@ -66,7 +66,7 @@ def grid_of(problem: Problem) -> Grid:
     for resource in problem.resources:
         floors.update(time for window in resource.windows for time in (window.start, window.end))
     if problem.previous.stability or "changes" in problem.objectives:
-        # What stays where an earlier schedule has it has its start as its floor.
+        # What stays where the previous plan has it has its start as its floor.
         for places in (problem.previous.places, *problem.previous.recurring.values()):
             floors.update(place.start for place in places if place is not None)
     step = step or 1 + max(floors)

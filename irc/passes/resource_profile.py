@@ -1,4 +1,4 @@
-"""How much of a shared resource is in use, over time."""
+"""How much of a pool is in use, over time."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ UNREACHABLE_TIME = 1 << 62
 
 
 class Profile:
-    """How much of one shared resource is in use, or never there: a step function of time."""
+    """How much of one pool is in use, or never there: a step function of time."""
 
-    def __init__(self, shared: ContendedPool) -> None:
-        self.capacity = shared.capacity
-        base = shared.capacity if shared.base is None else shared.base
+    def __init__(self, pool: ContendedPool) -> None:
+        self.capacity = pool.capacity
+        base = pool.capacity if pool.base is None else pool.base
         self.times = [0]
-        self.used = [shared.capacity - base]
-        for window in shared.windows:
+        self.used = [pool.capacity - base]
+        for window in pool.windows:
             self.take(window.start, window.end, base - window.capacity)
 
     def blocked_until(self, start: int, end: int, amount: int) -> int | None:

@@ -16,7 +16,7 @@ def safe_horizon(problem: Problem) -> int:
     an edge no longer than the longest that leaves it. Summing those over all points is enough.
     What keeps to a window's side of a boundary has that boundary as its floor. Orders on state and
     stock are edges of length 0 (a tick is allowed for each, should ranks not tell them apart).
-    What stays where an earlier schedule has it has its start as its floor.
+    What stays where the previous plan has it has its start as its floor.
     """
     floor = max((w.end for r in problem.resources for w in r.windows), default=0)
     for places in (problem.previous.places, *problem.previous.recurring.values()):

@@ -59,7 +59,7 @@ def costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
 
 
 def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
-    """How many occurrences are not where an earlier schedule, if there is one, has them."""
+    """How many occurrences are not where the previous plan, if there is one, has them."""
     changes = 0
     for i, (activity, first) in enumerate(
         zip(problem.activities, problem.previous.places, strict=False)

@@ -27,7 +27,7 @@ def retime(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
 ) -> tuple[Placed, ...]:
     """The earliest schedule with the same choices and the same order on every resource,
-    reservoir and state variable. What has not moved since an earlier schedule stays.
+    reservoir and state variable. What has not moved since the previous plan stays.
 
     `tolerance` (ticks) is how far the engine's times may be off: an end that is later than the
     next start by no more than that still counts as before it. Repeated actions must have been
@@ -67,14 +67,14 @@ def retime(
 def _with_unmoved_fixed(problem: Problem, decisions: Sequence[Decision]) -> Problem:
     """The problem in which what starts when it did before, in the same mode, starts just then."""
     activities = list(problem.activities)
-    for i, (earlier, decision) in enumerate(zip(problem.previous.places, decisions, strict=True)):
+    for i, (place, decision) in enumerate(zip(problem.previous.places, decisions, strict=True)):
         if (
-            earlier is not None
+            place is not None
             and decision.present
-            and (decision.start, decision.mode) == (earlier.start, earlier.mode)
+            and (decision.start, decision.mode) == (place.start, place.mode)
             and activities[i].start is None
         ):
-            activities[i] = replace(activities[i], start=earlier.start)
+            activities[i] = replace(activities[i], start=place.start)
     return replace(problem, activities=tuple(activities))
 
 

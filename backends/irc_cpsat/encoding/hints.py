@@ -8,7 +8,7 @@ from irc.problem.decisions import Decision, Placed
 from irc_cpsat.encoding.builder import Builder, Model
 
 Takes = Callable[[int, int, int], bool]
-"""Whether an activity (index) takes a shared resource (index) for one of its claims (number)."""
+"""Whether an activity (index) takes a pool (index) for one of its open demands (number)."""
 
 
 def add_hints(builder: Builder, built: Model) -> None:
@@ -78,26 +78,26 @@ def _add_known_schedule(builder: Builder, built: Model, places: Sequence[Placed]
 
 
 def _add_earlier_schedule(builder: Builder, built: Model) -> None:
-    """Adds an incomplete assignment near to good solutions: the places of an earlier schedule.
+    """Adds an incomplete assignment near to good solutions: the places of the previous plan.
 
     Starts are pushed to where they may be now; modes and resources are the earlier ones.
     """
     problem = builder.problem
     hinted: set[int] = set()
-    for i, earlier in enumerate(problem.previous.places):
-        if earlier is None:
+    for i, place in enumerate(problem.previous.places):
+        if place is None:
             continue
         activity = problem.activities[i]
         builder.model.add_hint(
-            built.starts[i], max(earlier.start, activity.release, problem.bounds.heads[i])
+            built.starts[i], max(place.start, activity.release, problem.bounds.heads[i])
         )
         present = built.present[i]
         if present is not None and present.index not in hinted:
             hinted.add(present.index)
             builder.model.add_hint(present, 1)
         for k, chosen in enumerate(built.modes[i]):
-            builder.model.add_hint(chosen, int(k == earlier.mode))
-        for claim, choices in zip(activity.open_demands, built.literals[i], strict=True):
+            builder.model.add_hint(chosen, int(k == place.mode))
+        for demand, choices in zip(activity.open_demands, built.literals[i], strict=True):
             for r, literal in choices:
-                taken = earlier.resources[claim.use] in problem.contention.pools[r].members
+                taken = place.resources[demand.use] in problem.contention.pools[r].members
                 builder.model.add_hint(literal, int(taken))

@@ -77,19 +77,19 @@ def set_objective(model: cp_model.CpModel, name: str, value: Any) -> None:
 
 
 def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
-    """The number of activities that are not where the earlier schedule has them."""
+    """The number of activities that are not where the previous plan has them."""
     changed: list[Expression] = []
-    for i, earlier in enumerate(builder.problem.previous.places):
-        if earlier is None:
+    for i, place in enumerate(builder.problem.previous.places):
+        if place is None:
             continue
         activity = builder.problem.activities[i]
         stays = builder.model.new_bool_var(f"as before {name_of(activity)}")
         changed.append(~stays)
         implied = [] if (present := builder.present[i]) is None else [present]
-        if earlier.mode is not None:
-            implied.append(builder.modes[i][earlier.mode])
-        for claim, choices in zip(activity.open_demands, literals[i], strict=True):
-            taken = earlier.resources[claim.use]
+        if place.mode is not None:
+            implied.append(builder.modes[i][place.mode])
+        for demand, choices in zip(activity.open_demands, literals[i], strict=True):
+            taken = place.resources[demand.use]
             implied += [
                 literal
                 for r, literal in choices
@@ -97,7 +97,7 @@ def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
             ]
         for literal in implied:
             builder.model.add_implication(stays, literal)
-        start = builder.model.add(builder.starts[i] == earlier.start)
+        start = builder.model.add(builder.starts[i] == place.start)
         start.only_enforce_if(stays)
     return sum(changed) if changed else 0
 

@@ -45,8 +45,8 @@ def _decision(built: Model, solver: cp_model.CpSolver, i: int) -> Decision:
     mode = next((m for m, chosen in enumerate(built.modes[i]) if solver.value(chosen)), None)
     ranks = built.ranks[i] if built.ranks else None
     taken = tuple(
-        next((r for r, literal in literals if solver.value(literal)), claim.alternatives[0])
-        for claim, literals in zip(activity.open_demands, built.literals[i], strict=True)
+        next((r for r, literal in literals if solver.value(literal)), demand.alternatives[0])
+        for demand, literals in zip(activity.open_demands, built.literals[i], strict=True)
     )
     return Decision(
         start,

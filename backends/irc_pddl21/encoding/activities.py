@@ -172,13 +172,13 @@ class _ActivityEncoder:
         )
 
     def _meaning(self, activity: Activity, variant: Variant) -> Meaning:
-        shared = self.builder.problem.contention.pools
+        pools = self.builder.problem.contention.pools
         return Meaning(
             activity.id,
             None if variant.mode is None else activity.details.modes[variant.mode].id,
             tuple(
-                (claim.use, shared[r].id)
-                for claim, r in zip(variant.claims, variant.resources, strict=True)
+                (demand.use, pools[r].id)
+                for demand, r in zip(variant.demands, variant.resources, strict=True)
             ),
         )
 

@@ -1,4 +1,4 @@
-"""Modes of an activity: their durations, and the claims that they have."""
+"""Modes of an activity: their durations, and the open demands that they have."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def span_of(activity: Activity, mode: int | None) -> tuple[int, int]:
     return chosen.duration_min, chosen.duration_max
 
 
-def claims_in(activity: Activity, mode: int | None) -> tuple[OpenDemand, ...]:
-    """The claims of an activity in a mode; a mode without duration has none."""
+def demands_in(activity: Activity, mode: int | None) -> tuple[OpenDemand, ...]:
+    """The open demands of an activity in a mode; a mode without duration has none."""
     if mode is None:
         return activity.open_demands
     if not span_of(activity, mode)[1]:

@@ -1,4 +1,4 @@
-"""Renewable resources in PDDL: the units of shared resources.
+"""Renewable resources in PDDL: the units of pools.
 
 Capacity is one token fact for each unit; where tokens would multiply beyond the budget a counter
 takes their place. A unit that a calendar takes away at times has a fact that says it is there.
@@ -13,7 +13,7 @@ from irc.problem import Activity, Problem
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.calendars import add_calendar
-from irc_pddl21.encoding.modes import claims_in, modes_of
+from irc_pddl21.encoding.modes import demands_in, modes_of
 
 MAX_VARIANTS = 256
 """An activity with more ground variants gets counters instead of tokens, or is refused."""
@@ -21,7 +21,7 @@ MAX_VARIANTS = 256
 
 @dataclass
 class ResourceUnits:
-    """The units of shared resources: token facts, or a counter.
+    """The units of pools: token facts, or a counter.
 
     `here` maps a token to the fact that its unit is there, where it is not always.
     """
@@ -48,18 +48,18 @@ def add_resources(builder: Builder) -> ResourceUnits:
     ):
         if r in units.counters:
             continue
-        shared = problem.contention.pools[r]
-        tokens = [builder.names.new(f"free_{shared.id}_{k + 1}") for k in range(shared.capacity)]
+        pool = problem.contention.pools[r]
+        tokens = [builder.names.new(f"free_{pool.id}_{k + 1}") for k in range(pool.capacity)]
         units.tokens[r] = tokens
         builder.encoding.facts += tokens
         builder.encoding.initial += tokens
-        grounded.tokens.update(dict.fromkeys(tokens, f"a unit of {shared.id!r}"))
-        units.here |= add_calendar(builder, shared, tokens)
+        grounded.tokens.update(dict.fromkeys(tokens, f"a unit of {pool.id!r}"))
+        units.here |= add_calendar(builder, pool, tokens)
     return units
 
 
 def _resources_by_counter(problem: Problem) -> list[int]:
-    """The shared resources whose tokens would multiply beyond the budget.
+    """The pools whose tokens would multiply beyond the budget.
 
     Raises `Refusal` where even counters leave an activity too many variants, or where a counter
     would be needed for a resource that has a calendar.
@@ -69,8 +69,8 @@ def _resources_by_counter(problem: Problem) -> list[int]:
         while _variant_count(problem, activity, by_counter) > MAX_VARIANTS:
             candidates = {
                 r
-                for claim in activity.open_demands
-                for r in claim.alternatives
+                for demand in activity.open_demands
+                for r in demand.alternatives
                 if r not in by_counter
                 and problem.contention.pools[r].capacity > 1
                 and not problem.contention.pools[r].windows
@@ -91,12 +91,12 @@ def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -
     total = 0
     for mode in modes_of(activity):
         count = 1
-        for claim in claims_in(activity, mode):
+        for demand in demands_in(activity, mode):
             count *= sum(
                 1
                 if r in by_counter
-                else _token_sets(problem.contention.pools[r].capacity, claim.amount)
-                for r in claim.alternatives
+                else _token_sets(problem.contention.pools[r].capacity, demand.amount)
+                for r in demand.alternatives
             )
         total += count
     return total

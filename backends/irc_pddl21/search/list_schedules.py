@@ -60,7 +60,7 @@ class _PrioritySearch:
         self._choosers = [
             i
             for i, a in enumerate(problem.activities)
-            if any(len(claim.alternatives) > 1 for claim in a.open_demands)
+            if any(len(demand.alternatives) > 1 for demand in a.open_demands)
         ]
 
     def step(self) -> None:
@@ -93,10 +93,10 @@ class _PrioritySearch:
     def _rearranged(self, activity: Activity) -> Activity:
         """The activity with alternatives in another order, or only one of them left."""
         demands = []
-        for claim in activity.open_demands:
-            order = self.rng.sample(claim.alternatives, len(claim.alternatives))
+        for demand in activity.open_demands:
+            order = self.rng.sample(demand.alternatives, len(demand.alternatives))
             kept = order[:1] if self.rng.random() < 0.5 else order
-            demands.append(claim._replace(alternatives=tuple(kept)))
+            demands.append(demand._replace(alternatives=tuple(kept)))
         return replace(activity, open_demands=tuple(demands))
 
 

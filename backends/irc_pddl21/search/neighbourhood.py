@@ -19,7 +19,7 @@ from irc.problem.decisions import Decision
 from irc.schedule import Schedule
 
 Places = Mapping[int, tuple[Decision, Choice]]
-"""The places of activities (by index) in a schedule: times, and the resource of each claim."""
+"""The places of activities (by index) in a schedule: times, and the pool of each open demand."""
 
 LEAST_FREE = 6
 """The least number of free activities."""
@@ -60,7 +60,7 @@ def near(problem: Problem, known: Places, free: frozenset[int]) -> Problem:
 
 
 def _users(problem: Problem, fixed: Places) -> dict[int, list[int]]:
-    """The activities that hold each shared resource for a while, in order of start."""
+    """The activities that hold each pool for a while, in order of start."""
     users: dict[int, list[int]] = {}
     for i in sorted(fixed, key=lambda i: (fixed[i][0].start, fixed[i][0].end, i)):
         decision, choice = fixed[i]
@@ -91,8 +91,8 @@ def _with_choice(activity: Activity, choice: Choice) -> Activity:
     return replace(
         activity,
         open_demands=tuple(
-            claim._replace(alternatives=(r,))
-            for claim, r in zip(activity.open_demands, choice, strict=True)
+            demand._replace(alternatives=(r,))
+            for demand, r in zip(activity.open_demands, choice, strict=True)
         ),
     )
 
