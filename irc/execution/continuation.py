@@ -14,11 +14,11 @@ from irc.diagnostics import Code, Diagnostic
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import Frozen, with_groups
 from irc.execution.history import History
-from irc.execution.residual import PastError, rebase
-from irc.execution.stabilise import settled
+from irc.execution.residual import PastError, residual_problem
+from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
 from irc.execution.step import Means
-from irc.execution.warm_start import repaired
+from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.quantities import Number
 from irc.passes import order_from_state, resource_bounds, run_passes
@@ -96,7 +96,7 @@ class Remainder:
         if self.backend.begins_now:
             return self._from_now(frozen, whole, given_up), whole
         if not whole.is_plain and self.means.limits.hints:
-            found = repaired(whole, self.frozen.facts, self.history.plan)
+            found = warm_start(whole, self.frozen.executed, self.history.plan)
             whole = replace(whole, previous=replace(whole.previous, warm_start=found))
         return self._solved(whole), whole
 
@@ -146,10 +146,10 @@ class Remainder:
         """The outcome of what is left, with the history before it."""
         now = self.frozen.now
         try:
-            rebased = rebase(frozen, self.frozen.facts, now)
+            residual = residual_problem(frozen, self.frozen.executed, now)
         except PastError as error:
             return _impossible(str(error))
-        left, impossible = _passed(rebased.problem, now)
+        left, impossible = _passed(residual.problem, now)
         if impossible is not None:
             return impossible
         if whole.bounds.makespan.value - now > left.bounds.makespan.value:
@@ -159,7 +159,7 @@ class Remainder:
         def judge(schedule: Schedule) -> str | None:
             """What the validator says of a plan with the history before it."""
             try:
-                merged = rebased.merged(whole, schedule)
+                merged = residual.merged(whole, schedule)
             except AnswerError as error:
                 return str(error)
             return self._judged(merged, given_up)
@@ -168,18 +168,18 @@ class Remainder:
         if found.schedule is None:
             return found
         try:
-            merged = rebased.merged(whole, found.schedule)
+            merged = residual.merged(whole, found.schedule)
         except AnswerError as error:
             raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
-        kept = settled(
+        kept = stabilised(
             whole,
             merged,
             self.history.entries.values(),
             self.means.stability,
             lambda schedule: self._judged(schedule, given_up) is None,
         )
-        return _settled(outcome, whole, kept)
+        return _stabilised(outcome, whole, kept)
 
 
 def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
@@ -253,7 +253,7 @@ def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, n
     return replace(found, schedule=merged, bound=bound_now, levels=tuple(levels))
 
 
-def _settled(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
+def _stabilised(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
     """The outcome once less of it moves: the bounds are as before, the values may not be."""
     values = worth(whole, schedule)
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)

@@ -11,7 +11,7 @@ from irc.schedule import CANCELLED, Entry
 
 
 @dataclass(frozen=True, slots=True)
-class Fact:
+class ExecutedActivity:
     """An occurrence that has begun. Times are in ticks; `end` is the planned one while it runs.
 
     `mode` and `resources` (one for each use, None for those of other modes) are None where nobody
@@ -33,11 +33,15 @@ class Fact:
         return self.entry.status == CANCELLED
 
 
-def fact_of(problem: Problem, activity: Activity, entry: Entry, *, running: bool) -> Fact:
+def executed_activity(
+    problem: Problem, activity: Activity, entry: Entry, *, running: bool
+) -> ExecutedActivity:
     """What an entry says of an activity that has begun. Raises `UnexplainedError`."""
     mode, resources = choices_of(problem, activity, entry)
     start, end = problem.whole_ticks(entry.start), problem.whole_ticks(entry.end)
-    return Fact(entry, start, end, mode, resources, running, entry.rank, entry.last_rank)
+    return ExecutedActivity(
+        entry, start, end, mode, resources, running, entry.rank, entry.last_rank
+    )
 
 
 def previous_place_of(problem: Problem, activity: Activity, entry: Entry) -> PreviousPlace | None:
@@ -57,27 +61,27 @@ def frozen_choices(activity: Activity) -> tuple[int | None, tuple[int, ...]]:
     return mode, tuple(use.alternatives[0] for use in activity.uses)
 
 
-def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activity:
+def as_executed(problem: Problem, activity: Activity, past: ExecutedActivity, now: int) -> Activity:
     """The activity as it happened: its start is fixed, and so are mode, resources and, unless it
     is running for a duration of its own choice, its end.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
     has ended demands nothing any more. Releases and deadlines were for the time before.
     """
-    if activity.details.modes and fact.mode is None:
-        return _begun(activity, fact)
-    activity = _in_mode(activity, fact)
-    shortest = longest = fact.end - fact.start
-    if fact.running and not activity.is_fixed and not fact.cancelled:
-        shortest = max(activity.duration_min, now - fact.start)
+    if activity.details.modes and past.mode is None:
+        return _begun(activity, past)
+    activity = _in_mode(activity, past)
+    shortest = longest = past.end - past.start
+    if past.running and not activity.is_fixed and not past.cancelled:
+        shortest = max(activity.duration_min, now - past.start)
         longest = max(activity.duration_max, shortest)
-    apart = _ends_apart(activity, fact)
+    apart = _ends_apart(activity, past)
     if apart:
         longest = shortest + 1
     uses = activity.uses
     demands = activity.open_demands
-    if fact.resources is not None:
-        taken = [r for r in fact.resources if r is not None]
+    if past.resources is not None:
+        taken = [r for r in past.resources if r is not None]
         uses = tuple(
             use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
         )
@@ -102,7 +106,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         # (One happening: what was seen to take no time has changed each variable once, at last.)
         changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
         details = replace(details, effects=tuple(changed.values()))
-    if fact.cancelled:
+    if past.cancelled:
         details = replace(
             details,
             stock=tuple(c for c in details.stock if not c.at_end),
@@ -111,53 +115,53 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
             due=None,
             reward=0,
         )
-    deadline = fact.end if apart else activity.deadline
-    if shortest == longest or (deadline is not None and deadline < fact.start + shortest):
+    deadline = past.end if apart else activity.deadline
+    if shortest == longest or (deadline is not None and deadline < past.start + shortest):
         deadline = None
     return replace(
         activity,
-        start=fact.start,
-        release=min(activity.release, fact.start),
+        start=past.start,
+        release=min(activity.release, past.start),
         deadline=deadline,
         duration_min=shortest,
         duration_max=longest,
         uses=uses,
-        open_demands=demands if fact.running else (),
+        open_demands=demands if past.running else (),
         details=details,
     )
 
 
-def _ends_apart(activity: Activity, fact: Fact) -> bool:
+def _ends_apart(activity: Activity, past: ExecutedActivity) -> bool:
     """Whether what has ended was of a duration that could be chosen, so that its end has a rank of
     its own. It keeps one where it could still be longer, and a deadline says that it is not.
     """
     details = activity.details
     return (
-        not fact.running
-        and not fact.cancelled
+        not past.running
+        and not past.cancelled
         and not activity.is_fixed
-        and fact.end - fact.start < activity.duration_max
+        and past.end - past.start < activity.duration_max
         and bool(details.conditions or details.effects)
     )
 
 
-def _begun(activity: Activity, fact: Fact) -> Activity:
+def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
     """It has started, and nobody has said in which mode."""
     return replace(
         activity,
-        start=fact.start,
-        release=min(activity.release, fact.start),
+        start=past.start,
+        release=min(activity.release, past.start),
         details=replace(activity.details, optional=False, repeats=None),
     )
 
 
-def _in_mode(activity: Activity, fact: Fact) -> Activity:
+def _in_mode(activity: Activity, past: ExecutedActivity) -> Activity:
     """Only the mode that was chosen is left, with the uses that it has."""
     details = activity.details
-    if not details.modes or fact.mode is None:
+    if not details.modes or past.mode is None:
         return activity
-    mode = details.modes[fact.mode]
-    kept = activity.uses_in(fact.mode)
+    mode = details.modes[past.mode]
+    kept = activity.uses_in(past.mode)
     return replace(
         with_uses(activity, kept),
         duration_min=mode.duration_min,

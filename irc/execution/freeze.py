@@ -13,7 +13,12 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 
 from irc.execution.conflicts import relaxed
-from irc.execution.executed import Fact, as_fact, fact_of, previous_place_of
+from irc.execution.executed import (
+    ExecutedActivity,
+    as_executed,
+    executed_activity,
+    previous_place_of,
+)
 from irc.execution.history import History
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
@@ -22,14 +27,14 @@ from irc.schedule import Entry
 
 @dataclass(frozen=True, slots=True)
 class Frozen:
-    """A problem whose history is fixed. `facts` are by activity; `now` is in ticks.
+    """A problem whose history is fixed. `executed` are by activity; `now` is in ticks.
 
     `helpers` are ids of activities that only say what must hold for a while.
     """
 
     problem: Problem
     now: int
-    facts: Mapping[int, Fact]
+    executed: Mapping[int, ExecutedActivity]
     helpers: frozenset[str] = frozenset()
 
     def half_done(self) -> tuple[int, ...]:
@@ -37,7 +42,7 @@ class Frozen:
         return tuple(k for k, group in enumerate(self.problem.groups) if self._is_half_done(group))
 
     def _is_half_done(self, group: Group) -> bool:
-        begun = [i in self.facts for i in group.members]
+        begun = [i in self.executed for i in group.members]
         return not group.required and any(begun) and not all(begun)
 
 
@@ -52,19 +57,19 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
     planned = _by_action(state.open)
     activities: list[Activity] = []
     further: list[Activity] = []
-    facts: dict[int, Fact] = {}
+    executed: dict[int, ExecutedActivity] = {}
     earlier: list[PreviousPlace | None] = []
     recurring: dict[int, tuple[PreviousPlace, ...]] = {}
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
-        found = [fact_of(problem, activity, e, running=r) for e, r in begun]
+        found = [executed_activity(problem, activity, e, running=r) for e, r in begun]
         if activity.details.repeats is not None:
             in_order = sorted(found, key=lambda f: (f.start, f.end))
             first = len(problem.activities)
-            for k, fact in enumerate(in_order, 1):
-                facts[first + len(further)] = fact
-                further.append(_occurrence(as_fact(problem, activity, fact, ticks), k))
+            for k, past in enumerate(in_order, 1):
+                executed[first + len(further)] = past
+                further.append(_occurrence(as_executed(problem, activity, past, ticks), k))
             rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
@@ -77,8 +82,8 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             earlier.append(known[0] if known else None)
             recurring[i] = tuple(place for place in known[1:] if place is not None)
         elif found:
-            facts[i] = found[0]
-            activities.append(as_fact(problem, activity, found[0], ticks))
+            executed[i] = found[0]
+            activities.append(as_executed(problem, activity, found[0], ticks))
             earlier.append(None)
         else:
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
@@ -93,16 +98,16 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             recurring=recurring,
         ),
     )
-    frozen = replace(frozen, required=_still_required(frozen, facts))
+    frozen = replace(frozen, required=_still_required(frozen, executed))
     count = len(frozen.activities)
-    frozen, facts = relaxed(frozen, facts, ticks)
+    frozen, executed = relaxed(frozen, executed, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
-    return Frozen(frozen, ticks, facts, helpers)
+    return Frozen(frozen, ticks, executed, helpers)
 
 
-def _still_required(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:
+def _still_required(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> tuple[int, ...]:
     """A goal is reached when one occurrence of its action has begun."""
-    begun = {problem.activities[i].id for i, fact in facts.items() if not fact.cancelled}
+    begun = {problem.activities[i].id for i, past in executed.items() if not past.cancelled}
     return tuple(i for i in problem.required if problem.activities[i].id not in begun)
 
 
@@ -113,11 +118,11 @@ def _by_action(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
     return found
 
 
-def _rest(activity: Activity, begun: Sequence[Fact]) -> Activity:
+def _rest(activity: Activity, begun: Sequence[ExecutedActivity]) -> Activity:
     """The occurrences that are left of an action that may repeat."""
     assert activity.details.repeats is not None
     least, greatest = activity.details.repeats
-    count = sum(1 for fact in begun if not fact.cancelled)
+    count = sum(1 for past in begun if not past.cancelled)
     least = max(0, least - count)
     greatest = None if greatest is None else max(0, greatest - len(begun))
     details = replace(activity.details, occurrence=len(begun) + 1)
@@ -157,11 +162,11 @@ def with_groups(frozen: Frozen, given_up: Collection[int]) -> Problem:
     """
     problem = frozen.problem
     required = {
-        k for k, g in enumerate(problem.groups) if any(i in frozen.facts for i in g.members)
+        k for k, g in enumerate(problem.groups) if any(i in frozen.executed for i in g.members)
     } - set(given_up)
     needed = {i for k in required for i in problem.groups[k].members}
     needed |= {i for g in problem.groups if g.required for i in g.members}
-    gone = {i for k in given_up for i in problem.groups[k].members} - needed - set(frozen.facts)
+    gone = {i for k in given_up for i in problem.groups[k].members} - needed - set(frozen.executed)
     activities = list(problem.activities)
     for i in needed:
         activities[i] = _mandatory(activities[i])

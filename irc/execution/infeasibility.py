@@ -47,7 +47,7 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
     prover = replace(remainder, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None:
         return ()
-    search = _Search(problem, helpers.union(frozen.facts), prover, until)
+    search = _Search(problem, helpers.union(frozen.executed), prover, until)
     for sort in _SORTS:
         found = [*sort(search)]
         if found:

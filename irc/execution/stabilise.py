@@ -27,7 +27,7 @@ PATIENCE = 1.0
 """Seconds."""
 
 
-def settled(
+def stabilised(
     problem: Problem,
     schedule: Schedule,
     old: Iterable[Entry],
@@ -57,7 +57,7 @@ def settled(
         and now[i].present
         and _place(before[i]) != _place(now[i])
     ]
-    search = _Settling(problem, before, now, limits, schedule)
+    search = _Stabilising(problem, before, now, limits, schedule)
     search.keep_most_of(sorted(can_stay, key=lambda i: before[i].start))
     return search.best if is_valid(search.best) else schedule
 
@@ -99,7 +99,7 @@ def _is_within(limits: dict[str, Number], costs: dict[str, Number]) -> bool:
 
 
 @dataclass
-class _Settling:
+class _Stabilising:
     problem: Problem
     before: Sequence[Decision]
     now: Sequence[Decision]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from irc.execution.executed import Fact, frozen_choices
+from irc.execution.executed import ExecutedActivity, frozen_choices
 from irc.execution.state import Key
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.resource_profile import UNREACHABLE_TIME
@@ -24,8 +24,8 @@ from irc.retiming.state import Order, state_orders
 from irc.schedule import Entry
 
 
-def repaired(
-    problem: Problem, facts: Mapping[int, Fact], plan: Mapping[Key, Entry]
+def warm_start(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], plan: Mapping[Key, Entry]
 ) -> tuple[Placed, ...]:
     """A place for each activity of a frozen problem, after the passes; nothing where none is found.
 
@@ -34,7 +34,7 @@ def repaired(
     """
     if any(a.details.repeats is not None for a in problem.activities):
         return ()
-    before = [_before(problem, i, facts.get(i), plan) for i in range(len(problem.activities))]
+    before = [_before(problem, i, executed.get(i), plan) for i in range(len(problem.activities))]
     if not _keeps_groups(problem, before):
         return ()
     try:
@@ -46,19 +46,21 @@ def repaired(
         return ()
 
 
-def _before(problem: Problem, i: int, fact: Fact | None, plan: Mapping[Key, Entry]) -> Decision:
+def _before(
+    problem: Problem, i: int, past: ExecutedActivity | None, plan: Mapping[Key, Entry]
+) -> Decision:
     """Where an activity was planned; what is new and must be there is last."""
     activity = problem.activities[i]
     entry = plan.get((activity.id, activity.details.occurrence))
-    if entry is None and fact is not None:
-        entry = fact.entry
+    if entry is None and past is not None:
+        entry = past.entry
     possible = activity.deadline is None or activity.deadline >= activity.release
     if entry is None or not possible:
         if activity.details.optional:
             return ABSENT
         mode = 0 if activity.details.modes else None
         return Decision(UNREACHABLE_TIME, UNREACHABLE_TIME + activity.duration_min, (), mode=mode)
-    if fact is None:
+    if past is None:
         return decision_of(problem, activity, entry)
     mode, chosen = frozen_choices(activity)
     return Decision(

@@ -17,7 +17,7 @@ from irc.problem.problem import (
 from irc.problem.projection import Projection, restricted
 
 
-class Draft:
+class Relaxation:
     """Parts of `problem`, each as weak as can be until it is stated.
 
     Activities take any time from 0 to `free_length`, whenever; a resource has room for all that

@@ -10,7 +10,7 @@ import pytest
 import irc
 from irc.diagnostics import Code, InputError
 from irc.execution import Execution, simulate
-from irc.execution.stabilise import settled
+from irc.execution.stabilise import stabilised
 from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
@@ -207,7 +207,7 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
     old = [entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3)]
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
     verdicts = iter([False, True])
-    new = settled(problem, found, old, Fraction(0), lambda _: next(verdicts))
+    new = stabilised(problem, found, old, Fraction(0), lambda _: next(verdicts))
     assert starts(new) == {"a": 0, "b": 2, "c": 2}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from irc.execution.freeze import with_groups
-from irc.execution.residual import PastError, Rebased, rebase
+from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.lowering.lower import lower
 from irc.problem import Arc
 from irc.problem.choices import UnexplainedError, choices_of
@@ -68,7 +68,7 @@ def test_occurrences_that_have_begun_are_counted_and_the_others_follow() -> None
     )
     assert [(a.start, a.details.occurrence) for a in (first, second)] == [(0, 1), (2, 2)]
     assert second.details.previous_occurrence == 1
-    assert {i: fact.running for i, fact in frozen.facts.items()} == {1: False, 2: True}
+    assert {i: past.running for i, past in frozen.executed.items()} == {1: False, 2: True}
 
 
 def test_a_running_range_can_end_from_now_on_and_a_completed_one_has_ended() -> None:
@@ -108,9 +108,9 @@ LAGS: list[tuple[str, dict[str, int], bool, bool]] = [
 ]
 
 
-def left(document: object, entries: list[Entry], at: int) -> Rebased:
+def left(document: object, entries: list[Entry], at: int) -> ResidualProblem:
     frozen = frozen_at(document, entries, at)  # type: ignore[arg-type]
-    return rebase(frozen.problem, frozen.facts, frozen.now)
+    return residual_problem(frozen.problem, frozen.executed, frozen.now)
 
 
 @pytest.mark.parametrize(("kind", "lag", "from_end", "to_end"), LAGS)
