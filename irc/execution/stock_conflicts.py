@@ -146,7 +146,7 @@ def _lend(
     happened: Sequence[_Happened],
     loans: _Loans,
 ) -> Problem:
-    """The problem in which what executed activities change of reservoir k also lends and takes back."""
+    """The problem in which what has begun also lends of reservoir k, and takes back."""
     activities = list(problem.activities)
     extra: dict[tuple[int, bool], int] = {}
     for change, before, after in zip(happened, (0, *loans), loans, strict=False):
