@@ -19,19 +19,19 @@ from irc.problem.decisions import Decision
 from irc.problem.horizon import safe_horizon, within
 
 Hint = tuple[list[Decision], list[tuple[int, ...]]]
-"""A list schedule: a decision for each activity, and the shared resource of each claim."""
+"""A list schedule: a decision for each activity, and the pool of each open demand."""
 
 Literal = cp_model.IntVar
 Expression = Any
 """A linear expression, a variable or a number."""
 
 ClaimLiterals = list[list[list[tuple[int, Literal]]]]
-"""`[i][c]` lists, for claim c of activity i, (shared resource, literal that takes it)."""
+"""`[i][c]` lists, for open demand c of activity i, (pool, literal that takes it)."""
 
 
 @dataclass
 class ResourceUses:
-    """The intervals that take from one shared resource, with their amounts."""
+    """The intervals that take from one pool, with their amounts."""
 
     intervals: list[cp_model.IntervalVar] = field(default_factory=list)
     amounts: list[int] = field(default_factory=list)
@@ -46,7 +46,7 @@ class ResourceUses:
 class Model:
     """A CP-SAT model and the variables that carry its answer.
 
-    A claim with one alternative has no `literals`. `present[i]` is None where activity i always is;
+    A demand with one alternative has no `literals`. `present[i]` is None where activity i always is;
     `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
     its end's rank, None where there is no state. `values` are the objectives' expressions.
     """
@@ -131,9 +131,9 @@ class Builder:
         return self.conjunctions[key][0]
 
     def taking(
-        self, i: int, claim: OpenDemand, r: int, *literals: Literal | None
+        self, i: int, demand: OpenDemand, r: int, *literals: Literal | None
     ) -> Literal | None:
-        """A literal under which the claim takes shared resource r; None where it always does."""
+        """A literal under which the open demand takes pool r; None where it always does."""
         together: Literal | None = None
         for literal in literals:
             if literal is not None:
