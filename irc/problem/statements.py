@@ -103,7 +103,7 @@ class StatementKind(ABC):
 
     @abstractmethod
     def state(self, relaxation: Relaxation, statement: Statement) -> None:
-        """Makes it part of a draft."""
+        """Makes it part of a relaxation."""
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         """What it demands of time."""

@@ -25,7 +25,8 @@ from irc.retiming.state import Happening, Order
 def with_ranks(
     problem: Problem, placed: Sequence[Placed], orders: Sequence[Order]
 ) -> tuple[Placed, ...]:
-    """The same times with the least ranks that keep the orders, the arcs and the sequels.
+    """The same times with the least ranks that keep the orders, the arcs and the state
+    precedences.
 
     Every activity of the problem must be present, and its durations those of its mode. Raises
     `AnswerError` where no ranks exist.

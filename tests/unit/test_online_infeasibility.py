@@ -77,7 +77,7 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "set_release", "action": "serve", "release": 40},
-            "'serve' must start at most 15 min after 'bake' ends, and the best plan found has "
+            "'serve' must start at most 15 min after the end of 'bake', and the best plan found has "
             "20 min",
         ),
         (
@@ -90,7 +90,7 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "cancel_actions", "actions": ["lay"]},
-            "'table' does not become what is needed: \"laid\" for 'serve'",
+            "'table' does not become what is needed: 'laid' for 'serve'",
         ),
         (
             {

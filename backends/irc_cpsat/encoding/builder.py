@@ -25,7 +25,7 @@ Literal = cp_model.IntVar
 Expression = Any
 """A linear expression, a variable or a number."""
 
-ClaimLiterals = list[list[list[tuple[int, Literal]]]]
+DemandLiterals = list[list[list[tuple[int, Literal]]]]
 """`[i][c]` lists, for open demand c of activity i, (pool, literal that takes it)."""
 
 
@@ -46,8 +46,8 @@ class ResourceUses:
 class Model:
     """A CP-SAT model and the variables that carry its answer.
 
-    A demand with one alternative has no `literals`. `present[i]` is None where activity i always is;
-    `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
+    A demand with one alternative has no `literals`. `present[i]` is None where activity i always
+    is; `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
     its end's rank, None where there is no state. `values` are the objectives' expressions.
     """
 
@@ -56,7 +56,7 @@ class Model:
     starts: list[cp_model.IntVar]
     ends: list[cp_model.IntVar | None]
     makespan: cp_model.IntVar
-    literals: ClaimLiterals
+    literals: DemandLiterals
     sizes: dict[int, cp_model.IntVar]
     positive: dict[int, Literal]
     present: list[Literal | None]

@@ -11,7 +11,7 @@ from irc.passes.grid import grid_of
 from irc.problem import Activity
 from irc_cpsat.encoding.builder import (
     Builder,
-    ClaimLiterals,
+    DemandLiterals,
     Expression,
     Literal,
     Model,
@@ -38,7 +38,7 @@ def add_makespan(builder: Builder) -> cp_model.IntVar:
 
 
 def values_of(
-    builder: Builder, makespan: cp_model.IntVar, literals: ClaimLiterals
+    builder: Builder, makespan: cp_model.IntVar, literals: DemandLiterals
 ) -> dict[str, Expression]:
     """The expression of each objective of the problem, and of the makespan."""
     problem = builder.problem
@@ -76,7 +76,7 @@ def set_objective(model: cp_model.CpModel, name: str, value: Any) -> None:
         model.minimize(value)
 
 
-def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
+def _changes(builder: Builder, literals: DemandLiterals) -> Expression:
     """The number of activities that are not where the previous plan has them."""
     changed: list[Expression] = []
     for i, place in enumerate(builder.problem.previous.places):

@@ -1,29 +1,29 @@
-"""Renewable resources in a CP-SAT model: an interval for each demand, a constraint for each pool."""
+"""Renewable resources in a CP-SAT model: an interval for a demand, a constraint for a pool."""
 
 from __future__ import annotations
 
 from ortools.sat.python import cp_model
 
 from irc.problem import Activity, ContendedPool, OpenDemand
-from irc_cpsat.encoding.builder import Builder, ClaimLiterals, Literal, ResourceUses, name_of
+from irc_cpsat.encoding.builder import Builder, DemandLiterals, Literal, ResourceUses, name_of
 from irc_cpsat.encoding.calendars import with_windows
 
 
-def add_resources(builder: Builder) -> ClaimLiterals:
+def add_resources(builder: Builder) -> DemandLiterals:
     """Adds the open demands of all activities and the capacities; returns the demands' literals."""
     activities = enumerate(builder.problem.activities)
-    literals = [_add_claims(builder, i, activity) for i, activity in activities]
+    literals = [_add_demands(builder, i, activity) for i, activity in activities]
     for pool, uses in zip(builder.problem.contention.pools, builder.uses, strict=True):
         _add_capacity(builder, pool, uses)
     return literals
 
 
-def _add_claims(builder: Builder, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
+def _add_demands(builder: Builder, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
     if not activity.open_demands:
         return []
     has_length = _has_length(builder, i, activity)
     return [
-        _add_claim(builder, i, demand, c, has_length)
+        _add_demand(builder, i, demand, c, has_length)
         for c, demand in enumerate(activity.open_demands)
     ]
 
@@ -39,7 +39,7 @@ def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
     return literal
 
 
-def _add_claim(
+def _add_demand(
     builder: Builder, i: int, demand: OpenDemand, c: int, has_length: Literal | None
 ) -> list[tuple[int, Literal]]:
     mode = builder.problem.activities[i].details.use_mode(demand.use)

@@ -1,6 +1,6 @@
 """One run of a planner in a child process: files in, the best plan out, re-timed.
 
-A planner's own times and its claims of optimality are never used: its plan is read for choices
+A planner's own times and its word on optimality are never used: its plan is read for choices
 and order, re-timed exactly, and where there is state, stock or choice also validated before it
 counts.
 """
