@@ -29,7 +29,7 @@ def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0)
     for name, text in program.files.items():
         (folder / name).write_text(text, encoding="utf-8")
     given = PlannerInput(
-        PlanRequest(program.problem, first_plan=True, enough=program.problem.bound.value),
+        PlanRequest(program.problem, first_plan=True, enough=program.problem.bounds.makespan.value),
         program,
         program.names,
         folder / "domain.pddl",

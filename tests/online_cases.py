@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from irc.execution import replan
-from irc.execution.executed import ticks_of
 from irc.execution.freeze import Frozen, freeze
 from irc.execution.history import History
 from irc.execution.step import Step
@@ -64,4 +63,4 @@ def frozen_at(whole: Task, entries: Sequence[Entry], at: Number) -> Frozen:
     """The frozen problem of a task and a plan, without events."""
     instants = [at, *(t for e in entries for t in (e.start, e.end))]
     problem = merge_pools(lower(whole, instants))
-    return freeze(problem, History.of(Schedule(tuple(entries))), at, ticks_of(problem, at))
+    return freeze(problem, History.of(Schedule(tuple(entries))), at, problem.whole_ticks(at))

@@ -57,4 +57,17 @@ class Placed:
     end_rank: int = 0
 
 
+def as_decision(place: Placed) -> Decision:
+    """A place as the decisions that lead to it."""
+    return Decision(
+        place.start,
+        place.end,
+        place.resources,
+        place.present,
+        place.mode,
+        place.rank,
+        place.end_rank,
+    )
+
+
 ABSENT_PLACE = Placed(0, 0, (), present=False)

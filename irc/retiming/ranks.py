@@ -25,14 +25,18 @@ from irc.retiming.state import Happening, Order
 def with_ranks(
     problem: Problem, placed: Sequence[Placed], orders: Sequence[Order]
 ) -> tuple[Placed, ...]:
-    """The same times with the least ranks that keep the orders, the arcs and the sequels.
+    """The same times with the least ranks that keep the orders, the arcs and the state
+    precedences.
 
     Every activity of the problem must be present, and its durations those of its mode. Raises
     `AnswerError` where no ranks exist.
     """
     strict = [
         *(order for order in orders if order.strict),
-        *(Order(Happening(a, True), Happening(b, False), True) for a, b in problem.sequel),
+        *(
+            Order(Happening(a, True), Happening(b, False), True)
+            for a, b in problem.state_precedences
+        ),
     ]
     if not any(_time(placed, o.before) == _time(placed, o.after) for o in strict):
         return tuple(placed)

@@ -81,7 +81,7 @@ def resource_orders(
     chosen: Sequence[tuple[int, ...]],
     tolerance: Fraction | int,
 ) -> list[tuple[int, int]]:
-    """Pairs (i, j) with i wholly before j on a shared resource, without those that follow.
+    """Pairs (i, j) with i wholly before j on a pool, without those that follow.
 
     j needs an arc only from those that were still running when the last one that ended before j
     began; the others come before that one already. At most `capacity` of them for each j.
@@ -127,7 +127,7 @@ def assign(
             if len(use.alternatives) == 1:
                 chosen[u] = use.alternatives[0]
             elif chosen[u] is None:
-                chosen[u] = problem.settled.get((i, u))
+                chosen[u] = problem.contention.fixed_choices.get((i, u))
         result.append(chosen)
         if None in chosen:
             undecided.append((decisions[i].start, i))
@@ -178,10 +178,10 @@ def _hand_out(
 
 
 def _in_order(problem: Problem, i: int, u: int) -> tuple[int, ...]:
-    """The alternatives of a use; first the one that an earlier schedule took."""
+    """The alternatives of a use; first the one that the previous plan took."""
     alternatives = problem.activities[i].uses[u].alternatives
-    earlier = problem.earlier[i] if problem.earlier else None
-    if earlier is None or (first := earlier.resources[u]) not in alternatives:
+    place = problem.previous.places[i] if problem.previous.places else None
+    if place is None or (first := place.resources[u]) not in alternatives:
         return alternatives
     return (first, *(r for r in alternatives if r != first))
 

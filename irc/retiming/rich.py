@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from irc.problem import Problem
-from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.problem.decisions import AnswerError, Decision, Placed, as_decision
 from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, timing_network
 from irc.retiming.calendar import raise_floors
@@ -35,21 +35,11 @@ def retime_rich(
     selection = select(problem, decisions)
     placed = _retime_once(selection.problem, selection.decisions, tolerance)
     for _ in range(ROUNDS):
-        again = _retime_once(selection.problem, [_decision(p) for p in placed], 0)
+        again = _retime_once(selection.problem, [as_decision(p) for p in placed], 0)
         if again == placed:
             break
         placed = again
     return selection.spread(problem, placed)
-
-
-def _decision(place: Placed) -> Decision:
-    return Decision(
-        place.start,
-        place.end,
-        place.resources,
-        rank=place.rank,
-        end_rank=place.end_rank,
-    )
 
 
 def _retime_once(

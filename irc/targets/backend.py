@@ -82,8 +82,8 @@ class Program:
             "tick": format_number(self.problem.to_units(1)),
             "time_unit": self.problem.time_unit,
             "bound": {
-                "makespan": self.problem.bound.value,
-                "reason": self.problem.bound.reason,
+                "makespan": self.problem.bounds.makespan.value,
+                "reason": self.problem.bounds.makespan.reason,
             },
             "names": self.names,
             "task": canonical,

@@ -152,13 +152,6 @@ def timing_edges(subject: Subject, story: Story) -> Iterator[Edge]:
             yield edge
 
 
-def value_text(value: Value) -> str:
-    """A value as messages show it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return "not set" if value is None else repr(value)
-
-
 def moment_text(happening: Happening, time: str) -> str:
     """ "its start at 5 s"."""
     return f"its {'end' if happening.at_end else 'start'} at {time}"

@@ -16,6 +16,7 @@ from typing import Literal, NamedTuple
 from irc.model import StateGoal
 from irc.model.base import StateValue
 from irc.model.quantities import Number
+from irc.model.state_values import value_text
 from irc.validation.happenings import (
     Access,
     Edge,
@@ -25,7 +26,6 @@ from irc.validation.happenings import (
     Story,
     Timeline,
     Value,
-    value_text,
 )
 from irc.validation.state_messages import (
     add_broken,

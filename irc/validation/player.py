@@ -8,13 +8,13 @@ from typing import Literal, NamedTuple
 
 from irc.model import StateVariable
 from irc.model.quantities import Number
+from irc.model.state_values import value_text
 from irc.validation.happenings import (
     Access,
     Happening,
     Hold,
     Timeline,
     Value,
-    value_text,
 )
 from irc.validation.state_messages import (
     add_broken,

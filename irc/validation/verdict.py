@@ -9,6 +9,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any
 
+from irc.diagnostics.listing import and_more
 from irc.model.quantities import Number
 from irc.model.times import format_number, json_number
 
@@ -258,6 +259,4 @@ class Violations:
 
 def listed(names: Iterable[str], count: int) -> str:
     """ "'a', 'b' and 7 more": the first few of `count` names."""
-    shown = ", ".join(repr(name) for name in islice(names, _NAMED_IN_A_MESSAGE))
-    rest = count - _NAMED_IN_A_MESSAGE
-    return f"{shown} and {rest} more" if rest > 0 else shown
+    return and_more([repr(name) for name in islice(names, _NAMED_IN_A_MESSAGE)], count)

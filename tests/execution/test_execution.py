@@ -11,11 +11,11 @@ import irc
 from builders import task_of
 from irc.diagnostics import Code, InputError
 from irc.execution import Execution, simulate
-from irc.execution.stabilise import settled
+from irc.execution.stabilise import stabilised
 from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
-from irc.problem import Earlier
+from irc.problem import PreviousPlace, PreviousPlan
 from irc.schedule import Status
 from online_cases import OPTIONS, action, entry, event, plan, repaired, starts
 
@@ -205,12 +205,12 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
         action("c", 1),
         resources=VAN,
     )
-    earlier = (Earlier(0, None, (0,)), Earlier(2, 0, ()), Earlier(2, None, ()))
-    problem = replace(run_passes(lower(document)), earlier=earlier)
+    earlier = (PreviousPlace(0, None, (0,)), PreviousPlace(2, 0, ()), PreviousPlace(2, None, ()))
+    problem = replace(run_passes(lower(document)), previous=PreviousPlan(earlier))
     old = [entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3)]
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
     verdicts = iter([False, True])
-    new = settled(problem, found, old, Fraction(0), lambda _: next(verdicts))
+    new = stabilised(problem, found, old, Fraction(0), lambda _: next(verdicts))
     assert starts(new) == {"a": 0, "b": 2, "c": 2}
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from builders import task_of
-from irc.execution.executed import UnexplainedError, choices_of
 from irc.execution.freeze import with_groups
-from irc.execution.residual import PastError, Rebased, rebase
+from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.lowering.lower import lower
 from irc.problem import Arc
+from irc.problem.choices import UnexplainedError, choices_of
 from irc.schedule import Entry
 from online_cases import action, entry, frozen_at, plan, repaired, starts
 
@@ -62,10 +62,14 @@ def test_occurrences_that_have_begun_are_counted_and_the_others_follow() -> None
     entries = [entry("beat", 2 * k, 2 * k + 2, "r1", occurrence=k + 1) for k in range(3)]
     frozen = frozen_at(beat, entries, 3)
     rest, first, second = frozen.problem.activities
-    assert (rest.details.repeats, rest.details.occurrence, rest.details.previous) == ((1, 2), 3, 2)
+    assert (rest.details.repeats, rest.details.occurrence, rest.details.previous_occurrence) == (
+        (1, 2),
+        3,
+        2,
+    )
     assert [(a.start, a.details.occurrence) for a in (first, second)] == [(0, 1), (2, 2)]
-    assert second.details.previous == 1
-    assert {i: fact.running for i, fact in frozen.facts.items()} == {1: False, 2: True}
+    assert second.details.previous_occurrence == 1
+    assert {i: past.running for i, past in frozen.executed.items()} == {1: False, 2: True}
 
 
 def test_a_running_range_can_end_from_now_on_and_a_completed_one_has_ended() -> None:
@@ -105,9 +109,9 @@ LAGS: list[tuple[str, dict[str, int], bool, bool]] = [
 ]
 
 
-def left(document: object, entries: list[Entry], at: int) -> Rebased:
+def left(document: object, entries: list[Entry], at: int) -> ResidualProblem:
     frozen = frozen_at(document, entries, at)  # type: ignore[arg-type]
-    return rebase(frozen.problem, frozen.facts, frozen.now)
+    return residual_problem(frozen.problem, frozen.executed, frozen.now)
 
 
 @pytest.mark.parametrize(("kind", "lag", "from_end", "to_end"), LAGS)

@@ -9,7 +9,7 @@ import irc
 from irc.execution import Execution
 from irc.execution.freeze import freeze, with_groups
 from irc.execution.history import History
-from irc.execution.warm_start import repaired
+from irc.execution.warm_start import warm_start
 from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.passes import run_passes
@@ -62,10 +62,10 @@ def places(task: Task, schedule: Schedule, at: int, **ends: int) -> dict[str, Pl
     for name, end in ends.items():
         history.entries[name, 1] = replace(history.entries[name, 1], end=end)
     problem = lower(task, [at])
-    ticks = int(at / problem.tick)
+    ticks = problem.whole_ticks(at)
     frozen = freeze(problem, history, at, ticks)
     whole = run_passes(with_groups(frozen, ()))
-    found = repaired(whole, frozen.facts, history.plan)
+    found = warm_start(whole, frozen.executed, history.plan)
     return {a.id: p for a, p in zip(whole.activities, found, strict=False)}
 
 

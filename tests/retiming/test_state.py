@@ -269,7 +269,7 @@ def kitchen() -> tuple[Task, Problem]:
         state_action("fry", 3, (at("start", "cut"),)),
     )
     problem = run_passes(lower(task))
-    assert problem.sequel
+    assert problem.state_precedences
     return task, problem
 
 

@@ -23,7 +23,7 @@ def _points(
 ) -> tuple[cp_model.IntVar, cp_model.IntVar | None]:
     deadline = builder.problem.effective_deadline(i)
     latest_end = builder.horizon if deadline is None else min(builder.horizon, deadline)
-    earliest = max(activity.release, builder.problem.heads[i] if builder.bounds else 0)
+    earliest = max(activity.release, builder.problem.bounds.heads[i] if builder.bounds else 0)
     fits = earliest + activity.duration_min <= latest_end
     present = builder.present[i]
     if not fits and present is not None:

@@ -14,24 +14,24 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.passes.serial_sgs import quick_schedule
-from irc.problem import PLAIN, Activity, Claim, Problem
+from irc.problem import PLAIN, Activity, OpenDemand, Problem
 from irc.problem.decisions import Decision
 from irc.problem.horizon import safe_horizon, within
 
 Hint = tuple[list[Decision], list[tuple[int, ...]]]
-"""A list schedule: a decision for each activity, and the shared resource of each claim."""
+"""A list schedule: a decision for each activity, and the pool of each open demand."""
 
 Literal = cp_model.IntVar
 Expression = Any
 """A linear expression, a variable or a number."""
 
-ClaimLiterals = list[list[list[tuple[int, Literal]]]]
-"""`[i][c]` lists, for claim c of activity i, (shared resource, literal that takes it)."""
+DemandLiterals = list[list[list[tuple[int, Literal]]]]
+"""`[i][c]` lists, for open demand c of activity i, (pool, literal that takes it)."""
 
 
 @dataclass
 class ResourceUses:
-    """The intervals that take from one shared resource, with their amounts."""
+    """The intervals that take from one pool, with their amounts."""
 
     intervals: list[cp_model.IntervalVar] = field(default_factory=list)
     amounts: list[int] = field(default_factory=list)
@@ -46,9 +46,10 @@ class ResourceUses:
 class Model:
     """A CP-SAT model and the variables that carry its answer.
 
-    A claim with one alternative has no `literals`. `present[i]` is None where activity i always is;
-    `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
-    its end's rank, None where there is no state. `values` are the objectives' expressions.
+    A demand with one alternative has no `literals`. `present[i]` is None where activity i is always
+    present; `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of the
+    ranks of its start and its end, None where there is no state. `values` are the expressions of
+    the objectives.
     """
 
     model: cp_model.CpModel
@@ -56,7 +57,7 @@ class Model:
     starts: list[cp_model.IntVar]
     ends: list[cp_model.IntVar | None]
     makespan: cp_model.IntVar
-    literals: ClaimLiterals
+    literals: DemandLiterals
     sizes: dict[int, cp_model.IntVar]
     positive: dict[int, Literal]
     present: list[Literal | None]
@@ -77,7 +78,9 @@ class Builder:
         self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
     ) -> None:
         found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
-        by_makespan = bounds and problem.objectives[:1] == ("makespan",) and not problem.stability
+        by_makespan = (
+            bounds and problem.objectives[:1] == ("makespan",) and not problem.previous.stability
+        )
         self.bounds = bounds
         self.hints = hints
         self.hint = found if hints else None
@@ -89,7 +92,7 @@ class Builder:
             self.safe_horizon, problem, found[0] if by_makespan and found else None
         )
         self.problem = within(problem, self.horizon)
-        self.uses = [ResourceUses() for _ in problem.shared]
+        self.uses = [ResourceUses() for _ in problem.contention.pools]
         self.starts: list[cp_model.IntVar] = []
         self.ends: list[cp_model.IntVar | None] = []
         self.sizes: dict[int, cp_model.IntVar] = {}
@@ -128,8 +131,10 @@ class Builder:
             self.conjunctions[key] = both, a, b
         return self.conjunctions[key][0]
 
-    def taking(self, i: int, claim: Claim, r: int, *literals: Literal | None) -> Literal | None:
-        """A literal under which the claim takes shared resource r; None where it always does."""
+    def taking(
+        self, i: int, demand: OpenDemand, r: int, *literals: Literal | None
+    ) -> Literal | None:
+        """A literal under which the open demand takes pool r; None where it always does."""
         together: Literal | None = None
         for literal in literals:
             if literal is not None:
@@ -155,4 +160,4 @@ def _tightened(horizon: int, problem: Problem, known: Sequence[Decision] | None)
     """The horizon, no later than the end of a known schedule, no earlier than the bound."""
     if known is not None:
         horizon = min(horizon, max((int(d.end) for d in known), default=0))
-    return max(horizon, problem.bound.value)
+    return max(horizon, problem.bounds.makespan.value)

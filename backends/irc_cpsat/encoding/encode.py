@@ -1,6 +1,6 @@
 """`Problem` → CP-SAT model.
 
-An activity is an interval; a resource of which only one claim fits at a time is a
+An activity is an interval; a resource of which only one demand fits at a time is a
 `NoOverlap`, any other a `Cumulative`; a choice is one optional interval for each alternative.
 An interval of size 0 must be hidden from `NoOverlap` (it could not lie inside another), so an
 interval that may have no length is optional there.
@@ -105,8 +105,8 @@ def _variables(built: Model, i: int) -> dict[str, Any]:
     else:
         shown["end"] = end.index
     choices = {
-        str(claim.use): {problem.shared[r].id: literal.index for r, literal in literals}
-        for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+        str(demand.use): {problem.contention.pools[r].id: literal.index for r, literal in literals}
+        for demand, literals in zip(activity.open_demands, built.literals[i], strict=True)
         if literals
     }
     if choices:

@@ -10,7 +10,7 @@ from irc_pddl21.encoding.pddl import Encoding
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """The meaning of an operator: an action, its mode, the shared resource of each use."""
+    """The meaning of an operator: an action, its mode, the pool of each use."""
 
     action: str
     mode: str | None = None

@@ -76,4 +76,6 @@ def time_scale(
 
 
 def _has_calendar(problem: Problem, activity: Activity) -> bool:
-    return any(problem.shared[r].windows for c in activity.claims for r in c.alternatives)
+    return any(
+        problem.contention.pools[r].windows for c in activity.open_demands for r in c.alternatives
+    )
