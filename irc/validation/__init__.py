@@ -14,7 +14,6 @@ from irc.times import Number, TimeError
 from irc.validation.bound_schedule import InexactTimeError, UncheckedTaskError, bind
 from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values
-from irc.validation.past_first import check_past_first
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
 from irc.validation.state import check_goals, check_state
