@@ -77,6 +77,13 @@ class Effect(NamedTuple):
     at_end: bool
 
 
+class Ranks(NamedTuple):
+    """The ranks of a start and an end that have been; None where a rank is still to be found."""
+
+    start: int | None
+    end: int | None
+
+
 @dataclass(frozen=True, slots=True)
 class Details:
     """What most activities do without.
@@ -87,6 +94,8 @@ class Details:
 
     With `modes` exactly one is chosen. `use_modes` says for each of the activity's `uses` in which
     mode (index) it is held, None: in all; empty stands for all None.
+
+    `ranks` are those that its start and its end are known to have.
     """
 
     optional: bool = False
@@ -95,6 +104,7 @@ class Details:
     previous: int | None = None
     modes: tuple[Mode, ...] = ()
     use_modes: tuple[int | None, ...] = ()
+    ranks: Ranks | None = None
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()
