@@ -28,13 +28,16 @@ from irc.model import Task
 from irc.pipeline import lower_for
 from irc.schedule import Schedule, Status
 from irc.validation import validate
-from irc_pddl21.engines import Aries, Kairos, Optic, Portfolio
-from irc_pddl21.session import Tactics
-from irc_pddl21.strategy import solve_with
+from irc_pddl21.engines import Portfolio
+from irc_pddl21.planners.aries import AriesPlanner
+from irc_pddl21.planners.kairos import KairosPlanner
+from irc_pddl21.planners.optic import OpticPlanner
+from irc_pddl21.search.planner_session import Tactics
+from irc_pddl21.search.strategy import solve_with
 from oracles.generators import contended_task
 from oracles.state_generators import crowded_task, match_cellar, reward_task, state_task
 
-PLANNERS = {"kairos": Kairos(), "aries": Aries(), "optic": Optic()}
+PLANNERS = {"kairos": KairosPlanner(), "aries": AriesPlanner(), "optic": OpticPlanner()}
 
 
 def _contended(seed: int) -> Task:

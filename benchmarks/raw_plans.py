@@ -20,14 +20,16 @@ _STEP = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*:\s*\(([^)\s]+)\)\s*(?:\[(\d+(?:\.\d+
 def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0) -> str:
     """What the engine prints for the program's two files, which are written into `folder`."""
     from irc.backend import Limits
-    from irc_pddl21.planners import Kairos, Optic
-    from irc_pddl21.runs import Job, Wish
+    from irc_pddl21.planners.kairos import KairosPlanner
+    from irc_pddl21.planners.optic import OpticPlanner
+    from irc_pddl21.planners.planner import PlannerInput, PlanRequest
 
-    planner = {"auto": Kairos, "kairos": Kairos, "optic": Optic}[engine]()
+    planners = {"auto": KairosPlanner(), "kairos": KairosPlanner(), "optic": OpticPlanner()}
+    planner = planners[engine]
     for name, text in program.files.items():
         (folder / name).write_text(text, encoding="utf-8")
-    job = Job(
-        Wish(program.problem, first_plan=True, enough=program.problem.bound.value),
+    given = PlannerInput(
+        PlanRequest(program.problem, first_plan=True, enough=program.problem.bound.value),
         program,
         program.names,
         folder / "domain.pddl",
@@ -35,7 +37,7 @@ def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0)
         Limits(seconds, workers=1),
         seconds,
     )
-    return run(planner.command(job), ProcessLimits(seconds=seconds)).stdout
+    return run(planner.command(given), ProcessLimits(seconds=seconds)).stdout
 
 
 def last_plan(text: str) -> list[tuple[Fraction, str, Fraction]]:

@@ -1,4 +1,8 @@
-"""The CP-SAT backend: interval variables for ortools, or for any other CP-SAT."""
+"""The CP-SAT backend: interval variables for ortools, or for any other CP-SAT.
+
+`encoding` writes a problem as a model, `solving` finds answers, `engines` runs ortools, `decode`
+reads an answer as a schedule.
+"""
 
 from __future__ import annotations
 
@@ -57,26 +61,26 @@ class CpSat(Backend):
     )
 
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
-        """`model.pbtxt`, a `CpModelProto` in text form; `names` say what its variables mean."""
-        from irc_cpsat.encode import encode_files
+        """`model.pbtxt`, a `CpModelProto` in text form; `names` explain its variables."""
+        from irc_cpsat.encoding.encode import encode_files
 
         return encode_files(problem)
 
     def decode(self, problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
-        """Reads a `CpSolverResponse` in text form."""
+        """The schedule in a `CpSolverResponse` in text form."""
         from irc_cpsat.decode import decode_response
 
         return decode_response(problem, names, answer)
 
     def engines(self) -> Mapping[str, Engine]:
-        """ortools, in this process."""
+        """The engines by name: ortools, in this process."""
         from irc_cpsat.engines import OrTools
 
         engine = OrTools()
         return {"auto": engine, engine.name: engine}
 
     def refuter(self) -> Refuter:
-        """CP-SAT says which statements cannot hold together."""
-        from irc_cpsat.conflict import CpSatRefuter
+        """CP-SAT as the judge of which statements cannot hold together."""
+        from irc_cpsat.solving.refuter import CpSatRefuter
 
         return CpSatRefuter()

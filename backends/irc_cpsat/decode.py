@@ -11,7 +11,7 @@ from irc.passes.unroll import unroll
 from irc.problem import Activity, Problem
 from irc.retime import ABSENT, AnswerError, Decision, retime
 from irc.schedule import Schedule
-from irc_cpsat.depth import FILE_DEPTH
+from irc_cpsat.encoding.occurrences import FILE_DEPTH
 
 _STATUS = re.compile(r"\bstatus:\s*(\w+)")
 _VALUES = re.compile(r"\bsolution:\s*(?:\[([^\]]*)\]|(-?\d+))")
@@ -19,7 +19,7 @@ _ANSWERED = frozenset(("OPTIMAL", "FEASIBLE"))
 
 
 def decode_response(problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
-    """Reads a `CpSolverResponse` in protocol buffer text form.
+    """The schedule in a `CpSolverResponse` in protocol buffer text form.
 
     Raises `AnswerError` where it holds no solution, or one of another model.
     """
@@ -42,9 +42,10 @@ def decode_response(problem: Problem, names: Mapping[str, Any], answer: str) -> 
 
 
 Value = Callable[[int], int]
+"""The value of a variable, by its number."""
 
 
-def _taken(literals: Mapping[str, int], value: Value) -> str | None:
+def _true_name(literals: Mapping[str, int], value: Value) -> str | None:
     """The alternative that a use takes, or the mode that is chosen."""
     return next((name for name, index in literals.items() if value(index)), None)
 
@@ -68,7 +69,7 @@ def _decision(
     start = value(variables["start"])
     end = value(variables["end"]) if "end" in variables else start + activity.duration_min
     modes = variables.get("modes", {})
-    mode = _taken(modes, value)
+    mode = _true_name(modes, value)
     if modes and mode is None:
         raise AnswerError(f"the response chooses no mode of {activity.id!r}")
     ranks = variables.get("ranks")
@@ -91,7 +92,7 @@ def _chosen(
         shared: int | None = claim.alternatives[0]
         if str(claim.use) in choices:
             options = {problem.shared[r].id: r for r in claim.alternatives}
-            taken = _taken(choices[str(claim.use)], value)
+            taken = _true_name(choices[str(claim.use)], value)
             if taken is None and activity.details.use_mode(claim.use) is None:
                 raise AnswerError("the response takes none of the alternatives of a use")
             shared = None if taken is None else options[taken]

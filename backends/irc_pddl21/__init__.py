@@ -1,4 +1,8 @@
-"""The PDDL2.1 backend: a domain and a problem that any temporal planner can read."""
+"""The PDDL2.1 backend: a domain and a problem that any temporal planner can read.
+
+`encoding` writes a problem as PDDL, `search` finds answers with `planners`, `engines` runs them,
+`decoding` reads a plan as a schedule.
+"""
 
 from __future__ import annotations
 
@@ -56,19 +60,19 @@ class Pddl21(Backend):
     )
 
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
-        """`domain.pddl` and `problem.pddl`; `names` say what their names and numbers mean."""
-        from irc_pddl21.encode import encode_files
+        """`domain.pddl` and `problem.pddl`; `names` explain their names and numbers."""
+        from irc_pddl21.encoding.encode import encode_files
 
         return encode_files(problem)
 
     def decode(self, problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
-        """Reads what a planner printed: the best complete plan, re-timed."""
-        from irc_pddl21.decode import decode_plans
+        """The schedule in a planner's text: its best complete plan, re-timed."""
+        from irc_pddl21.decoding.decode import decode_plans
 
         return decode_plans(problem, names, answer)
 
     def engines(self) -> Mapping[str, Engine]:
-        """OPTIC, kairos, aries, and the portfolio of those that are here."""
+        """The engines by name: OPTIC, kairos, aries, and the portfolio of the installed ones."""
         from irc_pddl21.engines import all_engines
 
         return all_engines()

@@ -1,4 +1,4 @@
-"""The engines of this target: each planner by itself, and the portfolio of those that are here."""
+"""The engines of this target: each planner by itself, and the portfolio of the installed ones."""
 
 from __future__ import annotations
 
@@ -18,11 +18,48 @@ from irc.backend import (
     Refusal,
 )
 from irc.diagnostics import Code, Diagnostic
-from irc_pddl21.planners import Aries, Kairos, Optic
-from irc_pddl21.runs import DEFAULT_SECONDS, Planner
-from irc_pddl21.strategy import better, proven
+from irc_pddl21.planners.aries import AriesPlanner
+from irc_pddl21.planners.kairos import KairosPlanner
+from irc_pddl21.planners.optic import OpticPlanner
+from irc_pddl21.planners.planner import DEFAULT_SECONDS, Planner
+from irc_pddl21.search.strategy import better, proven, solve_with
 
-__all__ = ["Aries", "Kairos", "Optic", "Portfolio", "all_engines"]
+
+class PlannerEngine(Engine):
+    """One planner, with the strategies that make good plans of its quick ones."""
+
+    planner: ClassVar[Planner]
+
+    def missing(self) -> str | None:
+        """Why the planner cannot run here and how to get it, or None if it can."""
+        return self.planner.missing()
+
+    def solve(
+        self, program: Program, limits: Limits, on_progress: OnProgress | None = None
+    ) -> Outcome:
+        """The best answer this planner gives within the limits, by the strategy of the task."""
+        return solve_with(self.planner, program, limits, on_progress)
+
+
+class Optic(PlannerEngine):
+    """OPTIC, an external command."""
+
+    name: ClassVar[str] = OpticPlanner.name
+    planner: ClassVar[Planner] = OpticPlanner()
+
+
+class Kairos(PlannerEngine):
+    """kairos (pip install kairos-planner)."""
+
+    name: ClassVar[str] = KairosPlanner.name
+    planner: ClassVar[Planner] = KairosPlanner()
+
+
+class Aries(PlannerEngine):
+    """aries (pip install irc-compiler[up])."""
+
+    name: ClassVar[str] = AriesPlanner.name
+    planner: ClassVar[Planner] = AriesPlanner()
 
 
 class Portfolio(Engine):
@@ -37,7 +74,7 @@ class Portfolio(Engine):
     first_share = 0.85
     """Of the time limit, for the first planner while another is waiting."""
 
-    def __init__(self, planners: tuple[Planner, ...]) -> None:
+    def __init__(self, planners: tuple[PlannerEngine, ...]) -> None:
         self.planners = planners
 
     def missing(self) -> str | None:
@@ -45,7 +82,7 @@ class Portfolio(Engine):
         reasons = [planner.missing() for planner in self.planners]
         return None if None in reasons else "; ".join(r for r in reasons if r)
 
-    def _lineup(self) -> list[Planner]:
+    def _lineup(self) -> list[PlannerEngine]:
         here = [p for p in self.planners if p.missing() is None]
         main = [p for p in here if p.name != Aries.name]
         return main[:1] + [p for p in here if p.name == Aries.name]
@@ -58,7 +95,7 @@ class Portfolio(Engine):
         total = DEFAULT_SECONDS if limits.seconds is None else limits.seconds
         best: Outcome | None = None
         notes: list[Diagnostic] = []
-        trouble: Exception | None = None
+        failure: Exception | None = None
         queue = self._lineup()
         fallback = [p for p in self.planners if p not in queue and p.missing() is None]
         while queue:
@@ -70,7 +107,7 @@ class Portfolio(Engine):
             try:
                 outcome = planner.solve(program, replace(limits, seconds=share), on_progress)
             except (EngineFailed, EngineMissing, Refusal) as error:
-                trouble = error
+                failure = error
                 notes.append(Diagnostic(Code.NO_ANSWER, f"{planner.name}: {error}"))
             else:
                 notes += outcome.notes
@@ -80,7 +117,7 @@ class Portfolio(Engine):
             if not queue or best is None or best.schedule is None:
                 queue, fallback = fallback[:1] + queue, fallback[1:]
         if best is None:
-            raise trouble or EngineFailed("no planner answered in time")
+            raise failure or EngineFailed("no planner answered in time")
         return replace(best, notes=tuple(notes), seconds=time.perf_counter() - began)
 
 

@@ -26,7 +26,7 @@ from irc.testing import CONFORMANCE_TASKS, ConformanceError, check_backend
 from irc.validation import validate
 from irc_cpsat import CpSat
 from irc_cpsat.engines import OrTools
-from irc_pddl21 import Pddl21, engines
+from irc_pddl21 import Pddl21, planners
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, random_task
 
@@ -161,7 +161,7 @@ def kairos_plan(program: Program, folder: Path) -> str:
     """The first plan that kairos itself prints for the program's files."""
     for name, text in program.files.items():
         (folder / name).write_text(text, encoding="utf-8")
-    worker = Path(engines.__file__).with_name("kairos_worker.py")
+    worker = Path(planners.__file__).with_name("kairos_worker.py")
     files = (str(folder / name) for name in ("domain.pddl", "problem.pddl"))
     command = [sys.executable, "-P", str(worker), *files, "5", "0", "-", "1", "0", "first"]
     return run(command, ProcessLimits(seconds=15)).stdout

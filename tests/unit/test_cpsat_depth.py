@@ -13,8 +13,8 @@ from irc.model import Task
 from irc.pipeline import lower_for
 from irc.problem import Problem
 from irc.schedule import Entry, Schedule, Status
-from irc_cpsat.depth import SLOTS_LIMIT, depths, enough
-from irc_cpsat.engines import _Run
+from irc_cpsat.solving.deepening import DeepeningSearch
+from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough
 
 CHOP = {"id": "chop", "duration": 2, "occurs": {"min": 0}}
 
@@ -52,8 +52,8 @@ def outcome(
 
 
 def run_with(problem: Problem, answers: Callable[[Problem, int, float], Outcome]) -> Outcome:
-    run = _Run("ortools", problem, Limits(), None)
-    run._at = answers  # type: ignore[method-assign]
+    run = DeepeningSearch("ortools", problem, Limits(), None)
+    run.solve_at = answers  # type: ignore[method-assign]
     return run.run()
 
 

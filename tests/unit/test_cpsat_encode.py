@@ -24,7 +24,8 @@ from irc.pipeline import compile_task
 from irc.problem import Problem
 from irc.retime import AnswerError
 from irc.validation import validate
-from irc_cpsat.encode import MODEL_FILE, Model, build_model
+from irc_cpsat.encoding.builder import Model
+from irc_cpsat.encoding.encode import MODEL_FILE, build_model
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, hostile_names, random_task
 

@@ -15,9 +15,10 @@ from irc.model import Task
 from irc.pipeline import lower_for
 from irc.problem import Problem
 from irc.schedule import ObjectiveValue, Schedule, Status
-from irc_cpsat.builder import Builder
-from irc_cpsat.engines import _Run
-from irc_cpsat.levels import solve_levels
+from irc_cpsat.encoding.builder import Builder
+from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.solving.deepening import DeepeningSearch
+from irc_cpsat.solving.levels import solve_levels
 from oracles.state_brute_force import optimum
 from oracles.state_generators import reward_task
 
@@ -119,9 +120,9 @@ class _Bounded:
 def stopped(task: Task, level: int, bound: float) -> tuple[Schedule, _Stops]:
     problem = problem_of(task)
     stops = _Stops(level, bound)
-    built = Builder(problem, bounds=True, hints=True).build()
+    built = write_model(Builder(problem, bounds=True, hints=True))
     answer = solve_levels(built, stops, 30)
-    outcome = _Run("ortools", problem, Limits(), None)._outcome(problem, built, answer)
+    outcome = DeepeningSearch("ortools", problem, Limits(), None).outcome_of(problem, built, answer)
     return finish(task, problem, outcome, "cpsat", 0), stops
 
 

@@ -6,7 +6,7 @@ import irc
 from irc.compiler import compile_task
 from irc.problem import Problem
 from irc.schedule import Status
-from irc_cpsat.depth import depths, enough, within
+from irc_cpsat.solving.depth import depths, enough, within
 
 LAPS = {
     "state": [{"id": "done", "values": ["0", "1", "2", "3"], "initial": "0"}],

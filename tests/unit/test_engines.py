@@ -20,7 +20,7 @@ import pytest
 import irc
 from irc.backend import EngineFailed, EngineMissing, Limits, Outcome, get_backend
 from irc.schedule import Status
-from irc_pddl21.encode import encode
+from irc_pddl21.encoding.encode import encode
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="the fakes are shell scripts, kairos is for Linux"

@@ -129,7 +129,7 @@ def test_other_names_change_no_structure() -> None:
 
 
 def test_keywords_are_not_handed_out_as_names() -> None:
-    from irc_pddl21.names import RESERVED
+    from irc_pddl21.encoding.names import RESERVED
 
     keywords = sorted(RESERVED)
     program = irc.compile(chain(keywords), "pddl21")
@@ -320,7 +320,7 @@ def test_any_names_are_told_apart_and_add_nothing(names: list[str]) -> None:
 
 @given(st.lists(any_text, min_size=1, max_size=30))
 def test_the_name_table_never_hands_out_a_name_twice(texts: list[str]) -> None:
-    from irc_pddl21.names import RESERVED, NameTable
+    from irc_pddl21.encoding.names import RESERVED, NameTable
 
     table = NameTable()
     names = [table.new(text) for text in texts]

@@ -21,8 +21,10 @@ from irc.pipeline import compile_task
 from irc.problem import Problem
 from irc.retime import AnswerError
 from irc.validation import validate
-from irc_pddl21.encode import EPSILON, MAX_VARIANTS, encode
-from irc_pddl21.names import RESERVED, NameTable
+from irc_pddl21.encoding.encode import encode
+from irc_pddl21.encoding.names import RESERVED, NameTable
+from irc_pddl21.encoding.resources import MAX_VARIANTS
+from irc_pddl21.encoding.time_scale import EPSILON
 from oracles.brute_force import Optimum, optimal_schedule
 from oracles.generators import big_capacity_task, contended_task, random_task
 

@@ -23,11 +23,11 @@ from irc.problem import Problem
 from irc.retime import AnswerError, Decision, retime
 from irc.schedule import Status
 from irc.validation import validate
-from irc_pddl21.hints import hint, hinted_makespan
-from irc_pddl21.loose import rounded
-from irc_pddl21.neighbourhood import near, neighbourhoods
-from irc_pddl21.reachable import is_out_of_reach
-from irc_pddl21.selection import Selections, is_refuted, optional_items
+from irc_pddl21.decoding.rounding import rounded
+from irc_pddl21.search.list_schedules import short_list_schedule
+from irc_pddl21.search.neighbourhood import makespan_of, near, neighbourhoods
+from irc_pddl21.search.reachability import is_out_of_reach
+from irc_pddl21.search.selection import SelectionSpace, is_refuted, optional_items
 from oracles.generators import contended_task
 from oracles.state_generators import match_cellar, reward_task, state_task
 
@@ -85,7 +85,7 @@ def test_only_stock_that_can_run_out_or_over_is_kept() -> None:
 # --- bounds on choices ---------------------------------------------------------------------------
 
 
-def best_by_trying(selections: Selections) -> int:
+def best_by_trying(selections: SelectionSpace) -> int:
     """The greatest value of a choice that no bound refutes."""
     size = len(selections.items)
     return max(
@@ -130,7 +130,7 @@ def test_no_choice_is_worth_more_than_the_upper_bound_says(seed: int) -> None:
     problem = small_reward_problem(seed)
     found = optional_items(problem, ("reward",))
     assert found is not None
-    selections = Selections(problem, found[0])
+    selections = SelectionSpace(problem, found[0])
     everything = frozenset(range(len(selections.items)))
     upper = selections.upper_bound(frozenset(), everything)
     assert upper is not None
@@ -299,7 +299,7 @@ def test_a_reward_that_was_not_proven_is_feasible_and_says_how_much_more_there_c
 ) -> None:
     """A planner that finds nothing for the best choice leaves its value open."""
     needs_kairos()
-    from irc_pddl21.session import Session
+    from irc_pddl21.search.planner_session import PlannerSession
 
     task = Task.model_validate(
         {
@@ -315,12 +315,12 @@ def test_a_reward_that_was_not_proven_is_feasible_and_says_how_much_more_there_c
             "objective": ["maximize_reward"],
         }
     )
-    ask = Session.ask
+    ask = PlannerSession.ask
 
-    def hides_two(self: Session, problem: Problem, *args: Any, **more: Any) -> Any:
+    def hides_two(self: PlannerSession, problem: Problem, *args: Any, **more: Any) -> Any:
         return None if len(problem.activities) == 2 else ask(self, problem, *args, **more)
 
-    monkeypatch.setattr(Session, "ask", hides_two)
+    monkeypatch.setattr(PlannerSession, "ask", hides_two)
     schedule = solved(task, seconds=3.0)
     assert schedule.status is Status.FEASIBLE
     assert [(o.value, o.bound) for o in schedule.objective] == [(5, 10)]
@@ -369,17 +369,17 @@ def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int
     assert (mine_values == best_values) or mine.status is Status.FEASIBLE
 
 
-# --- hints and loose plans -----------------------------------------------------------------------
+# --- list schedules and shortened actions ---------------------------------------------------------
 
 
 def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity() -> None:
     task = contended_task(random.Random("strategy 7"), 18)
     problem = lower_for(task, get_backend("pddl21"))
-    known = hint(problem, problem.bound.value, 1.0, random.Random(0))
+    known = short_list_schedule(problem, problem.bound.value, 1.0, random.Random(0))
     quick = quick_makespan(problem)
     assert known is not None
     assert quick is not None
-    assert problem.bound.value <= hinted_makespan(known) <= quick
+    assert problem.bound.value <= makespan_of(known) <= quick
     followed = near(problem, known, frozenset())
     assert retime(problem, [known[i][0] for i in range(len(problem.activities))])
     assert len(followed.arcs) > len(problem.arcs)
@@ -387,7 +387,7 @@ def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity
 
 def test_there_is_no_hint_where_a_list_schedule_would_overlook_something() -> None:
     optional = problem_of({"occurs": "optional"}, {})
-    assert hint(optional, 0, 1.0, random.Random(0)) is None
+    assert short_list_schedule(optional, 0, 1.0, random.Random(0)) is None
 
 
 LAMP = {"state": [{"id": "lit"}]}
@@ -399,7 +399,7 @@ LIGHT = {
 }
 
 
-def test_a_loose_plan_is_read_as_ticks_and_ranks() -> None:
+def test_a_plan_with_shortened_actions_is_read_as_ticks_and_ranks() -> None:
     read_by_it = {"conditions": [{"at": at, "var": "lit"} for at in ("start", "all")]}
     problem = problem_of({**LIGHT, "duration": 3}, {**read_by_it, "duration": 2}, **LAMP)
     times = [Decision(0, Fraction(299, 100)), Decision(Fraction(99, 100), Fraction(298, 100))]
@@ -422,7 +422,7 @@ def test_a_missed_choice_of_equal_value_leaves_the_makespan_unproven(
 ) -> None:
     """It might have been shorter than the one that was found."""
     needs_kairos()
-    from irc_pddl21.session import Session
+    from irc_pddl21.search.planner_session import PlannerSession
 
     task = Task.model_validate(
         {
@@ -439,14 +439,14 @@ def test_a_missed_choice_of_equal_value_leaves_the_makespan_unproven(
             "objective": ["maximize_reward", "minimize_makespan"],
         }
     )
-    ask = Session.ask
+    ask = PlannerSession.ask
 
-    def hides_a(self: Session, problem: Problem, *args: Any, **more: Any) -> Any:
+    def hides_a(self: PlannerSession, problem: Problem, *args: Any, **more: Any) -> Any:
         present = [a.id for a in problem.activities]
         return None if present == ["a"] else ask(self, problem, *args, **more)
 
     with monkeypatch.context() as patch:
-        patch.setattr(Session, "ask", hides_a)
+        patch.setattr(PlannerSession, "ask", hides_a)
         longer = solved(task, seconds=3.0)
     assert [o.value for o in longer.objective] == [5, 5]
     assert longer.status is Status.FEASIBLE

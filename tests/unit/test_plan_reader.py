@@ -16,8 +16,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from irc_pddl21 import plan_reader
-from irc_pddl21.plan_reader import PlanBlock, PlanLog, PlanStep, read_plans
+from irc_pddl21.decoding import plan_reader
+from irc_pddl21.decoding.plan_log import PlanBlock, PlanLog, PlanStep
+from irc_pddl21.decoding.plan_reader import read_plans
 
 OPTIC_ANYTIME = """\
 Initial heuristic = 10.000, admissible cost estimate 28.004
@@ -682,7 +683,7 @@ def test_unsolvable_is_reported_for_exactly_the_runs_without_a_plan(shared_data:
 
 
 def test_importing_the_module_does_not_import_lark() -> None:
-    code = "import sys, irc_pddl21.plan_reader; sys.exit('lark' in sys.modules)"
+    code = "import sys, irc_pddl21.decoding.plan_reader; sys.exit('lark' in sys.modules)"
     path = os.pathsep.join(sys.path)
     subprocess.run([sys.executable, "-c", code], check=True, env=os.environ | {"PYTHONPATH": path})
 

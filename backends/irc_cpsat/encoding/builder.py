@@ -1,0 +1,158 @@
+"""The model under construction: its variables, and the constraints that all elements share.
+
+An activity has a start and, where its duration can vary, an end; an optional one has a literal.
+Where there is state, every happening also has a rank, and `moment = time × ranks + rank` is one
+integer that orders happenings (design, section 3, rule 6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from irc.horizon import safe_horizon, within
+from irc.list_schedule import quick_schedule
+from irc.problem import PLAIN, Activity, Claim, Problem
+from irc.retime import Decision
+
+Hint = tuple[list[Decision], list[tuple[int, ...]]]
+"""A list schedule: a decision for each activity, and the shared resource of each claim."""
+
+Literal = cp_model.IntVar
+Expression = Any
+"""A linear expression, a variable or a number."""
+
+ClaimLiterals = list[list[list[tuple[int, Literal]]]]
+"""`[i][c]` lists, for claim c of activity i, (shared resource, literal that takes it)."""
+
+
+@dataclass
+class ResourceUses:
+    """The intervals that take from one shared resource, with their amounts."""
+
+    intervals: list[cp_model.IntervalVar] = field(default_factory=list)
+    amounts: list[int] = field(default_factory=list)
+
+    def add(self, interval: cp_model.IntervalVar, amount: int) -> None:
+        """Adds one interval."""
+        self.intervals.append(interval)
+        self.amounts.append(amount)
+
+
+@dataclass
+class Model:
+    """A CP-SAT model and the variables that carry its answer.
+
+    A claim with one alternative has no `literals`. `present[i]` is None where activity i always is;
+    `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
+    its end's rank, None where there is no state. `values` are the objectives' expressions.
+    """
+
+    model: cp_model.CpModel
+    problem: Problem
+    starts: list[cp_model.IntVar]
+    ends: list[cp_model.IntVar | None]
+    makespan: cp_model.IntVar
+    literals: ClaimLiterals
+    sizes: dict[int, cp_model.IntVar]
+    positive: dict[int, Literal]
+    present: list[Literal | None]
+    modes: list[list[Literal]]
+    ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None]
+    values: dict[str, Expression]
+    hint: Hint | None = None
+
+
+class Builder:
+    """Holds the variables of a problem whose repeats are unrolled.
+
+    `bounds` and `hints` add what the compiler already knows. `horizon` (ticks) replaces the one
+    that the problem would be given. The elements are added by `irc_cpsat.encoding.encode`.
+    """
+
+    def __init__(
+        self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
+    ) -> None:
+        found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
+        by_makespan = bounds and problem.objectives[:1] == ("makespan",) and not problem.stability
+        self.bounds = bounds
+        self.hints = hints
+        self.hint = found if hints else None
+        self.model = cp_model.CpModel()
+        self.ranked = bool(problem.variables)
+        self.rank_count = _rank_count(problem)
+        self.safe_horizon = safe_horizon(problem) if horizon is None else horizon
+        self.horizon = _tightened(
+            self.safe_horizon, problem, found[0] if by_makespan and found else None
+        )
+        self.problem = within(problem, self.horizon)
+        self.uses = [ResourceUses() for _ in problem.shared]
+        self.starts: list[cp_model.IntVar] = []
+        self.ends: list[cp_model.IntVar | None] = []
+        self.sizes: dict[int, cp_model.IntVar] = {}
+        self.positive: dict[int, Literal] = {}
+        self.present: list[Literal | None] = []
+        self.groups: list[Literal | None] = []
+        self.modes: list[list[Literal]] = []
+        self.ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None] = []
+        self.conjunctions: dict[tuple[int, int], tuple[Literal, Literal, Literal]] = {}
+
+    def end(self, i: int) -> Any:
+        """The end of an activity, as an expression."""
+        end = self.ends[i]
+        return self.starts[i] + self.problem.activities[i].duration_min if end is None else end
+
+    def moment(self, i: int, *, at_end: bool) -> Any:
+        """time × ranks + rank of a happening; plain time where there are no ranks."""
+        time = self.end(i) if at_end else self.starts[i]
+        ranks = self.ranks[i] if self.ranked else None
+        return time if ranks is None else time * self.rank_count + ranks[at_end]
+
+    def enforced(self, constraint: Any, *whose: int, also: Sequence[Any] = ()) -> None:
+        """Makes a constraint bind only where some activities (and other literals) are present."""
+        literals = [p for i in whose if (p := self.present[i]) is not None]
+        literals += also
+        if literals:
+            constraint.only_enforce_if(literals)
+
+    def both(self, a: Literal, b: Literal) -> Literal:
+        """A literal that is true where both are."""
+        key = (min(a.index, b.index), max(a.index, b.index))
+        if key not in self.conjunctions:
+            both = self.model.new_bool_var("")
+            self.model.add_bool_and(a, b).only_enforce_if(both)
+            self.model.add_bool_or(~a, ~b, both)
+            self.conjunctions[key] = both, a, b
+        return self.conjunctions[key][0]
+
+    def taking(self, i: int, claim: Claim, r: int, *literals: Literal | None) -> Literal | None:
+        """A literal under which the claim takes shared resource r; None where it always does."""
+        together: Literal | None = None
+        for literal in literals:
+            if literal is not None:
+                together = literal if together is None else self.both(literal, together)
+        return together
+
+
+def name_of(activity: Activity) -> str:
+    """The name of an activity in variables: its id, and its number if it is a later occurrence."""
+    if activity.details is PLAIN or activity.details.occurrence == 1:
+        return activity.id
+    return f"{activity.id} ({activity.details.occurrence})"
+
+
+def _rank_count(problem: Problem) -> int:
+    """The number of ranks that is enough: one for each happening that can have its own."""
+    if not problem.variables:
+        return 1
+    return 1 + sum(1 if a.is_fixed else 2 for a in problem.activities)
+
+
+def _tightened(horizon: int, problem: Problem, known: Sequence[Decision] | None) -> int:
+    """The horizon, no later than the end of a known schedule, no earlier than the bound."""
+    if known is not None:
+        horizon = min(horizon, max((int(d.end) for d in known), default=0))
+    return max(horizon, problem.bound.value)

@@ -1,0 +1,103 @@
+"""Solutions from which CP-SAT starts: a list schedule, a known schedule, or an earlier one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from irc.retime import Decision, Placed
+from irc_cpsat.encoding.builder import Builder, Model
+
+Takes = Callable[[int, int, int], bool]
+"""Whether an activity (index) takes a shared resource (index) for one of its claims (number)."""
+
+
+def add_hints(builder: Builder, built: Model) -> None:
+    """Adds the best hint there is, if any is wanted."""
+    problem = builder.problem
+    if builder.hint is not None:
+        decisions, choices = builder.hint
+        _add_assignment(builder, built, decisions, lambda i, c, r: choices[i][c] == r)
+        built.hint = builder.hint
+    elif problem.start_from and builder.hints:
+        _add_known_schedule(builder, built, problem.start_from)
+    elif any(problem.earlier) and builder.hints:
+        _add_earlier_schedule(builder, built)
+
+
+def _add_assignment(
+    builder: Builder, built: Model, places: Sequence[Decision | Placed], takes: Takes
+) -> None:
+    """Adds a complete assignment, so that CP-SAT starts from a schedule."""
+    hints: dict[int, int] = {}
+    for i, place in enumerate(places):
+        if (present := built.present[i]) is not None:
+            hints[present.index] = int(place.present)
+        for k, mode in enumerate(built.modes[i]):
+            hints[mode.index] = int(place.mode == k)
+        if place.present:
+            hints[built.starts[i].index] = int(place.start)
+            if (end := built.ends[i]) is not None:
+                hints[end.index] = int(place.end)
+        for c, literals in enumerate(built.literals[i]):
+            for r, literal in literals:
+                hints[literal.index] = int(place.present and takes(i, c, r))
+    hints |= _derived(built, places)
+    for both, a, b in builder.conjunctions.values():
+        hints[both.index] = hints.get(a.index, 0) * hints.get(b.index, 0)
+    latest = max((int(place.end) for place in places), default=0)
+    hints[built.makespan.index] = max(latest, builder.problem.bound.value)
+    hint = builder.model.proto.solution_hint
+    hint.vars.extend([*hints])
+    hint.values.extend([*hints.values()])
+
+
+def _derived(built: Model, places: Sequence[Decision | Placed]) -> dict[int, int]:
+    """The durations and ranks of the activities that are present."""
+    hints: dict[int, int] = {}
+    for i, size in built.sizes.items():
+        if places[i].present:
+            hints[size.index] = int(places[i].end - places[i].start)
+    for i, positive in built.positive.items():
+        if places[i].present:
+            hints[positive.index] = int(places[i].end > places[i].start)
+    for ranks, place in zip(built.ranks, places, strict=False):
+        if ranks is not None and place.present:
+            hints[ranks[0].index], hints[ranks[1].index] = place.rank, place.end_rank
+    return hints
+
+
+def _add_known_schedule(builder: Builder, built: Model, places: Sequence[Placed]) -> None:
+    """Adds a schedule of the problem whose uses are known."""
+    problem = builder.problem
+
+    def takes(i: int, c: int, r: int) -> bool:
+        taken = places[i].resources[problem.activities[i].claims[c].use]
+        return taken in problem.shared[r].members
+
+    _add_assignment(builder, built, places, takes)
+
+
+def _add_earlier_schedule(builder: Builder, built: Model) -> None:
+    """Adds an incomplete assignment near to good solutions: the places of an earlier schedule.
+
+    Starts are pushed to where they may be now; modes and resources are the earlier ones.
+    """
+    problem = builder.problem
+    hinted: set[int] = set()
+    for i, earlier in enumerate(problem.earlier):
+        if earlier is None:
+            continue
+        activity = problem.activities[i]
+        builder.model.add_hint(
+            built.starts[i], max(earlier.start, activity.release, problem.heads[i])
+        )
+        present = built.present[i]
+        if present is not None and present.index not in hinted:
+            hinted.add(present.index)
+            builder.model.add_hint(present, 1)
+        for k, chosen in enumerate(built.modes[i]):
+            builder.model.add_hint(chosen, int(k == earlier.mode))
+        for claim, choices in zip(activity.claims, built.literals[i], strict=True):
+            for r, literal in choices:
+                taken = earlier.resources[claim.use] in problem.shared[r].members
+                builder.model.add_hint(literal, int(taken))

@@ -1,0 +1,134 @@
+"""Objectives as expressions over a CP-SAT model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from irc.passes.grid import grid_of
+from irc.problem import Activity
+from irc_cpsat.encoding.builder import (
+    Builder,
+    ClaimLiterals,
+    Expression,
+    Literal,
+    Model,
+    name_of,
+)
+
+MAX_MAKESPAN_VALUES = 5_000
+"""With more possible makespans than this, the makespan is any number in between."""
+
+
+def add_makespan(builder: Builder) -> cp_model.IntVar:
+    """A variable that no end exceeds; with bounds one of the makespans of best schedules."""
+    least = builder.problem.bound.value if builder.bounds else 0
+    domain = cp_model.Domain(least, builder.horizon)
+    grid = grid_of(builder.problem)
+    if builder.bounds and 1 < grid.count(least, builder.horizon) <= MAX_MAKESPAN_VALUES:
+        last = grid.up(builder.horizon)
+        domain = cp_model.Domain.from_values([*grid.between(least, last)])
+    makespan = builder.model.new_int_var_from_domain(domain, "makespan")
+    for i in range(len(builder.starts)):
+        tail = builder.problem.tails[i] if builder.bounds else 0
+        builder.enforced(builder.model.add(makespan >= builder.end(i) + tail), i)
+    return makespan
+
+
+def values_of(
+    builder: Builder, makespan: cp_model.IntVar, literals: ClaimLiterals
+) -> dict[str, Expression]:
+    """The expression of each objective of the problem, and of the makespan."""
+    problem = builder.problem
+    values: dict[str, Expression] = {"makespan": makespan}
+    if "tardiness" in problem.objectives:
+        values["tardiness"] = _tardiness(builder)
+    if "reward" in problem.objectives:
+        rewards = [(a.details.reward, p) for a, p in _occurring(builder) if a.details.reward]
+        rewards += [
+            (g.reward, builder.groups[k])
+            for k, g in enumerate(problem.groups)
+            if g.reward and g.members
+        ]
+        values["reward"] = _sum_of_present(rewards)
+    if "cost" in problem.objectives:
+        values["cost"] = _sum_of_present(
+            [(a.details.cost, p) for a, p in _occurring(builder) if a.details.cost]
+        )
+    if "changes" in problem.levels:
+        values["changes"] = _changes(builder, literals)
+    return values
+
+
+def add_objective(built: Model) -> None:
+    """Sets the first objective of the problem."""
+    name = built.problem.objectives[0]
+    set_objective(built.model, name, built.values[name])
+
+
+def set_objective(model: cp_model.CpModel, name: str, value: Any) -> None:
+    """Makes a value the objective of a model: a reward is maximised, all others are minimised."""
+    if name == "reward":
+        model.maximize(value)
+    else:
+        model.minimize(value)
+
+
+def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
+    """The number of activities that are not where the earlier schedule has them."""
+    changed: list[Expression] = []
+    for i, earlier in enumerate(builder.problem.earlier):
+        if earlier is None:
+            continue
+        activity = builder.problem.activities[i]
+        stays = builder.model.new_bool_var(f"as before {name_of(activity)}")
+        changed.append(~stays)
+        implied = [] if (present := builder.present[i]) is None else [present]
+        if earlier.mode is not None:
+            implied.append(builder.modes[i][earlier.mode])
+        for claim, choices in zip(activity.claims, literals[i], strict=True):
+            taken = earlier.resources[claim.use]
+            implied += [
+                literal for r, literal in choices if taken in builder.problem.shared[r].members
+            ]
+        for literal in implied:
+            builder.model.add_implication(stays, literal)
+        start = builder.model.add(builder.starts[i] == earlier.start)
+        start.only_enforce_if(stays)
+    return sum(changed) if changed else 0
+
+
+def _occurring(builder: Builder) -> list[tuple[Activity, Literal | None]]:
+    return list(zip(builder.problem.activities, builder.present, strict=True))
+
+
+def _tardiness(builder: Builder) -> Expression:
+    late = []
+    for i, activity in enumerate(builder.problem.activities):
+        due, weight = activity.details.due, activity.details.weight
+        if due is not None and weight:
+            present = builder.present[i]
+            late.append(weight * _late(builder, [i], due, present, name_of(activity)))
+    for k, group in enumerate(builder.problem.groups):
+        if group.due is not None and group.weight and group.members:
+            members, present = list(group.members), builder.groups[k]
+            late.append(group.weight * _late(builder, members, group.due, present, group.id))
+    return sum(late) if late else 0
+
+
+def _late(
+    builder: Builder, members: list[int], due: int, present: Literal | None, name: str
+) -> Expression:
+    late = builder.model.new_int_var(0, max(0, builder.horizon - due), f"late {name}")
+    for i in members:
+        constraint = builder.model.add(late >= builder.end(i) - due)
+        if present is not None:
+            constraint.only_enforce_if(present)
+    return late
+
+
+def _sum_of_present(amounts: Sequence[tuple[int, Literal | None]]) -> Expression:
+    """Σ amount · present."""
+    return sum(amount if present is None else amount * present for amount, present in amounts)

@@ -1,0 +1,75 @@
+"""Refusals of models whose sums do not fit the 64-bit integers in which CP-SAT computes."""
+
+from __future__ import annotations
+
+from irc.backend import Refusal
+from irc.problem import Problem
+
+MAX_SUM = 2**62
+"""A model that comes near the limit is refused."""
+
+_MARGIN = 8
+"""How many times beyond the horizon the moments of `irc_cpsat.encoding.state` reach."""
+
+
+def refuse_overflow(problem: Problem, horizon: int, rank_count: int) -> None:
+    """Raises `Refusal`, saying which numbers are too large, where a sum would not fit."""
+    count = max(1, len(problem.activities))
+    times = _MARGIN * (horizon + 1) * rank_count * count
+    if times >= MAX_SUM:
+        raise Refusal(
+            f"the times of this task reach {horizon} ticks, "
+            "beyond what CP-SAT's 64-bit sums can hold",
+            hint="use a coarser common unit for its times",
+        )
+    _refuse_capacities(problem, horizon, times)
+    _refuse_weights(problem, horizon, times)
+    _refuse_reward_and_cost(problem)
+    _refuse_stock(problem)
+
+
+def _refuse_capacities(problem: Problem, horizon: int, times: int) -> None:
+    claimed = {r for a in problem.activities for c in a.claims for r in c.alternatives}
+    for shared in (problem.shared[r] for r in sorted(claimed)):
+        if times * shared.capacity >= MAX_SUM:
+            raise Refusal(
+                f"{shared.capacity} units of {shared.id!r} over {horizon} ticks are beyond what "
+                "CP-SAT's 64-bit sums can hold",
+                problem.resources[shared.members[0]].origin,
+                hint="count its capacity and amounts in larger units",
+            )
+
+
+def _refuse_weights(problem: Problem, horizon: int, times: int) -> None:
+    weights = sum(a.details.weight for a in problem.activities if a.details.due is not None)
+    weights += sum(g.weight for g in problem.groups if g.due is not None)
+    if times * weights >= MAX_SUM:
+        raise Refusal(
+            f"the weights of this task's due dates, {weights} in all, over {horizon} ticks are "
+            "beyond what CP-SAT's 64-bit sums can hold",
+            hint="smaller weights in the same proportions mean the same",
+        )
+
+
+def _refuse_reward_and_cost(problem: Problem) -> None:
+    total = sum(abs(a.details.reward) + abs(a.details.cost) for a in problem.activities)
+    total += sum(abs(g.reward) for g in problem.groups)
+    if total >= MAX_SUM:
+        raise Refusal(
+            f"the rewards and costs of this task, {total} in all, are beyond what "
+            "CP-SAT's 64-bit sums can hold",
+            hint="count them in larger units",
+        )
+
+
+def _refuse_stock(problem: Problem) -> None:
+    moved = [0] * len(problem.reservoirs)
+    for activity in problem.activities:
+        for change in activity.details.stock:
+            moved[change.reservoir] += abs(change.amount)
+    for reservoir, amount in zip(problem.reservoirs, moved, strict=True):
+        if amount and amount + abs(reservoir.initial) + abs(reservoir.least) >= MAX_SUM:
+            raise Refusal(
+                f"the amounts of reservoir {reservoir.id!r} are beyond CP-SAT's 64-bit sums",
+                reservoir.origin,
+            )

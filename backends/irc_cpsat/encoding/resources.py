@@ -1,0 +1,100 @@
+"""Renewable resources in a CP-SAT model: an interval for each claim, a constraint for each pool."""
+
+from __future__ import annotations
+
+from ortools.sat.python import cp_model
+
+from irc.problem import Activity, Claim, Shared
+from irc_cpsat.encoding.builder import Builder, ClaimLiterals, Literal, ResourceUses, name_of
+from irc_cpsat.encoding.calendars import with_windows
+
+
+def add_resources(builder: Builder) -> ClaimLiterals:
+    """Adds the claims of all activities and the capacities; returns the claims' literals."""
+    activities = enumerate(builder.problem.activities)
+    literals = [_add_claims(builder, i, activity) for i, activity in activities]
+    for shared, uses in zip(builder.problem.shared, builder.uses, strict=True):
+        _add_capacity(builder, shared, uses)
+    return literals
+
+
+def _add_claims(builder: Builder, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
+    if not activity.claims:
+        return []
+    has_length = _has_length(builder, i, activity)
+    return [_add_claim(builder, i, claim, c, has_length) for c, claim in enumerate(activity.claims)]
+
+
+def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
+    """A literal that says the activity has a length; None where it always has."""
+    if activity.duration_min > 0:
+        return None
+    literal = builder.model.new_bool_var(f"holds {name_of(activity)}")
+    builder.model.add(builder.sizes[i] >= 1).only_enforce_if(literal)
+    builder.model.add(builder.sizes[i] == 0).only_enforce_if(~literal)
+    builder.positive[i] = literal
+    return literal
+
+
+def _add_claim(
+    builder: Builder, i: int, claim: Claim, c: int, has_length: Literal | None
+) -> list[tuple[int, Literal]]:
+    mode = builder.problem.activities[i].details.use_mode(claim.use)
+    needed = builder.present[i] if mode is None else builder.modes[i][mode]
+    if len(claim.alternatives) > 1:
+        return _add_choice(builder, i, claim, c, needed, has_length)
+    (r,) = claim.alternatives
+    taken = builder.taking(i, claim, r, needed, has_length)
+    builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+    return []
+
+
+def _add_choice(
+    builder: Builder,
+    i: int,
+    claim: Claim,
+    c: int,
+    needed: Literal | None,
+    has_length: Literal | None,
+) -> list[tuple[int, Literal]]:
+    """An optional interval for each alternative, exactly one of them where one is needed."""
+    model, activity = builder.model, builder.problem.activities[i]
+    literals: list[tuple[int, Literal]] = []
+    for r in claim.alternatives:
+        shared = builder.problem.shared[r]
+        literal = model.new_bool_var(f"use {c} of {name_of(activity)} on {shared.id}")
+        literals.append((r, literal))
+        if claim.amount > shared.capacity and activity.duration_min > 0:
+            model.add(literal == 0)
+            continue
+        taken = builder.taking(i, claim, r, has_length, literal)
+        builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+    absent = [] if needed is None else [~needed]
+    model.add_exactly_one([*(literal for _, literal in literals), *absent])
+    return literals
+
+
+def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+    model, activity, start = builder.model, builder.problem.activities[i], builder.starts[i]
+    name = name_of(activity)
+    if activity.is_fixed:
+        size = activity.duration_min
+        if literal is None:
+            return model.new_fixed_size_interval_var(start, size, name)
+        return model.new_optional_fixed_size_interval_var(start, size, literal, name)
+    length, end = builder.sizes[i], builder.end(i)
+    if literal is None:
+        return model.new_interval_var(start, length, end, name)
+    return model.new_optional_interval_var(start, length, end, literal, name)
+
+
+def _add_capacity(builder: Builder, shared: Shared, uses: ResourceUses) -> None:
+    if not uses.intervals:
+        return
+    if shared.base is not None:
+        uses = with_windows(builder, shared, uses)
+    capacity = shared.capacity
+    if 2 * min(uses.amounts) > capacity and max(uses.amounts) <= capacity:
+        builder.model.add_no_overlap(uses.intervals)
+    else:
+        builder.model.add_cumulative(uses.intervals, uses.amounts, capacity)

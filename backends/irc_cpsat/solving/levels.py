@@ -1,0 +1,135 @@
+"""Lexicographic optimisation: the objectives in order, each among the best of those before."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from irc.retime import Decision
+from irc.schedule import Status
+from irc_cpsat.encoding.builder import Model
+from irc_cpsat.encoding.objectives import set_objective
+from irc_cpsat.solving.solution import decisions_of
+
+TIE_BREAK_SECONDS = 0.5
+"""The least time that is spent on moving less among answers that are equally good."""
+
+TIE_BREAK_SHARE = 0.05
+"""The part of the time limit that is spent on it at least."""
+
+_TOLERANCE = 1e-6
+"""Bounds are whole numbers; this only undoes their way through a double."""
+
+Solve = Callable[[cp_model.CpModel, str, float | None], tuple[Any, cp_model.CpSolver]]
+"""(model, objective, seconds left) → status, solver."""
+
+
+@dataclass(frozen=True, slots=True)
+class LevelResult:
+    """The value reached for one objective, and a proven bound on it."""
+
+    name: str
+    value: int
+    bound: int
+    proven: bool
+
+
+@dataclass
+class LexicographicResult:
+    """The best decisions found, and the levels that were reached."""
+
+    status: Status
+    decisions: list[Decision] = field(default_factory=list)
+    levels: list[LevelResult] = field(default_factory=list)
+
+
+def solve_levels(built: Model, solve: Solve, seconds: float | None) -> LexicographicResult:
+    """One level after another within one time limit; the best so far is kept.
+
+    Raises `ValueError` where CP-SAT rejects the model.
+    """
+    began = time.perf_counter()
+    result = LexicographicResult(Status.UNKNOWN)
+    names, objectives = built.problem.levels, built.problem.objectives
+    for k, name in enumerate(names):
+        if k:
+            _aim(built, name)
+        spent = time.perf_counter() - began
+        left = None if seconds is None else seconds - spent
+        if k and left is not None and left <= 0:
+            break
+        if k == len(objectives):
+            left = _tie_break_seconds(spent, left, seconds)
+        status, solver = solve(built.model, name, left)
+        if status == cp_model.MODEL_INVALID:
+            raise ValueError(built.model.validate())
+        if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+            if not k and status == cp_model.INFEASIBLE:
+                result.status = Status.INFEASIBLE
+            break
+        level = _level(name, built.values[name], status, solver)
+        result.levels.append(level)
+        result.decisions = decisions_of(built, solver)
+        result.status = Status.FEASIBLE
+        if not level.proven:
+            break
+        if k + 1 < len(names):
+            _keep(built, level, _given_up(built, level, names[k + 1]), solver)
+    if _is_optimal(built, result):
+        result.status = Status.OPTIMAL
+    return result
+
+
+def _is_optimal(built: Model, result: LexicographicResult) -> bool:
+    own = len(built.problem.objectives)
+    proven = [level.proven for level in result.levels[:own]]
+    return len(proven) == own and all(proven) and not built.problem.stability
+
+
+def _tie_break_seconds(spent: float, left: float | None, seconds: float | None) -> float:
+    """The time for a choice among equals, which must not take much longer than to find them."""
+    patience = max(TIE_BREAK_SECONDS, spent, TIE_BREAK_SHARE * (seconds or 0))
+    return patience if left is None else min(left, patience)
+
+
+def _aim(built: Model, name: str) -> None:
+    model: Any = built.model  # (This method of ortools has no types.)
+    model.clear_objective()
+    set_objective(built.model, name, built.values[name])
+
+
+def _given_up(built: Model, level: LevelResult, following: str) -> int:
+    """The part of a level's value that may be lost to make fewer changes."""
+    share = built.problem.stability if following == "changes" else Fraction(0)
+    return int(abs(level.value) * share)
+
+
+def _keep(built: Model, level: LevelResult, given_up: int, solver: cp_model.CpSolver) -> None:
+    """Keeps a level's value, less `given_up`; the solution becomes the next hint."""
+    value = built.values[level.name]
+    if not isinstance(value, int):
+        if level.name == "reward":
+            built.model.add(value >= level.value - given_up)
+        else:
+            built.model.add(value <= level.value + given_up)
+    solution = list(solver.response_proto.solution)
+    model: Any = built.model  # (This method of ortools has no types.)
+    model.clear_hints()
+    hint = built.model.proto.solution_hint
+    hint.vars.extend(range(len(solution)))
+    hint.values.extend(solution)
+
+
+def _level(name: str, value: Any, status: Any, solver: cp_model.CpSolver) -> LevelResult:
+    reached = value if isinstance(value, int) else solver.value(value)
+    if status == cp_model.OPTIMAL or isinstance(value, int):
+        return LevelResult(name, reached, reached, True)
+    bound = solver.best_objective_bound
+    if name == "reward":
+        return LevelResult(name, reached, int((bound + _TOLERANCE) // 1), False)
+    return LevelResult(name, reached, int(-(-(bound - _TOLERANCE) // 1)), False)

@@ -1,0 +1,66 @@
+"""CP-SAT's values → decisions, and the exact schedule behind them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ortools.sat.python import cp_model
+
+from irc.compiler import schedule_of
+from irc.problem import Problem
+from irc.retime import ABSENT, Decision, retime
+from irc.schedule import Schedule
+from irc_cpsat.encoding.builder import Hint, Model
+
+
+def decisions_of(built: Model, solver: cp_model.CpSolver) -> list[Decision]:
+    """The decision of a solution about each activity."""
+    return [_decision(built, solver, i) for i in range(len(built.problem.activities))]
+
+
+def schedule_from(problem: Problem, built: Model, solver: cp_model.CpSolver) -> Schedule:
+    """The exact schedule behind the values a solver gave to a model's variables."""
+    return schedule_of(problem, retime(problem, decisions_of(built, solver)))
+
+
+def hinted_schedule(problem: Problem, hint: Hint) -> Schedule:
+    """The list schedule that the model was given as a hint."""
+    decisions, choices = hint
+    chosen = [
+        replace(decision, chosen=_members_taken(problem, i, choices[i]))
+        for i, decision in enumerate(decisions)
+    ]
+    return schedule_of(problem, retime(problem, chosen))
+
+
+def _decision(built: Model, solver: cp_model.CpSolver, i: int) -> Decision:
+    problem, activity = built.problem, built.problem.activities[i]
+    present = built.present[i]
+    if present is not None and not solver.value(present):
+        return ABSENT
+    start = solver.value(built.starts[i])
+    end = built.ends[i]
+    mode = next((m for m, chosen in enumerate(built.modes[i]) if solver.value(chosen)), None)
+    ranks = built.ranks[i] if built.ranks else None
+    taken = tuple(
+        next((r for r, literal in literals if solver.value(literal)), claim.alternatives[0])
+        for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+    )
+    return Decision(
+        start,
+        start + activity.duration_min if end is None else solver.value(end),
+        _members_taken(problem, i, taken),
+        mode=mode,
+        rank=0 if ranks is None else solver.value(ranks[0]),
+        end_rank=0 if ranks is None else solver.value(ranks[1]),
+    )
+
+
+def _members_taken(problem: Problem, i: int, taken: tuple[int, ...]) -> tuple[int | None, ...]:
+    """The resource of each use, where the shared resource taken is not a pool."""
+    activity = problem.activities[i]
+    chosen: list[int | None] = [None] * len(activity.uses)
+    for claim, r in zip(activity.claims, taken, strict=True):
+        members = problem.shared[r].members
+        chosen[claim.use] = members[0] if len(members) == 1 else None
+    return tuple(chosen)

@@ -1,0 +1,213 @@
+"""Activities in PDDL: an operator for each occurrence and each way to carry it out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from irc.backend import Refusal
+from irc.problem import PLAIN, Activity
+from irc_pddl21.encoding.builder import Builder
+from irc_pddl21.encoding.grounded import Meaning
+from irc_pddl21.encoding.modes import span_of
+from irc_pddl21.encoding.objectives import ObjectiveCounter
+from irc_pddl21.encoding.occurrences import Occurrences, occurrences_of
+from irc_pddl21.encoding.pddl import NumericCondition, NumericEffect, Operator
+from irc_pddl21.encoding.reservoirs import ReservoirLevels
+from irc_pddl21.encoding.resources import ResourceUnits
+from irc_pddl21.encoding.state import StateFacts, contradicts_itself
+from irc_pddl21.encoding.variants import Variant, variants_of
+
+
+@dataclass(frozen=True)
+class Elements:
+    """The other elements of a problem, as far as activities have conditions and effects on them.
+
+    `declined` are the activities (by index) for which a planner-only instant declares the absence.
+    """
+
+    units: ResourceUnits
+    state: StateFacts
+    levels: ReservoirLevels
+    objective: ObjectiveCounter
+    declined: frozenset[int]
+
+
+@dataclass(frozen=True)
+class _OccurrenceFacts:
+    """The conditions and effects that make an occurrence happen once, and in its turn."""
+
+    at_start: list[str]
+    start_deletes: list[str]
+    start_adds: list[str]
+    end_adds: list[str]
+    needs: list[NumericCondition] = field(default_factory=list)
+    changes: list[NumericEffect] = field(default_factory=list)
+
+
+def add_activities(builder: Builder, elements: Elements) -> None:
+    """Adds the operators of every activity, those with most work behind them first.
+
+    Raises `Refusal` where an activity that must be present cannot be carried out.
+    """
+    activities, tails = builder.problem.activities, builder.problem.tails
+    encoder = _ActivityEncoder(builder, elements)
+    for i in sorted(
+        range(len(activities)), key=lambda i: (-(activities[i].duration_min + tails[i]), i)
+    ):
+        encoder.add(i, activities[i])
+
+
+class _ActivityEncoder:
+    """Adds activities one by one."""
+
+    def __init__(self, builder: Builder, elements: Elements) -> None:
+        self.builder, self.elements = builder, elements
+        self.names, self.encoding = builder.names, builder.encoding
+
+    def add(self, i: int, activity: Activity) -> None:
+        """Adds the operators of one activity."""
+        amounts = self.elements.objective.amounts
+        if activity.details is PLAIN and not activity.claims and i not in amounts:
+            self._add_plain(i, activity)
+            return
+        occurrences = occurrences_of(activity)
+        variants = [
+            v
+            for v in variants_of(self.builder.problem, activity, self.elements.units)
+            if not contradicts_itself(activity, instant=not span_of(activity, v.mode)[1])
+        ]
+        if not variants and occurrences.least:
+            raise _impossible(activity)
+        self._add_chain(i, variants, occurrences)
+        if occurrences.again != 0:
+            self._add_reusable(i, variants, occurrences)
+
+    def _add_plain(self, i: int, activity: Activity) -> None:
+        """Adds by far the most frequent kind, which happens once, and in one way."""
+        base, conditions = self.builder.base[i], self.builder.conditions
+        todo = self.builder.fact(f"todo_{base}", initially=True)
+        done = self.builder.fact(f"done_{base}")
+        self.encoding.goal.append(done)
+        span = activity.duration_min, activity.duration_max
+        self.encoding.operators.append(
+            Operator(
+                base,
+                self.builder.scale.duration(*span) if span[1] else None,
+                at_start=[todo, *conditions[2 * i]],
+                over_all=self._deadline(i),
+                at_end=conditions[2 * i + 1],
+                start_deletes=[todo],
+                start_adds=self._begun(i, base),
+                end_adds=[done],
+            )
+        )
+        self.builder.grounded.actions[base] = Meaning(activity.id, None, ())
+
+    def _add_chain(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
+        """Adds the occurrences that are written out, each after the previous one."""
+        base, done = self.builder.base[i], ""
+        for k in range(1, occurrences.written + 1):
+            own = base if k == 1 else self.names.new(f"{base}_{k}")
+            todo = self.builder.fact(f"todo_{own}", initially=True)
+            after = [done] if done else []
+            done = self.builder.fact(f"done_{own}")
+            if k <= occurrences.least or i in self.elements.declined:
+                self.encoding.goal.append(done)
+            begun = self._begun(i, own)
+            last = k == occurrences.written and occurrences.again != 0
+            idle = [self.builder.fact(f"idle_{base}")] if last else []
+            facts = _OccurrenceFacts([todo, *after], [todo], begun, [done, *idle])
+            self._add_variants(i, own, variants, facts)
+
+    def _add_reusable(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
+        """Adds an operator that can be used again once the previous occurrence has ended."""
+        base = self.builder.base[i]
+        idle = f"idle_{base}"
+        if not occurrences.written:
+            self.builder.fact(idle, initially=True)
+        own = self.names.new(f"{base}_again") if occurrences.written else base
+        facts = _OccurrenceFacts([idle], [idle], [], [idle])
+        if occurrences.again is not None:
+            left = self.names.new(f"left_for_{base}")
+            self.encoding.counters[left] = occurrences.again
+            self.builder.grounded.tokens[left] = "how often the action may still happen"
+            facts.needs.append(NumericCondition(False, ">=", left, 1))
+            facts.changes.append(NumericEffect(False, left, -1))
+        self._add_variants(i, own, variants, facts)
+
+    def _add_variants(
+        self, i: int, base: str, variants: list[Variant], facts: _OccurrenceFacts
+    ) -> None:
+        """Adds one operator for each variant of an occurrence."""
+        activity = self.builder.problem.activities[i]
+        for variant in variants:
+            name = base
+            if len(variants) > 1:
+                name = self.names.new(f"{base}__{'__'.join(_parts(activity, variant))}")
+            self.encoding.operators.append(self._operator(i, name, variant, facts))
+            self.builder.grounded.actions[name] = self._meaning(activity, variant)
+
+    def _operator(self, i: int, name: str, variant: Variant, facts: _OccurrenceFacts) -> Operator:
+        """One variant of an occurrence, with the activity's own conditions and effects."""
+        activity, state = self.builder.problem.activities[i], self.elements.state
+        units, conditions = self.elements.units, self.builder.conditions
+        span = span_of(activity, variant.mode)
+        here = list(dict.fromkeys(units.here[t] for t in variant.tokens if t in units.here))
+        level_needs, level_changes = self.elements.levels.of(activity, instant=not span[1])
+        start_adds, start_deletes = state.effects(activity, at_end=False)
+        end_adds, end_deletes = state.effects(activity, at_end=True)
+        at_start, at_end = state.conditions(activity, "start"), state.conditions(activity, "end")
+        over_all = state.conditions(activity, "all")
+        return Operator(
+            name,
+            self.builder.scale.duration(*span) if span[1] else None,
+            at_start=[*facts.at_start, *conditions[2 * i], *at_start, *here, *variant.tokens],
+            over_all=[*self._deadline(i), *over_all, *here],
+            at_end=[*conditions[2 * i + 1], *at_end],
+            start_deletes=[*facts.start_deletes, *start_deletes, *variant.tokens],
+            start_adds=[*facts.start_adds, *start_adds],
+            end_deletes=end_deletes,
+            end_adds=[*facts.end_adds, *end_adds, *variant.tokens],
+            takes=dict(variant.takes),
+            needs=[*facts.needs, *level_needs],
+            changes=[*facts.changes, *level_changes, *self._counted(i)],
+        )
+
+    def _meaning(self, activity: Activity, variant: Variant) -> Meaning:
+        shared = self.builder.problem.shared
+        return Meaning(
+            activity.id,
+            None if variant.mode is None else activity.details.modes[variant.mode].id,
+            tuple(
+                (claim.use, shared[r].id)
+                for claim, r in zip(variant.claims, variant.resources, strict=True)
+            ),
+        )
+
+    def _begun(self, i: int, name: str) -> list[str]:
+        return [self.builder.fact(f"begun_{name}")] if i in self.builder.begun else []
+
+    def _deadline(self, i: int) -> list[str]:
+        deadline_facts = self.builder.deadline_facts
+        return [deadline_facts[i]] if i in deadline_facts else []
+
+    def _counted(self, i: int) -> list[NumericEffect]:
+        """The effect on the counter of the first objective."""
+        objective = self.elements.objective
+        amount = objective.amounts.get(i, 0)
+        return [NumericEffect(True, objective.counter, amount)] if amount else []
+
+
+def _impossible(activity: Activity) -> Refusal:
+    return Refusal(
+        f"action {activity.id!r} must be there, but there is no way to carry it out: it "
+        "asks for more than there is, or one of its happenings gives a variable two values",
+        activity.origin,
+        "every target would find it infeasible",
+    )
+
+
+def _parts(activity: Activity, variant: Variant) -> list[str]:
+    """The parts of a variant's name: its mode and its tokens (without "free_")."""
+    mode = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
+    return mode + [token[5:] for token in variant.tokens]

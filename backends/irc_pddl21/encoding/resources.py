@@ -1,0 +1,105 @@
+"""Renewable resources in PDDL: the units of shared resources.
+
+Capacity is one token fact for each unit; where tokens would multiply beyond the budget a counter
+takes their place. A unit that a calendar takes away at times has a fact that says it is there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import comb
+
+from irc.backend import Refusal
+from irc.problem import Activity, Problem
+from irc_pddl21.encoding.builder import Builder
+from irc_pddl21.encoding.calendars import add_calendar
+from irc_pddl21.encoding.modes import claims_in, modes_of
+
+MAX_VARIANTS = 256
+"""An activity with more ground variants gets counters instead of tokens, or is refused."""
+
+
+@dataclass
+class ResourceUnits:
+    """The units of shared resources: token facts, or a counter.
+
+    `here` maps a token to the fact that its unit is there, where it is not always.
+    """
+
+    tokens: dict[int, list[str]] = field(default_factory=dict)
+    counters: dict[int, str] = field(default_factory=dict)
+    here: dict[str, str] = field(default_factory=dict)
+
+
+def add_resources(builder: Builder) -> ResourceUnits:
+    """Declares a token fact for each unit of a contended resource, or a counter.
+
+    Raises `Refusal` where an activity has too many ways to be carried out even so.
+    """
+    problem, grounded = builder.problem, builder.grounded
+    units = ResourceUnits()
+    for r in _resources_by_counter(problem):
+        name = builder.names.new(f"left_of_{problem.shared[r].id}")
+        units.counters[r] = name
+        builder.encoding.counters[name] = problem.shared[r].capacity
+        grounded.tokens[name] = f"units of {problem.shared[r].id!r} left"
+    for r in sorted({r for a in problem.activities for c in a.claims for r in c.alternatives}):
+        if r in units.counters:
+            continue
+        shared = problem.shared[r]
+        tokens = [builder.names.new(f"free_{shared.id}_{k + 1}") for k in range(shared.capacity)]
+        units.tokens[r] = tokens
+        builder.encoding.facts += tokens
+        builder.encoding.initial += tokens
+        grounded.tokens.update(dict.fromkeys(tokens, f"a unit of {shared.id!r}"))
+        units.here |= add_calendar(builder, shared, tokens)
+    return units
+
+
+def _resources_by_counter(problem: Problem) -> list[int]:
+    """The shared resources whose tokens would multiply beyond the budget.
+
+    Raises `Refusal` where even counters leave an activity too many variants, or where a counter
+    would be needed for a resource that has a calendar.
+    """
+    by_counter: set[int] = set()
+    for activity in problem.activities:
+        while _variant_count(problem, activity, by_counter) > MAX_VARIANTS:
+            candidates = {
+                r
+                for claim in activity.claims
+                for r in claim.alternatives
+                if r not in by_counter
+                and problem.shared[r].capacity > 1
+                and not problem.shared[r].windows
+            }
+            if not candidates:
+                raise Refusal(
+                    f"action {activity.id!r} has more than {MAX_VARIANTS} ways to choose its "
+                    "resources, more than target 'pddl21' writes out",
+                    (*activity.origin, "modes" if activity.details.modes else "uses"),
+                    "use fewer alternatives, or target 'cpsat'",
+                )
+            by_counter.add(max(candidates, key=lambda r: (problem.shared[r].capacity, r)))
+    return sorted(by_counter)
+
+
+def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -> int:
+    """An upper bound on the ground variants of an activity."""
+    total = 0
+    for mode in modes_of(activity):
+        count = 1
+        for claim in claims_in(activity, mode):
+            count *= sum(
+                1 if r in by_counter else _token_sets(problem.shared[r].capacity, claim.amount)
+                for r in claim.alternatives
+            )
+        total += count
+    return total
+
+
+def _token_sets(capacity: int, amount: int) -> int:
+    """The number of sets of `amount` tokens, or one that is too great where it would be huge."""
+    if amount >= capacity:
+        return 1
+    return MAX_VARIANTS + 1 if capacity > MAX_VARIANTS else comb(capacity, amount)

@@ -1,0 +1,56 @@
+"""kairos, a Python package that runs in a child process."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import ClassVar
+
+from irc.backend import Refusal
+from irc.problem import Problem
+from irc_pddl21.planners.planner import Planner, PlannerInput
+
+LARGEST = 10**13
+"""kairos keeps time in doubles, which soon after this lose its epsilon; it then finds nothing."""
+
+
+class KairosPlanner(Planner):
+    """The kairos planner (pip install kairos-planner), embedded."""
+
+    name: ClassVar[str] = "kairos"
+    searches: ClassVar[tuple[str, ...]] = ("novelty", "")
+
+    def missing(self) -> str | None:
+        """Why kairos cannot be imported, if it cannot."""
+        if find_spec("kairos") is None:
+            return (
+                "the engine 'kairos' is missing: pip install kairos-planner "
+                "(it has wheels for Linux only)"
+            )
+        return None
+
+    def refuse(self, problem: Problem, scale: int) -> None:
+        """The epsilon must not get lost in the shortest conceivable schedule."""
+        if problem.bound.value * scale > LARGEST:
+            raise Refusal(
+                "the times of this task are beyond what kairos can tell apart",
+                hint="use target 'cpsat'",
+            )
+
+    def command(self, given: PlannerInput) -> list[str]:
+        """The worker script, which loads only kairos (`-P` keeps this folder off the path)."""
+        return [
+            sys.executable,
+            "-P",
+            str(Path(__file__).with_name("kairos_worker.py")),
+            str(given.domain),
+            str(given.problem_file),
+            f"{given.seconds:.3f}",
+            str(given.limits.memory_mb or 0),
+            str(float(given.target)),
+            str(given.limits.workers or 1),
+            str(given.limits.seed),
+            "first" if given.request.first_plan else "best",
+            *([given.request.search] if given.request.search else []),
+        ]

@@ -1,0 +1,103 @@
+"""Short list schedules for a planner to follow, by a search over priorities.
+
+Serial list schedules contain an optimal one wherever nothing has to wait on purpose (Kolisch,
+EJOR 90, 1996), so a search over priorities comes close to it in little time. It is a hint and no
+answer: a planner is asked to follow its order, and only the planner's own plan counts.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from dataclasses import replace
+
+from irc.list_schedule import Choice, list_schedule
+from irc.problem import Activity, Problem
+from irc.retime import Decision
+from irc_pddl21.search.neighbourhood import Places
+
+ROUNDS = 12_000
+"""The greatest number of list schedules."""
+
+STALE_LIMIT = 800
+"""After this number without a shorter one the search begins anew."""
+
+
+def short_list_schedule(
+    problem: Problem, enough: int, seconds: float, rng: random.Random
+) -> Places | None:
+    """The shortest list schedule found; one of makespan `enough` (ticks) ends the search.
+
+    None for problems with more than resources and lags, and where the rule finds none.
+    """
+    if not problem.is_plain:
+        return None
+    until = time.perf_counter() + seconds
+    search = _PrioritySearch(replace(problem, deadline=None), rng)
+    best, shortest = search.found, search.makespan
+    for _ in range(ROUNDS):
+        if (shortest is not None and shortest <= enough) or time.perf_counter() > until:
+            break
+        search.step()
+        if search.makespan is not None and (shortest is None or search.makespan < shortest):
+            best, shortest = search.found, search.makespan
+        if search.stale > STALE_LIMIT:
+            search = _PrioritySearch(search.problem, rng)
+    return None if best is None else dict(enumerate(zip(*best, strict=True)))
+
+
+class _PrioritySearch:
+    """A walk over priorities and over which resource is looked at first."""
+
+    def __init__(self, problem: Problem, rng: random.Random) -> None:
+        self.problem, self.rng = problem, rng
+        self.variant = problem
+        self.found = list_schedule(problem)
+        self.makespan = _makespan(self.found)
+        self.stale = 0
+        spans = zip(problem.tails, problem.activities, strict=True)
+        self._spread = 1 + max((tail + a.duration_min for tail, a in spans), default=0)
+        self._choosers = [
+            i
+            for i, a in enumerate(problem.activities)
+            if any(len(claim.alternatives) > 1 for claim in a.claims)
+        ]
+
+    def step(self) -> None:
+        """Makes one more list schedule; the search goes on from it unless it is longer."""
+        self.stale += 1
+        variant = self._varied()
+        found = list_schedule(variant)
+        makespan = _makespan(found)
+        if makespan is None or (self.makespan is not None and makespan > self.makespan):
+            return
+        if self.makespan is None or makespan < self.makespan:
+            self.stale = 0
+        self.variant, self.found, self.makespan = variant, found, makespan
+
+    def _varied(self) -> Problem:
+        rng = self.rng
+        width = self._spread * rng.choice((0.05, 0.2, 0.5))
+        share = rng.choice((0.1, 0.3, 1.0))
+        tails = tuple(
+            round(tail + rng.uniform(-width, width)) if rng.random() < share else tail
+            for tail in self.variant.tails
+        )
+        activities = list(self.variant.activities)
+        if self._choosers and rng.random() < 0.5:
+            for i in rng.sample(self._choosers, min(len(self._choosers), rng.randint(1, 3))):
+                activities[i] = self._rearranged(self.problem.activities[i])
+        return replace(self.variant, tails=tails, activities=tuple(activities))
+
+    def _rearranged(self, activity: Activity) -> Activity:
+        """The activity with alternatives in another order, or only one of them left."""
+        claims = []
+        for claim in activity.claims:
+            order = self.rng.sample(claim.alternatives, len(claim.alternatives))
+            kept = order[:1] if self.rng.random() < 0.5 else order
+            claims.append(claim._replace(alternatives=tuple(kept)))
+        return replace(activity, claims=tuple(claims))
+
+
+def _makespan(found: tuple[list[Decision], list[Choice]] | None) -> int | None:
+    return None if found is None else max((int(d.end) for d in found[0]), default=0)

@@ -1,0 +1,133 @@
+"""The runs of one planner on a program: one time limit over all of them, the best plan kept."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+
+from irc.backend import EngineFailed, Limits, OnProgress, Outcome, Program, Refusal
+from irc.diagnostics import Code, Diagnostic
+from irc.problem import Problem
+from irc.schedule import Schedule, Status
+from irc_pddl21.objective_values import objective_values
+from irc_pddl21.planners.planner import DEFAULT_SECONDS, Planner, PlanRequest
+from irc_pddl21.planners.run import run_planner
+
+LEAST_SECONDS = 0.1
+"""With less time than this no run begins."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tactics:
+    """Parts of the strategies, so that measurements can switch them off.
+
+    `bound`: ask for a plan under the deadline "makespan = lower bound". `hint`: show the planner
+    the order of the list schedule. `tighten`: ask for a plan that is a tick shorter than the best.
+    `steps`: ask for one that also differs from it in a few places only. `anytime`: let the planner
+    minimise by itself. `shortened`: where state and resources meet, ask with shortened actions too.
+    """
+
+    bound: bool = True
+    hint: bool = True
+    tighten: bool = True
+    steps: bool = True
+    anytime: bool = True
+    shortened: bool = True
+
+
+ALL_TACTICS = Tactics()
+
+
+@dataclass
+class PlannerSession:
+    """Asks one planner for plans of one program, in turn."""
+
+    planner: Planner
+    program: Program
+    limits: Limits
+    on_progress: OnProgress | None = None
+    tactics: Tactics = ALL_TACTICS
+    best: Schedule | None = None
+    notes: list[Diagnostic] = field(default_factory=list)
+    runs: int = 0
+    _error: Exception | None = None
+    _began: float = field(default_factory=time.perf_counter)
+
+    @property
+    def problem(self) -> Problem:
+        """The program's own problem."""
+        return self.program.problem
+
+    @property
+    def spent(self) -> float:
+        """Seconds since the session began."""
+        return time.perf_counter() - self._began
+
+    @property
+    def left(self) -> float:
+        """Seconds until the limit."""
+        total = DEFAULT_SECONDS if self.limits.seconds is None else self.limits.seconds
+        return max(0.0, total - self.spent)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether there is no time for another run; the first one always gets some."""
+        return self.runs > 0 and self.left < LEAST_SECONDS
+
+    def ask(
+        self,
+        problem: Problem,
+        seconds: float,
+        *,
+        enough: int,
+        first_plan: bool = True,
+        search: str = "",
+        shortened: bool = False,
+    ) -> Schedule | None:
+        """The plan that one run of the planner on `problem` finds; the best of all is kept."""
+        if self.is_over:
+            return None
+        self.runs += 1
+        request = PlanRequest(problem, first_plan, enough, search, shortened)
+        given = max(LEAST_SECONDS, min(seconds, self.left))
+        try:
+            outcome = run_planner(
+                self.planner, self.program, request, self.limits, given, self.on_progress
+            )
+        except (EngineFailed, Refusal) as error:
+            self._error = error
+            return None
+        self.notes = list(dict.fromkeys([*self.notes, *outcome.notes]))
+        if outcome.schedule is not None:
+            self.keep(outcome.schedule)
+        return outcome.schedule
+
+    def keep(self, schedule: Schedule) -> None:
+        """Remembers a schedule if it is the best so far."""
+        problem = self.problem
+        values = objective_values(problem, schedule)
+        if self.best is None or values < objective_values(problem, self.best):
+            self.best = schedule
+
+    def outcome(self, status: Status | None = None) -> Outcome:
+        """The best plan of all runs. Raises the last run's error where no run gave an answer."""
+        name = self.planner.name
+        if self.best is not None:
+            notes = tuple(n for n in self.notes if n.code is not Code.NO_ANSWER)
+            status = status or Status.FEASIBLE
+            return Outcome(status, name, self.best, 0, self.spent, notes)
+        if self._error is not None:
+            raise self._error
+        return Outcome(Status.UNKNOWN, name, None, 0, self.spent, tuple(self.notes))
+
+
+def ticks(problem: Problem, schedule: Schedule) -> int:
+    """The makespan of a schedule, in ticks."""
+    return int(schedule.makespan / problem.tick)
+
+
+def with_deadline(problem: Problem, deadline: int) -> Problem:
+    """The problem with a deadline that is no later than this."""
+    if problem.deadline is not None and problem.deadline <= deadline:
+        return problem
+    return replace(problem, deadline=deadline)

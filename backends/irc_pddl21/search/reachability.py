@@ -1,0 +1,51 @@
+"""Reachable values of state variables, if values were never lost again.
+
+The delete relaxation (Hoffmann and Nebel, "The FF planning system", JAIR 14, 2001): a value that
+is not reachable even if nothing were ever lost is not reachable at all.
+"""
+
+from __future__ import annotations
+
+from irc.problem import Activity, Problem
+
+Value = tuple[int, int]
+"""A variable and one of its values, by index."""
+
+
+def is_out_of_reach(problem: Problem) -> bool:
+    """Whether a goal, or a condition of a mandatory activity, can never hold."""
+    if not problem.variables:
+        return False
+    reached = reachable_values(problem)
+    if any(goal not in reached for goal in problem.goals):
+        return True
+    return any(
+        not _needs(activity) <= reached for activity in problem.activities if _must_happen(activity)
+    )
+
+
+def reachable_values(problem: Problem) -> set[Value]:
+    """The values that some activity could give, once all that it needs has been given."""
+    reached = {(v, variable.initial) for v, variable in enumerate(problem.variables)}
+    waiting = list(problem.activities)
+    while True:
+        ready = [activity for activity in waiting if _needs(activity) <= reached]
+        if not ready:
+            return reached
+        waiting = [activity for activity in waiting if not _needs(activity) <= reached]
+        for activity in ready:
+            reached |= _gives(activity)
+
+
+def _needs(activity: Activity) -> set[Value]:
+    """The values that an activity requires, without those that it gives itself."""
+    return {(c.var, c.value) for c in activity.details.conditions} - _gives(activity)
+
+
+def _gives(activity: Activity) -> set[Value]:
+    return {(e.var, e.value) for e in activity.details.effects}
+
+
+def _must_happen(activity: Activity) -> bool:
+    repeats = activity.details.repeats
+    return not activity.details.optional if repeats is None else repeats[0] > 0

@@ -1,0 +1,147 @@
+"""The strategy for a task by its objectives, and the proof of its answer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import takewhile
+
+from irc.backend import Limits, ObjectiveLevel, OnProgress, Outcome, Program
+from irc.passes.critical_path import heads_and_tails
+from irc.passes.restrict import settle_presence
+from irc.problem import Problem
+from irc.schedule import Status
+from irc.worth import in_units, worth
+from irc_pddl21.objective_values import objective_values
+from irc_pddl21.planners.planner import Planner
+from irc_pddl21.search.makespan import shorten
+from irc_pddl21.search.planner_session import ALL_TACTICS, PlannerSession, Tactics, ticks
+from irc_pddl21.search.selection import (
+    SELECTIVE,
+    ObjectiveWeights,
+    SelectionSpace,
+    optional_items,
+)
+from irc_pddl21.search.selection_search import SelectionSearch, shortest_of_best
+
+
+def solve_with(
+    planner: Planner,
+    program: Program,
+    limits: Limits,
+    on_progress: OnProgress | None = None,
+    tactics: Tactics = ALL_TACTICS,
+) -> Outcome:
+    """The best answer of one planner within the limits, with an honest status.
+
+    The objectives are taken one after the other: reward and cost by selecting optional items, the
+    makespan by deadlines. Raises `EngineFailed` or `Refusal` where no run gave an answer.
+    """
+    session = PlannerSession(planner, program, limits, on_progress, tactics)
+    problem = program.problem
+    first = tuple(takewhile(lambda name: name in SELECTIVE, problem.objectives))
+    rest = problem.objectives[len(first) :]
+    if first:
+        bounds = _by_selection(session, _with_fixed_presence(problem), first, "makespan" in rest)
+    else:
+        bounds = _by_makespan(session, problem, rest[1:])
+    return _outcome(session, bounds)
+
+
+def _with_fixed_presence(problem: Problem) -> Problem:
+    """The problem in which all that must be present is mandatory, its makespan not bounded yet."""
+    fixed = settle_presence(problem)
+    return fixed if fixed is problem else heads_and_tails(fixed)
+
+
+def _by_makespan(
+    session: PlannerSession, problem: Problem, behind: tuple[str, ...]
+) -> dict[str, int]:
+    """The bounds of the makespan first; then, under it as a deadline, of the selection."""
+    best = shorten(session, problem)
+    bounds = {"makespan": problem.bound.value}
+    selective = tuple(takewhile(lambda name: name in SELECTIVE, behind))
+    if best is None or not selective or session.is_over:
+        return bounds
+    shortest = ticks(problem, best)
+    within = _with_fixed_presence(replace(problem, deadline=shortest))
+    found = _by_selection(session, within, selective, makespan=False)
+    return {**bounds, **found} if shortest == problem.bound.value else bounds
+
+
+def _by_selection(
+    session: PlannerSession, problem: Problem, names: tuple[str, ...], makespan: bool
+) -> dict[str, int]:
+    """The bounds of the selection first; then of the makespan of the best selection."""
+    found = optional_items(problem, names)
+    if found is None:
+        shorten(session, replace(problem, objectives=("makespan",)))
+        return {}
+    items, weights = found
+    search = SelectionSearch(session, SelectionSpace(problem, items))
+    search.run()
+    if search.chosen is None or session.best is None:
+        return {}
+    bounds = _bounds_of(session, search, weights)
+    if makespan and search.plan is not None and not session.is_over:
+        _, bound = shortest_of_best(session, search)
+        if bound is not None:
+            bounds["makespan"] = bound
+    return bounds
+
+
+def _bounds_of(
+    session: PlannerSession, search: SelectionSearch, weights: ObjectiveWeights
+) -> dict[str, int]:
+    """The bounds on the objectives of a selection: on the first, and on all where it is proven."""
+    assert session.best is not None
+    values = worth(session.problem, session.best)
+    if search.is_proven:
+        return {name: int(values[name]) for name in weights.names}
+    if search.bound is None or search.value is None:
+        return {}
+    name = weights.names[0]
+    more = weights.first_bound(search.bound - search.value)
+    return {name: int(values[name]) + (more if name == "reward" else -more)}
+
+
+def _outcome(session: PlannerSession, bounds: dict[str, int]) -> Outcome:
+    """The outcome with its levels; optimal where each level meets its bound."""
+    outcome = session.outcome()
+    problem = session.problem
+    if outcome.schedule is None:
+        return outcome
+    values = worth(problem, outcome.schedule)
+    levels: list[ObjectiveLevel] = []
+    proven = True
+    for name in problem.objectives:
+        bound = bounds.get(name) if proven else None
+        shown = None if bound is None else in_units(problem, name, bound)
+        levels.append(ObjectiveLevel(name, values[name], shown))
+        proven = proven and shown is not None and shown == values[name]
+    status = Status.OPTIMAL if proven else Status.FEASIBLE
+    return replace(outcome, status=status, levels=tuple(levels))
+
+
+def better(problem: Problem, old: Outcome | None, new: Outcome) -> Outcome:
+    """The outcome with the better schedule, or the better proof; the older one of equals."""
+    if old is None or old.schedule is None:
+        return new
+    if new.schedule is None or old.status is Status.OPTIMAL:
+        return old
+    if new.status is Status.OPTIMAL:
+        return new
+    return (
+        new
+        if objective_values(problem, new.schedule) < objective_values(problem, old.schedule)
+        else old
+    )
+
+
+def proven(problem: Problem, outcome: Outcome) -> bool:
+    """Whether nothing better can come."""
+    if outcome.status is Status.OPTIMAL:
+        return True
+    schedule = outcome.schedule
+    if schedule is None or problem.objectives != ("makespan",):
+        return False
+    return schedule.makespan == problem.to_units(problem.bound.value)
