@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, Earlier, Problem
+from irc.problem import Activity, Earlier, Problem, Ranks
 from irc.schedule import CANCELLED, Entry
 from irc.times import Number
 
@@ -122,9 +122,11 @@ def _explain(
     return False
 
 
-def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activity:
+def as_fact(
+    problem: Problem, activity: Activity, fact: Fact, now: int, ranks: Ranks | None = None
+) -> Activity:
     """The activity as it happened: its start is fixed, and so are mode, resources and, unless it
-    is running for a duration of its own choice, its end.
+    is running for a duration of its own choice, its end. So are those of its `ranks` that are known.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
     has ended claims nothing any more. Releases and deadlines were for the time before.
@@ -136,7 +138,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
     if fact.running and not activity.is_fixed and not fact.cancelled:
         shortest = max(activity.duration_min, now - fact.start)
         longest = max(activity.duration_max, shortest)
-    apart = _ends_apart(activity, fact)
+    apart = _ends_apart(activity, fact, ranks)
     if apart:
         longest = shortest + 1
     uses = activity.uses
@@ -160,6 +162,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         optional=False,
         repeats=None,
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
+        ranks=ranks,
     )
     if longest == 0:
         # (One happening: what was seen to take no time has changed each variable once, at last.)
@@ -190,18 +193,16 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
     )
 
 
-def _ends_apart(activity: Activity, fact: Fact) -> bool:
+def _ends_apart(activity: Activity, fact: Fact, ranks: Ranks | None) -> bool:
     """Whether what has ended was of a duration that could be chosen, so that its end has a rank of
     its own. It keeps one where it could still be longer, and a deadline says that it is not.
     """
     details = activity.details
-    return (
-        not fact.running
-        and not fact.cancelled
-        and not activity.is_fixed
-        and fact.end - fact.start < activity.duration_max
-        and bool(details.conditions or details.effects)
-    )
+    if fact.running or fact.cancelled or not (details.conditions or details.effects):
+        return False
+    if ranks is not None and None not in ranks and ranks.start != ranks.end:
+        return True
+    return not activity.is_fixed and fact.end - fact.start < activity.duration_max
 
 
 def _begun(activity: Activity, fact: Fact) -> Activity:

@@ -16,6 +16,7 @@ from irc.lower_choices import NEVER
 from irc.online.conflicts import relaxed
 from irc.online.facts import Fact, as_fact, earlier_of, fact_of
 from irc.online.history import History
+from irc.online.past import known_ranks, past_first
 from irc.problem import Activity, Earlier, Group, Problem
 from irc.schedule import Entry
 from irc.times import Number
@@ -42,10 +43,17 @@ class Frozen:
         return not group.required and any(begun) and not all(begun)
 
 
-def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Frozen:
+def freeze(
+    problem: Problem,
+    history: History,
+    now: Number,
+    ticks: int,
+    world_changes: Collection[str] = (),
+) -> Frozen:
     """The problem of a revised task as of `now` (`ticks` in ticks), given its history.
 
-    Optional groups are as they were: `with_groups` says which of them must be finished. Raises
+    `world_changes` are ids of actions that say how the world has changed by itself: what is due has
+    happened. Optional groups are as they were: `with_groups` says which of them must be finished. Raises
     `UnexplainedError` where an entry that has begun says what its action cannot have.
     """
     state = history.state(now)
@@ -65,7 +73,8 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             first = len(problem.activities)
             for k, fact in enumerate(in_order, 1):
                 facts[first + len(further)] = fact
-                further.append(_occurrence(as_fact(problem, activity, fact, ticks), k))
+                ranks = known_ranks(problem, history, activity, fact)
+                further.append(_occurrence(as_fact(problem, activity, fact, ticks, ranks), k))
             rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
@@ -79,7 +88,12 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             recurring[i] = tuple(place for place in known[1:] if place is not None)
         elif found:
             facts[i] = found[0]
-            activities.append(as_fact(problem, activity, found[0], ticks))
+            ranks = known_ranks(problem, history, activity, found[0])
+            activities.append(as_fact(problem, activity, found[0], ticks, ranks))
+            earlier.append(None)
+        elif activity.id in world_changes and _is_due(activity, ticks):
+            facts[i] = _happened(problem, activity)
+            activities.append(activity)
             earlier.append(None)
         else:
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
@@ -92,10 +106,25 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         recurring=recurring,
     )
     frozen = replace(frozen, wanted=_still_wanted(frozen, facts))
+    if frozen.variables:
+        frozen, facts = past_first(frozen, facts, ticks, world_changes)
     count = len(frozen.activities)
     frozen, facts = relaxed(frozen, facts, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
     return Frozen(frozen, ticks, facts, helpers)
+
+
+def _is_due(activity: Activity, now: int) -> bool:
+    return activity.start is not None and activity.start <= now
+
+
+def _happened(problem: Problem, activity: Activity) -> Fact:
+    """A change of the world that nobody has planned: it takes place when it does."""
+    assert activity.start is not None
+    time = problem.to_units(activity.start)
+    return Fact(
+        Entry(activity.id, time, time), activity.start, activity.start, None, (), running=False
+    )
 
 
 def _still_wanted(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:

@@ -10,6 +10,7 @@ from irc.compiler import finish
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.lower import lower
 from irc.model import Event, Task
+from irc.model.world_changes import is_world_change
 from irc.online.conflicts import overloaded
 from irc.online.facts import UnexplainedError, ticks_of
 from irc.online.freeze import Frozen, freeze
@@ -86,7 +87,8 @@ def _choices(problem: Problem) -> int:
 
 def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Frozen:
     try:
-        return freeze(problem, history, at, ticks_of(problem, at))
+        changes = {a.id for a in task.actions if is_world_change(a, task.clock)}
+        return freeze(problem, history, at, ticks_of(problem, at), changes)
     except UnexplainedError as error:
         entry = error.entry
         findings = Findings()

@@ -18,7 +18,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from irc.network import Network, earliest
-from irc.problem import Problem
+from irc.problem import Problem, Ranks
 from irc.retime import AnswerError, Placed
 from irc.retiming.state import Happening, Order
 from irc.retiming.stock import Batches
@@ -41,7 +41,7 @@ def with_ranks(
         *(order for order in orders if order.strict),
         *(Order(Happening(a, True), Happening(b, False), True) for a, b in problem.sequel),
     ]
-    known = any(activity.details.ranks for activity in problem.activities)
+    known = any(a.details.ranks or a.details.not_before for a in problem.activities)
     if not known and not any(_time(placed, o.before) == _time(placed, o.after) for o in strict):
         return tuple(placed)
     points = point_map(problem)
@@ -56,7 +56,7 @@ def with_ranks(
     for own in batches:
         _add_batches(placed, points, network, own)
     _add_known(problem, points, network)
-    ranks = earliest(network, [0] * network.size)
+    ranks = earliest(network, _least_ranks(problem, placed, points, network.size))
     if ranks.cycles:
         owner = {points.start[i]: i for i in range(len(placed))}
         owner.update((points.end[i], i) for i in range(len(placed)))
@@ -95,13 +95,26 @@ def _add_known(problem: Problem, points: PointMap, network: Network) -> None:
     """Known ranks are counted from a point of rank 0."""
     origin = network.size
     for i, activity in enumerate(problem.activities):
-        for point, rank in zip(
-            (points.start[i], points.end[i]), activity.details.ranks or (), strict=False
-        ):
-            if rank is not None:
+        ranks = activity.details.ranks or Ranks(None, None)
+        for point, rank in ((points.start[i], ranks.start), (points.end[i], ranks.end)):
+            if rank is not None and not ranks.at_least:
                 network.size = origin + 1
                 network.add(origin, point, rank)
                 network.add(point, origin, -rank)
+
+
+def _least_ranks(
+    problem: Problem, placed: Sequence[Placed], points: PointMap, size: int
+) -> list[int]:
+    """The least rank of each point, as far as the past says."""
+    floors = [0] * size
+    for i, activity in enumerate(problem.activities):
+        ranks, not_before = activity.details.ranks, activity.details.not_before
+        if ranks is not None and ranks.start is not None:
+            floors[points.start[i]] = ranks.start
+        if not_before is not None and placed[i].start == not_before[0]:
+            floors[points.start[i]] = max(floors[points.start[i]], not_before[1])
+    return floors
 
 
 def _add_lags(
@@ -120,7 +133,8 @@ def _add_durations(
 ) -> None:
     for i, (activity, place) in enumerate(zip(problem.activities, placed, strict=True)):
         start, end = points.start[i], points.end[i]
-        if start == end:
+        known = activity.details.ranks
+        if start == end or (known is not None and None not in (known.start, known.end)):
             continue
         if place.end - place.start == activity.duration_min:
             network.add(start, end, 0)

@@ -98,9 +98,7 @@ def _in_order(problem: Problem, changes: list[_Change]) -> list[_Change]:
     return ordered
 
 
-def _within_rank(
-    problem: Problem, levels: Sequence[int], members: list[_Change]
-) -> list[_Change]:
+def _within_rank(problem: Problem, levels: Sequence[int], members: list[_Change]) -> list[_Change]:
     """What gives first and what takes last, if that will do, or what gives last; else a search.
 
     Raises `AnswerError` where none is found.

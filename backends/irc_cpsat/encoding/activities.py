@@ -82,18 +82,28 @@ def _add_ranks(builder: Builder) -> None:
         touches = bool(details.conditions or details.effects or details.stock or activity.claims)
         last = builder.rank_count - 1 if touches or i in constrained else 0
         known = details.ranks or Ranks(None, None)
-        start = _rank(builder, last, known.start, f"rank {name_of(activity)}")
+        start = _rank(builder, last, known.start, f"rank {name_of(activity)}", known.at_least)
         if activity.is_fixed:
             builder.ranks.append((start, start))
             continue
         end = _rank(builder, last, known.end, f"end rank {name_of(activity)}")
         builder.ranks.append((start, end))
-        _add_duration_in_moments(builder, i, activity)
+        if known.start is None or known.end is None:
+            _add_duration_in_moments(builder, i, activity)
+    for i, activity in enumerate(builder.problem.activities):
+        if activity.details.not_before is not None:
+            time, rank = activity.details.not_before
+            moment = builder.moment(i, at_end=False)
+            builder.enforced(builder.model.add(moment >= time * builder.rank_count + rank), i)
 
 
-def _rank(builder: Builder, last: int, known: int | None, name: str) -> cp_model.IntVar:
-    first, last = (0, last) if known is None else (known, known)
-    return builder.model.new_int_var(first, last, name)
+def _rank(
+    builder: Builder, last: int, known: int | None, name: str, at_least: bool = False
+) -> cp_model.IntVar:
+    first = 0 if known is None else known
+    if known is not None and not at_least:
+        last = known
+    return builder.model.new_int_var(first, max(first, last), name)
 
 
 def _add_duration_in_moments(builder: Builder, i: int, activity: Activity) -> None:

@@ -1,0 +1,106 @@
+"""The past comes first: ranks of what has been, and the order of an event's instant.
+
+At the instant of an event there is what ended then, then the event's changes of the world, then
+what starts. What has been keeps its ranks, wherever its times are as they were planned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from irc.online.facts import Fact
+from irc.online.history import History
+from irc.online.state import key_of
+from irc.problem import Activity, Arc, Problem, Ranks
+
+
+def known_ranks(problem: Problem, history: History, activity: Activity, fact: Fact) -> Ranks | None:
+    """The ranks that an occurrence has had; None where there is no state, or none is known.
+
+    What was seen to happen at another time than planned gets its rank anew.
+    """
+    planned = history.plan.get(key_of(fact.entry))
+    if planned is None or not problem.variables:
+        return None
+    start = fact.rank if planned.start == fact.entry.start else None
+    if fact.running:
+        return None if start is None else Ranks(start, None, at_least=activity.is_fixed)
+    end = fact.end_rank if planned.end == fact.entry.end else None
+    if end is None and (activity.is_fixed or fact.cancelled):
+        # Start and end have one rank, which is that of an end nobody has planned.
+        return None
+    return None if start is None and end is None else Ranks(start, end)
+
+
+def past_first(
+    problem: Problem, facts: Mapping[int, Fact], now: int, world_changes: Collection[str]
+) -> tuple[Problem, dict[int, Fact]]:
+    """The problem in which nothing open comes before what has been at this instant.
+
+    Changes of the world get the least rank that has them come behind what ended.
+    """
+    names = {i: a.id for i, a in enumerate(problem.activities)}
+    changes = [i for i in facts if names[i] in world_changes and facts[i].start == now]
+    ended = [
+        i
+        for i, fact in facts.items()
+        if fact.start < fact.end == now and not fact.running and _is_concerned(problem, i)
+    ]
+    unknown = [i for i in ended if _end_rank(problem, i, facts[i]) is None]
+    rank = max((_end_rank(problem, i, facts[i]) or 0 for i in ended), default=0) + len(unknown)
+    activities, told = list(problem.activities), dict(facts)
+    ranks = _change_ranks(problem, changes, ended, rank)
+    for i, own in ranks.items():
+        details = replace(activities[i].details, ranks=Ranks(own, own))
+        activities[i] = replace(activities[i], details=details)
+        told[i] = replace(facts[i], rank=own, end_rank=own)
+    rank = max([rank if changes else rank - len(unknown), *ranks.values()])
+    later = [
+        i
+        for i, activity in enumerate(activities)
+        if (i not in facts or (facts[i].start == now and i not in ranks))
+        and _is_concerned(problem, i)
+        and activity.details.ranks is None
+    ]
+    for i in later if rank else ():
+        details = replace(activities[i].details, not_before=(now, rank))
+        activities[i] = replace(activities[i], details=details)
+    arcs = [
+        Arc(i, j, min_lag=0, max_lag=None, origin=-1) for i in unknown for j in (*changes, *later)
+    ]
+    return replace(problem, activities=tuple(activities), arcs=(*problem.arcs, *arcs)), told
+
+
+def _is_concerned(problem: Problem, i: int) -> bool:
+    details = problem.activities[i].details
+    return bool(details.conditions or details.effects or details.stock)
+
+
+def _end_rank(problem: Problem, i: int, fact: Fact) -> int | None:
+    """The rank of an end that has been, where it is known."""
+    ranks = problem.activities[i].details.ranks
+    if ranks is None:
+        return None
+    return ranks.start if problem.activities[i].is_fixed else ranks.end
+
+
+def _change_ranks(
+    problem: Problem, changes: Sequence[int], ended: Sequence[int], rank: int
+) -> dict[int, int]:
+    """Changes of the world behind all ranks that what ended has, and those of one variable in
+    their order."""
+    touched = {
+        var
+        for i in ended
+        for var in (
+            *(c.var for c in problem.activities[i].details.conditions if c.at != "start"),
+            *(e.var for e in problem.activities[i].details.effects if e.at_end),
+        )
+    }
+    ranks = {i: rank + (problem.activities[i].details.effects[0].var in touched) for i in changes}
+    for _ in changes:
+        for arc in problem.arcs:
+            if arc.before in ranks and arc.after in ranks:
+                ranks[arc.after] = max(ranks[arc.after], ranks[arc.before] + 1)
+    return ranks
