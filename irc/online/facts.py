@@ -25,6 +25,8 @@ class Fact:
     running: bool
     rank: int = 0
     end_rank: int = 0
+    by_itself: bool = False
+    """Whether it is a change of the world, which nobody has made."""
 
     @property
     def cancelled(self) -> bool:
@@ -126,7 +128,7 @@ def as_fact(
     problem: Problem, activity: Activity, fact: Fact, now: int, ranks: Ranks | None = None
 ) -> Activity:
     """The activity as it happened: its start is fixed, and so are mode, resources and, unless it
-    is running for a duration of its own choice, its end. So are those of its `ranks` that are known.
+    is running for a duration of its own choice, its end, and those of its `ranks` that are known.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
     has ended claims nothing any more. Releases and deadlines were for the time before.

@@ -53,8 +53,8 @@ def freeze(
     """The problem of a revised task as of `now` (`ticks` in ticks), given its history.
 
     `world_changes` are ids of actions that say how the world has changed by itself: what is due has
-    happened. Optional groups are as they were: `with_groups` says which of them must be finished. Raises
-    `UnexplainedError` where an entry that has begun says what its action cannot have.
+    happened. Optional groups are as they were: `with_groups` says which of them must be finished.
+    Raises `UnexplainedError` where an entry that has begun says what its action cannot have.
     """
     state = history.state(now)
     completed, running = _by_action(state.completed), _by_action(state.running)
@@ -67,7 +67,10 @@ def freeze(
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
-        found = [fact_of(problem, activity, e, running=r) for e, r in begun]
+        by_itself = activity.id in world_changes
+        found = [
+            replace(fact_of(problem, activity, e, running=r), by_itself=by_itself) for e, r in begun
+        ]
         if activity.details.repeats is not None:
             in_order = sorted(found, key=lambda f: (f.start, f.end))
             first = len(problem.activities)
@@ -91,7 +94,7 @@ def freeze(
             ranks = known_ranks(problem, history, activity, found[0])
             activities.append(as_fact(problem, activity, found[0], ticks, ranks))
             earlier.append(None)
-        elif activity.id in world_changes and _is_due(activity, ticks):
+        elif by_itself and _is_due(activity, ticks):
             facts[i] = _happened(problem, activity)
             activities.append(activity)
             earlier.append(None)
@@ -107,7 +110,7 @@ def freeze(
     )
     frozen = replace(frozen, wanted=_still_wanted(frozen, facts))
     if frozen.variables:
-        frozen, facts = past_first(frozen, facts, ticks, world_changes)
+        frozen, facts = past_first(frozen, facts, ticks)
     count = len(frozen.activities)
     frozen, facts = relaxed(frozen, facts, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
@@ -122,9 +125,8 @@ def _happened(problem: Problem, activity: Activity) -> Fact:
     """A change of the world that nobody has planned: it takes place when it does."""
     assert activity.start is not None
     time = problem.to_units(activity.start)
-    return Fact(
-        Entry(activity.id, time, time), activity.start, activity.start, None, (), running=False
-    )
+    entry = Entry(activity.id, time, time)
+    return Fact(entry, activity.start, activity.start, None, (), running=False, by_itself=True)
 
 
 def _still_wanted(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:

@@ -6,7 +6,7 @@ what starts. What has been keeps its ranks, wherever its times are as they were 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from irc.online.facts import Fact
@@ -34,42 +34,58 @@ def known_ranks(problem: Problem, history: History, activity: Activity, fact: Fa
 
 
 def past_first(
-    problem: Problem, facts: Mapping[int, Fact], now: int, world_changes: Collection[str]
+    problem: Problem, facts: Mapping[int, Fact], now: int
 ) -> tuple[Problem, dict[int, Fact]]:
     """The problem in which nothing open comes before what has been at this instant.
 
     Changes of the world get the least rank that has them come behind what ended.
     """
-    names = {i: a.id for i, a in enumerate(problem.activities)}
-    changes = [i for i in facts if names[i] in world_changes and facts[i].start == now]
+    changes = [
+        i for i in facts if facts[i].by_itself and problem.activities[i].details.ranks is None
+    ]
+    for time in sorted({now, *(facts[i].start for i in changes)}):
+        problem, facts = _at_instant(
+            problem, facts, time, [i for i in changes if facts[i].start == time], now
+        )
+    return problem, dict(facts)
+
+
+def _at_instant(
+    problem: Problem, facts: Mapping[int, Fact], time: int, changes: Sequence[int], now: int
+) -> tuple[Problem, dict[int, Fact]]:
     ended = [
         i
         for i, fact in facts.items()
-        if fact.start < fact.end == now and not fact.running and _is_concerned(problem, i)
+        if fact.start < fact.end == time and not fact.running and _is_concerned(problem, i)
     ]
-    unknown = [i for i in ended if _end_rank(problem, i, facts[i]) is None]
-    rank = max((_end_rank(problem, i, facts[i]) or 0 for i in ended), default=0) + len(unknown)
+    unknown = [i for i in ended if _end_rank(problem, i) is None]
+    known = max((_end_rank(problem, i) or 0 for i in ended), default=0)
+    ranks = _change_ranks(problem, changes, ended, known + len(unknown))
     activities, told = list(problem.activities), dict(facts)
-    ranks = _change_ranks(problem, changes, ended, rank)
     for i, own in ranks.items():
         details = replace(activities[i].details, ranks=Ranks(own, own))
         activities[i] = replace(activities[i], details=details)
         told[i] = replace(facts[i], rank=own, end_rank=own)
-    rank = max([rank if changes else rank - len(unknown), *ranks.values()])
+    # (Some changes of the world have their ranks from an earlier plan.)
+    had = [f.rank for f in facts.values() if f.by_itself and f.start == time]
+    rank = max([known, *had, *ranks.values()])
     later = [
         i
         for i, activity in enumerate(activities)
-        if (i not in facts or (facts[i].start == now and i not in ranks))
-        and _is_concerned(problem, i)
+        if _begins(facts.get(i), time, now)
         and activity.details.ranks is None
+        and _is_concerned(problem, i)
     ]
     for i in later if rank else ():
-        details = replace(activities[i].details, not_before=(now, rank))
+        details = replace(activities[i].details, not_before=(time, rank))
         activities[i] = replace(activities[i], details=details)
-    arcs = [
-        Arc(i, j, min_lag=0, max_lag=None, origin=-1) for i in unknown for j in (*changes, *later)
-    ]
+    arcs = [Arc(i, j, origin=-1) for i in unknown for j in (*changes, *later)]
     return replace(problem, activities=tuple(activities), arcs=(*problem.arcs, *arcs)), told
+
+
+def _begins(fact: Fact | None, time: int, now: int) -> bool:
+    """Whether something may begin at an instant, or has, that is now or before."""
+    return time == now if fact is None else fact.start == time and not fact.by_itself
 
 
 def _is_concerned(problem: Problem, i: int) -> bool:
@@ -77,7 +93,7 @@ def _is_concerned(problem: Problem, i: int) -> bool:
     return bool(details.conditions or details.effects or details.stock)
 
 
-def _end_rank(problem: Problem, i: int, fact: Fact) -> int | None:
+def _end_rank(problem: Problem, i: int) -> int | None:
     """The rank of an end that has been, where it is known."""
     ranks = problem.activities[i].details.ranks
     if ranks is None:
