@@ -6,6 +6,7 @@ what starts. What has been keeps its ranks, wherever its times are as they were 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -60,7 +61,7 @@ def _at_instant(
     ]
     unknown = [i for i in ended if _end_rank(problem, i) is None]
     known = max((_end_rank(problem, i) or 0 for i in ended), default=0)
-    ranks = _change_ranks(problem, changes, ended, known + len(unknown))
+    ranks = _change_ranks(problem, changes, _free_ranks(problem, ended), known + len(unknown))
     activities, told = list(problem.activities), dict(facts)
     for i, own in ranks.items():
         details = replace(activities[i].details, ranks=Ranks(own, own))
@@ -76,9 +77,15 @@ def _at_instant(
         and activity.details.ranks is None
         and _is_concerned(problem, i)
     ]
-    for i in later if rank else ():
-        details = replace(activities[i].details, not_before=(time, rank))
-        activities[i] = replace(activities[i], details=details)
+    free = _free_ranks(problem, ended)
+    for i in later:
+        reads, writes = _touched(activities[i], at_end=False)
+        least = max(
+            [rank, *(free[var, True] for var in reads), *(free[var, False] for var in writes)]
+        )
+        if least:
+            details = replace(activities[i].details, not_before=(time, least))
+            activities[i] = replace(activities[i], details=details)
     arcs = [Arc(i, j, origin=-1) for i in unknown for j in (*changes, *later)]
     return replace(problem, activities=tuple(activities), arcs=(*problem.arcs, *arcs)), told
 
@@ -101,20 +108,43 @@ def _end_rank(problem: Problem, i: int) -> int | None:
     return ranks.start if problem.activities[i].is_fixed else ranks.end
 
 
+def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bool]]:
+    """The least rank at which a variable may be read (True) or changed without interfering with
+    what ended. (Also where its condition did not hold, and binds nobody any more.)"""
+    free: Counter[tuple[int, bool]] = Counter()
+    for i in ended:
+        rank = 1 + (_end_rank(problem, i) or 0)
+        reads, writes = _touched(problem.activities[i], at_end=True)
+        for var in writes:
+            free[var, True] = max(free[var, True], rank)
+        for var in reads | writes:
+            free[var, False] = max(free[var, False], rank)
+    return free
+
+
+def _touched(activity: Activity, *, at_end: bool) -> tuple[set[int], set[int]]:
+    """The variables that a start (with all that an activity of no duration does), or an end, reads
+    and changes."""
+    details = activity.details
+    both = not activity.duration_min
+    reads = {
+        c.var
+        for c in details.conditions
+        if c.at == ("end" if at_end else "start") or (both and not at_end)
+    }
+    writes = {e.var for e in details.effects if e.at_end == at_end or (both and not at_end)}
+    return reads, writes
+
+
 def _change_ranks(
-    problem: Problem, changes: Sequence[int], ended: Sequence[int], rank: int
+    problem: Problem, changes: Sequence[int], free: Counter[tuple[int, bool]], rank: int
 ) -> dict[int, int]:
     """Changes of the world behind all ranks that what ended has, and those of one variable in
     their order."""
-    touched = {
-        var
-        for i in ended
-        for var in (
-            *(c.var for c in problem.activities[i].details.conditions if c.at != "start"),
-            *(e.var for e in problem.activities[i].details.effects if e.at_end),
-        )
+    ranks = {
+        i: max([rank, *(free[e.var, False] for e in problem.activities[i].details.effects)])
+        for i in changes
     }
-    ranks = {i: rank + (problem.activities[i].details.effects[0].var in touched) for i in changes}
     for _ in changes:
         for arc in problem.arcs:
             if arc.before in ranks and arc.after in ranks:
