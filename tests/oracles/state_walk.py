@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 from irc.schedule import Entry, Schedule
@@ -17,6 +18,7 @@ from oracles.state_instant import (
     orders,
     whole_happening,
 )
+from oracles.state_levels import Party, combined, hand_over_orders, level_orders
 from oracles.state_ranks import closure, only, ranks
 from oracles.state_relaxation import Windows, occurrences
 from oracles.state_task import Arc, Fact, Option, Plain
@@ -156,8 +158,14 @@ class Walk:
         self.ranked = self._ranked()
 
     def _ranked(self) -> list[bool]:
-        """Whose ranks can matter: who touches state, or passes demands on between such ones."""
+        """Whose ranks can matter: who touches state, or passes demands on between such ones.
+
+        (So may who shares resources or stock with others.)
+        """
         touching = {i for i, job in enumerate(self.jobs) if job.touches_state}
+        if touching:
+            sharing = (i for i, job in enumerate(self.jobs) if job.shares)
+            touching |= set(sharing)
         onward, back = set(touching), set(touching)
         for _ in range(self.size):
             onward |= {v for u, v, _ in self.arcs if u in onward}
@@ -328,6 +336,9 @@ class Walk:
         levels = self._levels(situation, starts, due)
         if levels is None:
             return
+        orders_of_levels = self._orders_of_levels(situation, starts, due, now)
+        if not orders_of_levels:
+            return
         asked = self._lags(situation, now, starts)
         if asked is None:
             return
@@ -342,7 +353,9 @@ class Walk:
         late = self._lateness(ended, states, now)
         clipped = _clipped(lags, now)
         alive = self._alive(runs, clipped)
-        for values, wanted in self._outcomes(situation, starts, due):
+        outcomes = product(self._outcomes(situation, starts, due), orders_of_levels)
+        for (values, by_state), by_levels in outcomes:
+            wanted = by_state | by_levels
             kept = self._kept(frozenset([*situation.order, *demands, *wanted]), alive)
             if kept is None:
                 continue
@@ -364,6 +377,66 @@ class Walk:
         if all(self.plain.stocks[name].holds(level) for name, level in levels.items()):
             return tuple(levels.values())
         return None
+
+    def _orders_of_levels(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> list[frozenset[Demand]]:
+        """What each way to order those who share resources or stock demands; none: there is no way.
+
+        Where no rank matters a way need only exist.
+        """
+        choices = []
+        parties = self._stock_parties(situation, starts, due)
+        if parties:
+            levels = dict(zip(self.stocks, situation.levels, strict=True))
+            choices.append(level_orders(self.plain.stocks, levels, parties))
+        if any(self.ranked):
+            choices += self._hand_overs(situation, starts, due, now)
+        ways = combined(choices)
+        return ways if any(self.ranked) else [frozenset()] if ways else []
+
+    def _stock_parties(
+        self, situation: Situation, starts: Sequence[tuple[int, Run]], due: Sequence[int]
+    ) -> list[Party]:
+        found: dict[int, dict[str, int]] = {}
+        ends = [(i, run) for i in due if (run := situation.runs[i]) is not None]
+        ends += [(i, run) for i, run in starts if run.lasts == 0]
+        points = [(i, 2 * i, False) for i, _ in starts]
+        # (Where nothing has a rank, both ends of what takes no time are one happening.)
+        points += [(i, _end_node(i, run), True) for i, run in ends]
+        for i, node, end in points:
+            for name, amount, at_end in self.jobs[i].stock:
+                if at_end == end:
+                    changes = found.setdefault(node, {})
+                    changes[name] = changes.get(name, 0) + amount
+        return list(found.items())
+
+    def _hand_overs(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> Iterator[list[tuple[Demand, ...]]]:
+        for name, renewable in self.plain.renewables.items():
+            ending, starting, others = [], [], 0
+            for i, run in enumerate(situation.runs):
+                amount = 0 if run is None else dict(run.option.held).get(name, 0)
+                if run is not None and amount and i in due:
+                    ending.append((_end_node(i, run), amount))
+                else:
+                    others += amount
+            for i, run in starts:
+                amount = dict(run.option.held).get(name, 0)
+                if amount and run.lasts:
+                    starting.append((2 * i, amount))
+            if ending and starting:
+                capacity = max(renewable.at(now), renewable.at(now - 1))
+                yield hand_over_orders(capacity - others, ending, starting)
 
     def _lateness(self, ended: Sequence[int], states: Sequence[int], now: int) -> int:
         """The tardiness of what has ended now, if that is an objective."""
