@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from fractions import Fraction
+from itertools import permutations, product
 from typing import NamedTuple
 
 from irc.schedule import Entry, Schedule
+from irc.times import Number
 from oracles.state_instant import (
     Demand,
     Happening,
@@ -44,6 +46,16 @@ class Worth:
         """One number for each objective."""
         timed = {"minimize_makespan": makespan, "minimize_tardiness": tardiness, **self.fixed}
         return tuple(timed[name] for name in self.objective)
+
+
+@dataclass(frozen=True)
+class Past:
+    """What is known of an execution: at `at` what ended comes first, then the `world` changes by
+    itself, then others start. `ranks` are those that starts and ends have had, by action."""
+
+    at: Number
+    world: Collection[str]
+    ranks: Mapping[str, tuple[int | None, int | None]]
 
 
 class Run(NamedTuple):
@@ -128,6 +140,7 @@ class Walk:
         windows: Windows,
         incumbent: tuple[int, ...] | None,
         room: int,
+        past: Past | None = None,
     ) -> None:
         self.plain, self.counts, self.windows = plain, tuple(counts), windows
         self.owners = occurrences(counts)
@@ -156,6 +169,9 @@ class Walk:
         self.outcomes: dict[object, list[Outcome]] = {}
         self.orders: dict[object, frozenset[Demand] | None] = {}
         self.ranked = self._ranked()
+        self.past = past
+        self.at = None if past is None else Fraction(past.at) / plain.tick
+        self.known = tuple(self._known_order())
 
     def _ranked(self) -> list[bool]:
         """Whose ranks can matter: who touches state, or passes demands on between such ones.
@@ -171,6 +187,21 @@ class Walk:
             onward |= {v for u, v, _ in self.arcs if u in onward}
             back |= {u for u, v, _ in self.arcs if v in back}
         return [i in onward and i in back for i in range(self.size)]
+
+    def _known_order(self) -> Iterator[Demand]:
+        """The order of all ranks that have been."""
+        nodes: list[tuple[int, int]] = []
+        for i, job in enumerate(self.jobs):
+            start, end = (
+                (None, None) if self.past is None else self.past.ranks.get(job.id, (None, None))
+            )
+            if start is not None:
+                nodes.append((2 * i, start))
+            if end is not None and any(option.ends_freely for option in job.options):
+                nodes.append((2 * i + 1, end))
+        for (a, one), (b, two) in permutations(nodes, 2):
+            if one <= two:
+                yield a, b, int(one < two)
 
     # --- the walk, tick by tick ------------------------------------------------------------------
 
@@ -344,6 +375,7 @@ class Walk:
             return
         lags, demands = asked
         demands += [d for i, run in starts for d in self._duration_demands(i, run)]
+        demands += self._past_first(situation, starts, due, now)
         states, runs = list(situation.states), list(situation.runs)
         ended = [*due, *(i for i, run in starts if run.lasts == 0)]
         for i, run in starts:
@@ -356,7 +388,7 @@ class Walk:
         outcomes = product(self._outcomes(situation, starts, due), orders_of_levels)
         for (values, by_state), by_levels in outcomes:
             wanted = by_state | by_levels
-            kept = self._kept(frozenset([*situation.order, *demands, *wanted]), alive)
+            kept = self._kept(frozenset([*situation.order, *demands, *wanted, *self.known]), alive)
             if kept is None:
                 continue
             after = Situation(tuple(states), tuple(runs), clipped, values, levels, kept)
@@ -377,6 +409,25 @@ class Walk:
         if all(self.plain.stocks[name].holds(level) for name, level in levels.items()):
             return tuple(levels.values())
         return None
+
+    def _past_first(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> Iterator[Demand]:
+        """What ended at an event's instant, then what it changes, then what starts."""
+        if self.past is None or now != self.at:
+            return
+        ended = [_end_node(i, run) for i in due if (run := situation.runs[i]) is not None]
+        changes = [2 * i for i, _ in starts if self.jobs[i].id in self.past.world]
+        others = [2 * i for i, _ in starts if self.jobs[i].id not in self.past.world]
+        for earlier, later in ((ended, changes), (ended, others), (changes, others)):
+            yield from ((a, b, 0) for a, b in product(earlier, later) if self._matter(a, b))
+
+    def _matter(self, *nodes: int) -> bool:
+        return all(self.ranked[node // 2] for node in nodes)
 
     def _orders_of_levels(
         self,
