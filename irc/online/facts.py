@@ -131,7 +131,7 @@ def as_fact(
     is running for a duration of its own choice, its end, and those of its `ranks` that are known.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
-    has ended claims nothing any more. Releases and deadlines were for the time before.
+    has ended before claims nothing any more. Releases and deadlines were for the time before.
     """
     if activity.details.modes and fact.mode is None:
         return _begun(activity, fact)
@@ -179,6 +179,8 @@ def as_fact(
             due=None,
             reward=0,
         )
+    # (What it frees at this instant, ranks may still have to do with.)
+    frees_now = bool(problem.variables) and fact.end == now
     deadline = fact.end if apart else activity.deadline
     if shortest == longest or (deadline is not None and deadline < fact.start + shortest):
         deadline = None
@@ -190,7 +192,7 @@ def as_fact(
         duration_min=shortest,
         duration_max=longest,
         uses=uses,
-        claims=claims if fact.running else (),
+        claims=claims if fact.running or frees_now else (),
         details=details,
     )
 

@@ -262,7 +262,9 @@ class _Draft:
         deciding = {name for g in groups if not g.required for name in g.actions}
         actions = [self._fact(fact) for facts in self.facts.values() for fact in facts]
         for action in self.actions.values():
-            if action.id not in self.over and action.id not in absent:
+            if action.id in self.been.world:
+                actions.append(action)
+            elif action.id not in self.over and action.id not in absent:
                 actions += self._open(action, action.id in deciding)
         present = {a.id for a in actions}
         return self._made(
