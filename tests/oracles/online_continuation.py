@@ -212,7 +212,12 @@ class _Draft:
         for fact in facts:
             self.facts[fact.entry.id].append(fact)
         self.actions = {a.id: a for a in task.actions}
-        self.been = Past(at, world, {self._name(fact): fact.ranks for fact in facts})
+        self.been = Past(
+            at,
+            world,
+            {self._name(fact): fact.ranks for fact in facts},
+            [resource.id for resource in self._own_time()],
+        )
         cut = next((k for k, n in enumerate(task.objective) if n == "minimize_changes"), None)
         self.objective: tuple[str, ...] = task.objective[:cut] or ("minimize_makespan",)
 

@@ -51,11 +51,13 @@ class Worth:
 @dataclass(frozen=True)
 class Past:
     """What is known of an execution: at `at` what ended comes first, then the `world` changes by
-    itself, then others start. `ranks` are those that starts and ends have had, by action."""
+    itself, then others start. `ranks` are those that starts and ends have had, by action. Of the
+    resources `by_time` only time is asked."""
 
     at: Number
     world: Collection[str]
     ranks: Mapping[str, tuple[int | None, int | None]]
+    by_time: Collection[str] = ()
 
 
 class Run(NamedTuple):
@@ -473,7 +475,10 @@ class Walk:
         due: Sequence[int],
         now: int,
     ) -> Iterator[list[tuple[Demand, ...]]]:
+        by_time = () if self.past is None else self.past.by_time
         for name, renewable in self.plain.renewables.items():
+            if name in by_time:
+                continue
             ending, starting, others = [], [], 0
             for i, run in enumerate(situation.runs):
                 amount = 0 if run is None else dict(run.option.held).get(name, 0)
