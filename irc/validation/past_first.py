@@ -2,7 +2,8 @@
 
 The instants concerned are those of changes of the world, and the one as of which a schedule is
 judged. The order is one of ranks and weak: what must not share a rank says so by interference. It
-is asked of all that has to do with state or stock.
+is asked of all that has to do with state or stock. An end whose time could be chosen may have been
+chosen at the event, behind its changes, so it is not bound.
 """
 
 from __future__ import annotations
@@ -40,13 +41,18 @@ def event_instants(bound: BoundSchedule) -> Iterator[EventInstant]:
     ended: dict[Number, list[Occurrence]] = {time: [] for time in changes}
     starts: dict[Number, list[Occurrence]] = {time: [] for time in changes}
     for occurrence in others if changes else ():
-        if occurrence.start < occurrence.end and occurrence.end in ended:
+        if occurrence.end in ended and _ended_by_itself(occurrence):
             ended[occurrence.end].append(occurrence)
         if occurrence.start in starts:
             starts[occurrence.start].append(occurrence)
     for time, own in changes.items():
         if (ended[time] or own) and (own or starts[time]):
             yield EventInstant(time, tuple(ended[time]), tuple(own), tuple(starts[time]))
+
+
+def _ended_by_itself(occurrence: Occurrence) -> bool:
+    """Whether its end was none to be chosen: what runs may be ended behind what an event changes."""
+    return occurrence.start < occurrence.end and occurrence.shortest == occurrence.longest
 
 
 def _is_concerned(occurrence: Occurrence) -> bool:

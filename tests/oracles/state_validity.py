@@ -53,6 +53,9 @@ def is_valid(task: Task, schedule: Schedule) -> bool:
         plain.is_selection(counts)
         and all(_occurrences_in_order(cases, j) for j in range(len(plain.jobs)))
         and all(_arc_holds(arc, cases) for arc in plain.arcs)
+        # (What no order within an instant mends, ranks do not mend either.)
+        and _capacities_suffice(plain, cases, _one_rank(cases))
+        and _stocks_hold(plain, cases, _one_rank(cases))
         and any(_story_holds(plain, cases, ranks) for ranks in _all_ranks(plain, cases))
     )
 
@@ -197,6 +200,10 @@ def _all_ranks(plain: Plain, cases: Sequence[_Case]) -> Iterator[dict[tuple[int,
             ranks.setdefault((i, False), 0)
             ranks.setdefault((i, True), ranks[i, False])
         yield ranks
+
+
+def _one_rank(cases: Sequence[_Case]) -> dict[tuple[int, bool], int]:
+    return {(i, at_end): 0 for i in range(len(cases)) for at_end in (False, True)}
 
 
 def _weak_orders(

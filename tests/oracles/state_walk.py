@@ -422,7 +422,12 @@ class Walk:
         """What ended at an event's instant, then what it changes, then what starts."""
         if self.past is None or now != self.at:
             return
-        ended = [_end_node(i, run) for i in due if (run := situation.runs[i]) is not None]
+        # (An end that can be chosen may be chosen at the event, behind its changes.)
+        ended = [
+            _end_node(i, run)
+            for i in due
+            if (run := situation.runs[i]) is not None and not run.option.ends_freely
+        ]
         changes = [2 * i for i, _ in starts if self.jobs[i].id in self.past.world]
         others = [2 * i for i, _ in starts if self.jobs[i].id not in self.past.world]
         for earlier, later in ((ended, changes), (ended, others), (changes, others)):

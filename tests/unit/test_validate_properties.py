@@ -213,7 +213,11 @@ def past_comes_first(
 ) -> bool:
     """At the instant of a change of the world: what ended, then it, then what starts."""
     concerned = [
-        (action.id.startswith("p at"), start, end)
+        (
+            action.id.startswith("p at"),
+            start,
+            end if not isinstance(action.duration, DurationRange) else start,
+        )
         for _, action, start, end in end_points(task, entries, ranks)
         if action.conditions or action.effects or action.consumes or action.produces
     ]
