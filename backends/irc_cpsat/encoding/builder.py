@@ -123,7 +123,7 @@ class Builder:
         key = i, at_end
         if key not in self.points:
             reach = max(activity.duration_min, 0) + (activity.start or 0)
-            latest = (2 * (self.horizon + 1) + 1 + reach) * self.rank_count
+            latest = (2 * (self.horizon + 1) + reach) * self.rank_count
             self.points[key] = self.model.new_int_var(0, latest, "")
             self.model.add(self.points[key] == self.moment(i, at_end=at_end))
         return self.points[key]
