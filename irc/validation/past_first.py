@@ -51,7 +51,7 @@ def event_instants(bound: BoundSchedule) -> Iterator[EventInstant]:
 
 
 def _ended_by_itself(occurrence: Occurrence) -> bool:
-    """Whether its end was none to be chosen: what runs may be ended behind what an event changes."""
+    """Whether its end was not chosen: what runs may be ended behind what an event changes."""
     return occurrence.start < occurrence.end and occurrence.shortest == occurrence.longest
 
 
