@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from irc.model.times import Number
-from irc.problem import Activity, Earlier, Problem
+from irc.problem import Activity, Earlier, Problem, Ranks
 from irc.schedule import CANCELLED, Entry
 
 
@@ -25,6 +25,8 @@ class Fact:
     running: bool
     rank: int = 0
     end_rank: int = 0
+    by_itself: bool = False
+    """Whether it is a change of the world, which nobody has made."""
 
     @property
     def cancelled(self) -> bool:
@@ -122,12 +124,14 @@ def _explain(
     return False
 
 
-def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activity:
+def as_fact(
+    problem: Problem, activity: Activity, fact: Fact, now: int, ranks: Ranks | None = None
+) -> Activity:
     """The activity as it happened: its start is fixed, and so are mode, resources and, unless it
-    is running for a duration of its own choice, its end.
+    is running for a duration of its own choice, its end, and those of its `ranks` that are known.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
-    has ended claims nothing any more. Releases and deadlines were for the time before.
+    has ended before claims nothing any more. Releases and deadlines were for the time before.
     """
     if activity.details.modes and fact.mode is None:
         return _begun(activity, fact)
@@ -136,7 +140,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
     if fact.running and not activity.is_fixed and not fact.cancelled:
         shortest = max(activity.duration_min, now - fact.start)
         longest = max(activity.duration_max, shortest)
-    apart = _ends_apart(activity, fact)
+    apart = _ends_apart(activity, fact, ranks)
     if apart:
         longest = shortest + 1
     uses = activity.uses
@@ -160,6 +164,7 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         optional=False,
         repeats=None,
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
+        ranks=ranks,
     )
     if longest == 0:
         # (One happening: what was seen to take no time has changed each variable once, at last.)
@@ -174,6 +179,8 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
             due=None,
             reward=0,
         )
+    # (What it frees at this instant, ranks may still have to do with.)
+    frees_now = bool(problem.variables) and fact.end == now
     deadline = fact.end if apart else activity.deadline
     if shortest == longest or (deadline is not None and deadline < fact.start + shortest):
         deadline = None
@@ -185,23 +192,21 @@ def as_fact(problem: Problem, activity: Activity, fact: Fact, now: int) -> Activ
         duration_min=shortest,
         duration_max=longest,
         uses=uses,
-        claims=claims if fact.running else (),
+        claims=claims if fact.running or frees_now else (),
         details=details,
     )
 
 
-def _ends_apart(activity: Activity, fact: Fact) -> bool:
+def _ends_apart(activity: Activity, fact: Fact, ranks: Ranks | None) -> bool:
     """Whether what has ended was of a duration that could be chosen, so that its end has a rank of
     its own. It keeps one where it could still be longer, and a deadline says that it is not.
     """
     details = activity.details
-    return (
-        not fact.running
-        and not fact.cancelled
-        and not activity.is_fixed
-        and fact.end - fact.start < activity.duration_max
-        and bool(details.conditions or details.effects)
-    )
+    if fact.running or fact.cancelled or not (details.conditions or details.effects):
+        return False
+    if ranks is not None and None not in ranks and ranks.start != ranks.end:
+        return True
+    return not activity.is_fixed and fact.end - fact.start < activity.duration_max
 
 
 def _begun(activity: Activity, fact: Fact) -> Activity:

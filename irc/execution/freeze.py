@@ -15,6 +15,7 @@ from itertools import takewhile
 from irc.execution.conflicts import relaxed
 from irc.execution.executed import Fact, as_fact, earlier_of, fact_of
 from irc.execution.history import History
+from irc.execution.past import known_ranks, past_first
 from irc.lowering.choices import NEVER
 from irc.model.times import Number
 from irc.problem import Activity, Earlier, Group, Problem
@@ -42,11 +43,18 @@ class Frozen:
         return not group.required and any(begun) and not all(begun)
 
 
-def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Frozen:
+def freeze(
+    problem: Problem,
+    history: History,
+    now: Number,
+    ticks: int,
+    world_changes: Collection[str] = (),
+) -> Frozen:
     """The problem of a revised task as of `now` (`ticks` in ticks), given its history.
 
-    Optional groups are as they were: `with_groups` says which of them must be finished. Raises
-    `UnexplainedError` where an entry that has begun says what its action cannot have.
+    `world_changes` are ids of actions that say how the world has changed by itself: what is due has
+    happened. Optional groups are as they were: `with_groups` says which of them must be finished.
+    Raises `UnexplainedError` where an entry that has begun says what its action cannot have.
     """
     state = history.state(now)
     completed, running = _by_action(state.completed), _by_action(state.running)
@@ -59,13 +67,17 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
-        found = [fact_of(problem, activity, e, running=r) for e, r in begun]
+        by_itself = activity.id in world_changes
+        found = [
+            replace(fact_of(problem, activity, e, running=r), by_itself=by_itself) for e, r in begun
+        ]
         if activity.details.repeats is not None:
             in_order = sorted(found, key=lambda f: (f.start, f.end))
             first = len(problem.activities)
             for k, fact in enumerate(in_order, 1):
                 facts[first + len(further)] = fact
-                further.append(_occurrence(as_fact(problem, activity, fact, ticks), k))
+                ranks = known_ranks(problem, history, activity, fact)
+                further.append(_occurrence(as_fact(problem, activity, fact, ticks, ranks), k))
             rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
@@ -79,7 +91,12 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             recurring[i] = tuple(place for place in known[1:] if place is not None)
         elif found:
             facts[i] = found[0]
-            activities.append(as_fact(problem, activity, found[0], ticks))
+            ranks = known_ranks(problem, history, activity, found[0])
+            activities.append(as_fact(problem, activity, found[0], ticks, ranks))
+            earlier.append(None)
+        elif by_itself and _is_due(activity, ticks):
+            facts[i] = _happened(problem, activity)
+            activities.append(activity)
             earlier.append(None)
         else:
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
@@ -92,10 +109,24 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         recurring=recurring,
     )
     frozen = replace(frozen, wanted=_still_wanted(frozen, facts))
+    if frozen.variables:
+        frozen, facts = past_first(frozen, facts, ticks)
     count = len(frozen.activities)
     frozen, facts = relaxed(frozen, facts, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
     return Frozen(frozen, ticks, facts, helpers)
+
+
+def _is_due(activity: Activity, now: int) -> bool:
+    return activity.start is not None and activity.start <= now
+
+
+def _happened(problem: Problem, activity: Activity) -> Fact:
+    """A change of the world that nobody has planned: it takes place when it does."""
+    assert activity.start is not None
+    time = problem.to_units(activity.start)
+    entry = Entry(activity.id, time, time)
+    return Fact(entry, activity.start, activity.start, None, (), running=False, by_itself=True)
 
 
 def _still_wanted(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:

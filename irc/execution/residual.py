@@ -3,7 +3,7 @@
 A planner begins at 0 and would have to live through the whole history again. Here what has ended is
 gone: its effects are in the initial state and the initial stock, lags to it are releases, deadlines
 or lags to an instant of its own, what runs is an activity that starts at once and takes the rest of
-its time. What has ended just now runs for no time at all, where state tells it from being over. The
+its time. What has ended just now is over too, and the world has changed: the past comes first. The
 way back leads through the frozen problem, which is re-timed as a whole.
 """
 
@@ -121,12 +121,7 @@ def rebase(problem: Problem, facts: Mapping[int, Fact], now: int) -> Rebased:
     """
     if problem.deadline is not None and problem.deadline < now:
         problem = _all_too_late(problem, facts)
-    disputed = _in_dispute(problem, facts, now)
-    kept = [
-        i
-        for i in range(len(problem.activities))
-        if i not in facts or facts[i].running or i in disputed
-    ]
+    kept = [i for i in range(len(problem.activities)) if i not in facts or facts[i].running]
     names = Counter(a.id for a in problem.activities)
     places = {i: k for k, i in enumerate(kept)}
     activities = []
@@ -198,37 +193,6 @@ def _earlier(
     return (*shifted, *(None for _ in range(size - len(shifted))))
 
 
-def _in_dispute(problem: Problem, facts: Mapping[int, Fact], now: int) -> set[int]:
-    """The facts that have just ended, where something open could come first at this very instant.
-
-    Of state alone: what one of them changes at its end, another or something open has to do with.
-    """
-    contested = {
-        var
-        for i, activity in enumerate(problem.activities)
-        if i not in facts
-        for var in _touched(activity)
-    }
-    names = Counter(a.id for a in problem.activities)
-    ended = {
-        i: _touched(problem.activities[i], at_end=True)
-        for i, fact in facts.items()
-        if fact.end == now and not fact.running and names[problem.activities[i].id] == 1
-    }
-    found: set[int] = set()
-    while more := {i for i, its in ended.items() if i not in found and its & contested}:
-        found |= more
-        contested.update(*(ended[i] for i in more))
-    return found
-
-
-def _touched(activity: Activity, *, at_end: bool = False) -> set[int]:
-    """The variables that an activity needs or changes, at its end or before it if `at_end`."""
-    details = activity.details
-    read = {c.var for c in details.conditions if not at_end or c.at != "start"}
-    return read | {e.var for e in details.effects if e.at_end or not at_end}
-
-
 def _is_over(fact: Fact, at_end: bool, now: int, left: bool) -> bool:
     """Whether what a fact does at its start, or its end, has been done for good."""
     return not left or (not at_end and fact.start < now)
@@ -248,6 +212,8 @@ def _shifted(activity: Activity, now: int, facts: Mapping[int, Fact]) -> Activit
     if due is not None or details.previous is not None or details.occurrence != 1:
         due = None if due is None else due - now
         details = replace(details, due=due, previous=None, occurrence=1)
+    if details.not_before is not None:
+        details = replace(details, not_before=None)
     return replace(
         activity,
         release=max(0, release - now),
@@ -328,14 +294,15 @@ def _state_now(
 ) -> tuple[Variable, ...]:
     """What the past has made of each variable."""
     values = [v.initial for v in problem.variables]
-    writes: list[tuple[int, int, int, int]] = []
+    writes: list[tuple[int, int, bool, int, int]] = []
     for i, fact in facts.items():
         for effect in problem.activities[i].details.effects:
             if not _is_over(fact, effect.at_end, now, i in places):
                 continue
             time, rank = (fact.end, fact.end_rank) if effect.at_end else (fact.start, fact.rank)
-            writes.append((time, rank, effect.var, effect.value))
-    for _, _, var, value in sorted(writes):
+            # (What ended at an instant comes before what happened at it by itself.)
+            writes.append((time, rank, fact.start == time, effect.var, effect.value))
+    for _, _, _, var, value in sorted(writes):
         values[var] = value
     return tuple(
         replace(v, initial=value) for v, value in zip(problem.variables, values, strict=True)

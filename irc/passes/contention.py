@@ -73,7 +73,8 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 def drop_uncontended(problem: Problem) -> Problem:
     """Drops claims on resources that have enough, always, even if everything ran at once.
 
-    (Occurrences of one action never overlap: they count once, as do its modes together.)
+    (Occurrences of one action never overlap: they count once, as do its modes together. But where
+    ranks order what happens at one instant, the next may start before the last one ends.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
     settled choice relieves the other alternatives.
@@ -83,9 +84,10 @@ def drop_uncontended(problem: Problem) -> Problem:
     while True:
         load: Counter[int] = Counter()
         for activity in activities:
+            at_once = 2 if problem.variables and activity.details.repeats is not None else 1
             for claim in activity.claims:
                 for r in claim.alternatives:
-                    load[r] += claim.amount
+                    load[r] += claim.amount * at_once
         enough = {r for r, amount in load.items() if amount <= problem.shared[r].least_capacity}
         if not enough:
             break

@@ -14,7 +14,9 @@ def add_resources(builder: Builder) -> ClaimLiterals:
     activities = enumerate(builder.problem.activities)
     literals = [_add_claims(builder, i, activity) for i, activity in activities]
     for shared, uses in zip(builder.problem.shared, builder.uses, strict=True):
-        _add_capacity(builder, shared, uses)
+        _add_capacity(builder, shared, uses, 1)
+    for shared, uses in zip(builder.problem.shared, builder.uses_in_moments, strict=True):
+        _add_capacity(builder, shared, uses, builder.rank_count)
     return literals
 
 
@@ -44,8 +46,7 @@ def _add_claim(
     if len(claim.alternatives) > 1:
         return _add_choice(builder, i, claim, c, needed, has_length)
     (r,) = claim.alternatives
-    taken = builder.taking(i, claim, r, needed, has_length)
-    builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+    _take(builder, i, claim, r, builder.taking(i, claim, r, needed, has_length))
     return []
 
 
@@ -67,11 +68,37 @@ def _add_choice(
         if claim.amount > shared.capacity and activity.duration_min > 0:
             model.add(literal == 0)
             continue
-        taken = builder.taking(i, claim, r, has_length, literal)
-        builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+        _take(builder, i, claim, r, builder.taking(i, claim, r, has_length, literal))
     absent = [] if needed is None else [~needed]
     model.add_exactly_one([*(literal for _, literal in literals), *absent])
     return literals
+
+
+def _take(builder: Builder, i: int, claim: Claim, r: int, taken: Literal | None) -> None:
+    """Adds a use of a shared resource: over time, and where there are ranks over moments too.
+
+    (The first follows from the second, but says more about time.)
+    """
+    builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+    if builder.ranked:
+        builder.uses_in_moments[r].add(_interval_of_moments(builder, i, taken), claim.amount)
+
+
+def _interval_of_moments(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+    model, activity = builder.model, builder.problem.activities[i]
+    name = name_of(activity)
+    start = builder.point(i, at_end=False)
+    if activity.is_fixed:
+        size = activity.duration_min * builder.rank_count
+        if literal is None:
+            return model.new_fixed_size_interval_var(start, size, name)
+        return model.new_optional_fixed_size_interval_var(start, size, literal, name)
+    end = builder.point(i, at_end=True)
+    longest = (builder.horizon + 1 + activity.duration_min) * builder.rank_count
+    length = model.new_int_var(0, 2 * longest, "")
+    if literal is None:
+        return model.new_interval_var(start, length, end, name)
+    return model.new_optional_interval_var(start, length, end, literal, name)
 
 
 def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
@@ -88,11 +115,12 @@ def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.Int
     return model.new_optional_interval_var(start, length, end, literal, name)
 
 
-def _add_capacity(builder: Builder, shared: Shared, uses: ResourceUses) -> None:
+def _add_capacity(builder: Builder, shared: Shared, uses: ResourceUses, moments: int) -> None:
+    """Adds the capacity of a resource, for uses in so many moments a tick."""
     if not uses.intervals:
         return
     if shared.base is not None:
-        uses = with_windows(builder, shared, uses)
+        uses = with_windows(builder, shared, uses, moments)
     capacity = shared.capacity
     if 2 * min(uses.amounts) > capacity and max(uses.amounts) <= capacity:
         builder.model.add_no_overlap(uses.intervals)
