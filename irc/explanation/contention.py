@@ -10,7 +10,6 @@ What is left in the end is refuted once more by the solver alone.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
 from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
 from irc.passes.contention import drop_uncontended, merge_pools
@@ -28,7 +27,7 @@ from irc.problem.statements import (
     problem_of,
 )
 from irc.schedule import Status
-from irc.targets import EngineFailed
+from irc.targets import Budget, EngineFailed
 from irc.targets.refuter import Assumptions, Refuter
 
 _ORDER = (
@@ -45,17 +44,12 @@ _ORDER = (
 
 _OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
 
-_LEAST_SECONDS = 0.05
-"""A solver that is asked at all is given at least this."""
-
-
-def resource_conflict(problem: Problem, refuter: Refuter, until: float) -> Conflict | None:
+def resource_conflict(problem: Problem, refuter: Refuter, budget: Budget) -> Conflict | None:
     """A minimal conflict of a problem that has no schedule, though time alone allows one.
 
-    None where it is later than `until` (of `time.perf_counter`) at once; later on, what is found
-    may not be minimal. That the whole has no schedule must have been proven before.
+    None where the budget is over at once; once it is over, what is found may not be minimal. That the whole has no schedule must have been proven before.
     """
-    return _Search(problem, refuter, until).conflict()
+    return _Search(problem, refuter, budget).conflict()
 
 
 def horizon_without_limits(problem: Problem) -> int:
@@ -67,7 +61,7 @@ def horizon_without_limits(problem: Problem) -> int:
 class _Search:
     problem: Problem
     refuter: Refuter
-    until: float
+    budget: Budget
     known: dict[frozenset[Statement], Trial] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -84,11 +78,11 @@ class _Search:
 
     def _found(self) -> frozenset[Statement] | None:
         """What is to be made minimal: the solver's core if it has one that stands, else all."""
-        if perf_counter() > self.until:
+        if self.budget.is_over:
             return None
         statements = frozenset(self._relevant())
         if not _refuted_by_energy(self._part(statements)):
-            core = self.refuter.core(self._assumptions(statements), self._seconds())
+            core = self.refuter.core(self._assumptions(statements), self.budget)
             if core is not None and self.attempt(core).verdict is Verdict.IMPOSSIBLE:
                 return core
         return statements
@@ -96,7 +90,7 @@ class _Search:
     def _rechecked(self, conflict: Conflict) -> Conflict:
         """Called minimal only if the solver by itself, too, finds the whole impossible."""
         part = self._part(frozenset(conflict.statements))
-        status = self.refuter.decide(part, self.horizon, self._seconds())
+        status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.FEASIBLE:
             raise EngineFailed("a conflict turned out to have a schedule; this is a defect of irc")
         return replace(conflict, minimal=conflict.minimal and status is Status.INFEASIBLE)
@@ -115,7 +109,7 @@ class _Search:
 
     def _verdict(self, statements: frozenset[Statement]) -> Verdict:
         """Bounds and schedules by rule first: most verdicts need no solver."""
-        if perf_counter() > self.until:
+        if self.budget.is_over:
             return Verdict.UNKNOWN
         part = self._part(statements)
         if not part.has_contention:
@@ -124,15 +118,12 @@ class _Search:
             return Verdict.IMPOSSIBLE
         if list_schedule(part) is not None:
             return Verdict.POSSIBLE
-        status = self.refuter.decide(part, self.horizon, self._seconds())
+        status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.UNKNOWN and _refuted_by_cases(part):
             return Verdict.IMPOSSIBLE
         return {Status.FEASIBLE: Verdict.POSSIBLE, Status.INFEASIBLE: Verdict.IMPOSSIBLE}.get(
             status, Verdict.UNKNOWN
         )
-
-    def _seconds(self) -> float:
-        return max(_LEAST_SECONDS, self.until - perf_counter())
 
     def _relevant(self) -> list[Statement]:
         """Without what is said of resources that have room for everything at once.

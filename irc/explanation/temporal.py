@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
 from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
 from irc.problem import Problem
@@ -23,6 +22,7 @@ from irc.problem.statements import (
     how_time_is,
 )
 from irc.problem.temporal_network import Network, earliest
+from irc.targets import Budget
 
 STEPS = 6_000_000
 """So many constraints are looked at in search of a cycle of few statements."""
@@ -31,11 +31,11 @@ ROOTS = 40
 """A cycle is started at so many of its points."""
 
 
-def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
+def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
     """A minimal set of statements that time alone rules out; None where there is none.
 
-    Of several it is one of few statements, as far as `STEPS` go. After `until` (of
-    `time.perf_counter`) nothing more is left out, and what is found may not be minimal.
+    Of several it is one of few statements, as far as `STEPS` go. Once the budget is over
+    nothing more is left out, and what is found may not be minimal.
     """
     differences = _graph(problem, all_statements(problem))
     cycles = _cycles(differences)
@@ -45,7 +45,7 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
     statements = found.statements
 
     def attempt(statements: frozenset[Statement]) -> Trial:
-        if perf_counter() > until:
+        if budget.is_over:
             return Trial(Verdict.UNKNOWN)
         cycles = _cycles(_graph(problem, statements))
         if not cycles:

@@ -1,4 +1,4 @@
-"""How an engine's run ends: limits, progress, outcome, and the errors of engines and targets."""
+"""How an engine's run ends: progress, outcome, and the errors of engines and targets."""
 
 from __future__ import annotations
 
@@ -12,21 +12,6 @@ from irc.model.quantities import Number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What an engine may spend: wall-clock seconds, memory, threads; and its random seed.
-
-    `bounds` and `hints` let measurements switch off what the compiler adds to a model.
-    """
-
-    seconds: float | None = None
-    memory_mb: int | None = None
-    workers: int | None = None
-    seed: int = 0
-    bounds: bool = True
-    hints: bool = True
 
 
 @dataclass(frozen=True, slots=True)
