@@ -1,17 +1,14 @@
-"""What the online commands share: how to plan, and what they read beside the task."""
+"""What the online commands share: how they plan, and what they read beside the task."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 
 from irc.checks import run_checks
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.output import Format, fail, tell_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
-from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
 from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json.document import read_document
@@ -22,50 +19,26 @@ from irc.schedule import Schedule, Status, schedule_from_json
 from irc.targets import SolveOptions, get_backend
 
 
-@dataclass(frozen=True)
-class Planning:
-    """The options that say how the rest of a task is planned, each time that it is."""
+def require_engine(options: SolveOptions) -> None:
+    """Raises `UnknownTarget` where there is no such target or engine, before it is needed."""
+    get_backend(options.target).engine(options.engine)
 
-    target: str
-    engine: str
-    time_limit: float
-    memory_limit: int | None
-    seed: int
-    workers: int | None
-    stability: Fraction
 
-    @property
-    def options(self) -> SolveOptions:
-        """The same for the library."""
-        return SolveOptions(
-            self.target,
-            self.engine,
-            self.time_limit,
-            self.memory_limit,
-            self.workers,
-            self.seed,
-            stability=self.stability,
-        )
+def execution_of(
+    task: Task,
+    schedule: Schedule,
+    options: SolveOptions,
+    at: Number = 0,
+    source: Source | None = None,
+) -> Execution:
+    """The task in execution by a schedule (read from `source`, if it was), as of `at`.
 
-    def require_engine(self) -> None:
-        """Raises `UnknownTarget` where there is no such target or engine, before it is needed."""
-        get_backend(self.target).engine(self.engine)
-
-    def execution(
-        self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None
-    ) -> Execution:
-        """The task in execution by a schedule (read from `source`, if it was), as of `at`.
-
-        Raises `InputError` where the schedule does not fit the task.
-        """
-        try:
-            return Execution(task, schedule, at, options=self.options)
-        except InputError as error:
-            raise InputError(Report(error.report.diagnostics, source)) from None
-
-    def first_schedule(self, task: Task) -> Schedule:
-        """The best schedule of a task of which nothing has run yet, and no event is known."""
-        return solve_task(task, self.target, self.engine, self.options.limits).schedule
+    Raises `InputError` where the schedule does not fit the task.
+    """
+    try:
+        return Execution(task, schedule, at, options=options)
+    except InputError as error:
+        raise InputError(Report(error.report.diagnostics, source)) from None
 
 
 def one_standard_input(format: Format, *names: str | None) -> None:

@@ -44,10 +44,12 @@ _ORDER = (
 
 _OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
 
+
 def resource_conflict(problem: Problem, refuter: Refuter, budget: Budget) -> Conflict | None:
     """A minimal conflict of a problem that has no schedule, though time alone allows one.
 
-    None where the budget is over at once; once it is over, what is found may not be minimal. That the whole has no schedule must have been proven before.
+    None where the budget is over from the start; where it ends later, what is found may not be
+    minimal. That the whole has no schedule must have been proven before.
     """
     return _Search(problem, refuter, budget).conflict()
 
