@@ -6,6 +6,7 @@ import builtins
 import sys
 from dataclasses import fields
 from fractions import Fraction
+from inspect import signature
 from types import SimpleNamespace
 from typing import Any
 

@@ -44,7 +44,7 @@ class PlanRequest(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class PlannerInput:
-    """The input of one run: a request, two files and the meaning of their names; what it may use."""
+    """The input of one run: a request, two files, the meaning of their names, what it may use."""
 
     request: PlanRequest
     program: Program
