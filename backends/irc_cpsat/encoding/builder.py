@@ -47,8 +47,9 @@ class Model:
     """A CP-SAT model and the variables that carry its answer.
 
     A demand with one alternative has no `literals`. `present[i]` is None where activity i always
-    is; `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of the rank of
-    its start and of its end, None where there is no state. `values` are the objectives' expressions.
+    is. `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of the ranks of
+    its start and of its end, None where there is no state. `values` are the objectives'
+    expressions.
     """
 
     model: cp_model.CpModel
