@@ -90,6 +90,7 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
         target=target,
         engine=outcome.engine,
         seconds=round(seconds, 3),
+        time_unit=task.time_unit,
     )
 
 

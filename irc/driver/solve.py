@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.compile import later_events, lower_for, refusals_told
@@ -21,9 +20,6 @@ from irc.targets import (
     Program,
     get_backend,
 )
-
-if TYPE_CHECKING:
-    pass
 
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""

@@ -12,6 +12,7 @@ from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
 from irc.events.world import world_change
 from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
+from irc.model.built import Built, event_of, task_of
 from irc.model.cancellation import ended
 from irc.model.events import (
     AddActions,
@@ -37,8 +38,8 @@ _UNKNOWN: Mapping[str, Number] = MappingProxyType({})
 
 
 def apply(
-    task: Task,
-    event: Event,
+    task: Task | Built[Task],
+    event: Event | Built[Event],
     starts: Mapping[str, Number] = _UNKNOWN,
     *,
     source: Source | None = None,
@@ -50,11 +51,13 @@ def apply(
     The task must have no faults of its own (`irc.check`): only the event is judged here.
     Raises `InputError` where the event does not fit the task: nothing of it is applied then.
 
-    >>> task = Task(actions=[{"id": "boil", "duration": 4}])
-    >>> change = {"op": "set_duration", "action": "boil", "duration": 6}
-    >>> apply(task, Event(at=1, changes=[change])).actions[0].duration
+    >>> import irc
+    >>> task = irc.Task()
+    >>> boil = task.action("boil", 4)
+    >>> apply(task, irc.Event(1).set_duration(boil, 6)).actions[0].duration
     6
     """
+    task, event = task_of(task), event_of(event)
     report = check_event(task, event, source=source)
     if not report.ok:
         raise InputError(report)

@@ -14,7 +14,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import Frozen, with_groups
 from irc.execution.history import History
-from irc.execution.residual import PastError, residual_problem
+from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
 from irc.execution.step import Means
@@ -135,7 +135,7 @@ class Remainder:
             limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
         return self.engine.solve(program, limits, self.means.on_progress)
 
-    def _judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
+    def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """What the validator has against a whole history; None: nothing."""
         from irc.validation import validate
 
@@ -156,14 +156,7 @@ class Remainder:
             bound = whole.bounds.makespan
             left = left.with_bound(bound.value - now, bound.reason)
 
-        def judge(schedule: Schedule) -> str | None:
-            """What the validator says of a plan with the history before it."""
-            try:
-                merged = residual.merged(whole, schedule)
-            except AnswerError as error:
-                return str(error)
-            return self._judged(merged, given_up)
-
+        judge = _WithHistory(self, residual, whole, given_up)
         found = self._solved(left, judge) if left.has_contention else _by_critical_path(left, now)
         if found.schedule is None:
             return found
@@ -177,9 +170,26 @@ class Remainder:
             merged,
             self.history.entries.values(),
             self.means.stability,
-            lambda schedule: self._judged(schedule, given_up) is None,
+            lambda schedule: self.judged(schedule, given_up) is None,
         )
         return _stabilised(outcome, whole, kept)
+
+
+@dataclass(frozen=True, slots=True)
+class _WithHistory:
+    """What the validator says of a plan with the history before it; None: nothing."""
+
+    remainder: Remainder
+    residual: ResidualProblem
+    whole: Problem
+    given_up: Sequence[int]
+
+    def __call__(self, schedule: Schedule) -> str | None:
+        try:
+            merged = self.residual.merged(self.whole, schedule)
+        except AnswerError as error:
+            return str(error)
+        return self.remainder.judged(merged, self.given_up)
 
 
 def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:

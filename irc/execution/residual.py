@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from irc.errors import IrcError
 from irc.execution.executed import ExecutedActivity, frozen_choices
 from irc.execution.fresh_names import fresh_name
 from irc.execution.lags import Lags, twins
@@ -38,7 +39,7 @@ from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
 
 
-class PastError(Exception):
+class PastError(IrcError):
     """Something that must still happen would have had to happen before; the text says what."""
 
 

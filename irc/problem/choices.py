@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from irc.errors import IrcError
 from irc.problem.decisions import Decision
 from irc.problem.problem import Activity, Problem
 from irc.schedule import Entry
 
 
-class UnexplainedError(Exception):
+class UnexplainedError(IrcError):
     """An entry names resources, or a mode, that its action cannot have."""
 
     def __init__(self, entry: Entry) -> None:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from irc.errors import IrcError
+
 Moment = int | Fraction
 
 
-class AnswerError(Exception):
+class AnswerError(IrcError):
     """An engine's answer that no exact schedule of the task corresponds to.
 
     `line` is where in the answer's text, from 1, that shows, if it shows somewhere.

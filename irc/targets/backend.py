@@ -137,6 +137,13 @@ class Backend(ABC):
     proves: ClassVar[bool] = True
     """Whether its engines can prove, as a rule, that there is no schedule."""
 
+    def __eq__(self, other: object) -> bool:
+        """Equal where they are the same target: two objects of one class with the same contents."""
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash(type(self))
+
     @abstractmethod
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
         """The files (name → text) and what the names and numbers in them stand for.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
+from collections.abc import Mapping
 
 from irc.model.quantities import Number, exact
 from irc.model.times import format_number
@@ -14,7 +14,7 @@ _UNKNOWABLE = "changes"
 """How much a schedule differs from an earlier one, if there was one: its entries do not say."""
 
 
-def objective_values(subject: Subject) -> MappingProxyType[str, Number]:
+def objective_values(subject: Subject) -> dict[str, Number]:
     """Makespan, tardiness, reward and cost of the entries, repeated occurrences each counted.
 
     What was cancelled has cost what it costs, but earns nothing and keeps no due date waiting.
@@ -22,14 +22,12 @@ def objective_values(subject: Subject) -> MappingProxyType[str, Number]:
     present = [group for group in subject.groups.values() if subject.is_present(group)]
     reward = sum(o.action.reward or 0 for o in subject.occurrences if not o.cancelled)
     reward += sum(group.reward or 0 for group in present)
-    return MappingProxyType(
-        {
-            "makespan": _exact(subject.schedule.makespan),
-            "tardiness": _tardiness(subject),
-            "reward": reward,
-            "cost": sum(o.action.cost or 0 for o in subject.occurrences),
-        }
-    )
+    return {
+        "makespan": _exact(subject.schedule.makespan),
+        "tardiness": _tardiness(subject),
+        "reward": reward,
+        "cost": sum(o.action.cost or 0 for o in subject.occurrences),
+    }
 
 
 def _tardiness(subject: Subject) -> Number:
@@ -52,9 +50,7 @@ def _exact(value: Number) -> Number:
     return value if isinstance(value, int) else exact(value)
 
 
-def check_stated(
-    subject: Subject, values: MappingProxyType[str, Number], violations: Violations
-) -> None:
+def check_stated(subject: Subject, values: Mapping[str, Number], violations: Violations) -> None:
     """The stated values are the true ones, and no stated bound contradicts them."""
     for stated in subject.schedule.objective:
         if stated.name not in values and stated.name != _UNKNOWABLE:

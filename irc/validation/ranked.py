@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.validation.happenings import Edge, given_ranks, tell, timing_edges
@@ -13,7 +14,7 @@ from irc.validation.subject import resolve
 from irc.validation.verdict import Violations
 
 
-class NoRanksError(ValueError):
+class NoRanksError(IrcError, ValueError):
     """No ranks are known under which state and precedences hold."""
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, Protocol, TypeVar
 
+from irc.errors import IrcError
 from irc.model import (
     Action,
     DurationRange,
@@ -27,11 +28,11 @@ CANCELLED, ABANDONED = "cancelled", "abandoned"
 """What an entry of a schedule that is being carried out may say of itself."""
 
 
-class UncheckedTaskError(ValueError):
+class UncheckedTaskError(IrcError, ValueError):
     """The task itself is at fault, so no schedule of it can be judged; `irc check` says how."""
 
 
-class InexactTimeError(ValueError):
+class InexactTimeError(IrcError, ValueError):
     """A schedule holds a time that is not an exact number, such as a binary float."""
 
 

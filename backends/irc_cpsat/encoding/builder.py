@@ -1,6 +1,6 @@
 """The model under construction: its variables, and the constraints that all elements share.
 
-An activity has a start and, where its duration can vary, an end; what may be absent has a literal.
+An activity has a start and, where its duration can vary, an end; an optional one has a literal.
 Where there is state, every happening also has a rank, and `moment = time × ranks + rank` is one
 integer that orders happenings (docs/semantics.md, rule 6).
 """

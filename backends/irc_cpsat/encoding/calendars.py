@@ -7,7 +7,7 @@ from irc_cpsat.encoding.builder import Builder, ResourceUses
 
 
 def with_windows(builder: Builder, pool: ContendedPool, uses: ResourceUses) -> ResourceUses:
-    """The uses of a resource, and a fixed interval for what each window lacks of its capacity."""
+    """The uses of a resource, and a fixed interval for the capacity that each window lacks."""
     filled = ResourceUses(list(uses.intervals), list(uses.amounts))
     base = pool.capacity if pool.base is None else pool.base
     at = 0

@@ -2,8 +2,8 @@
 
 An activity is an interval; a resource of which only one demand fits at a time is a
 `NoOverlap`, any other a `Cumulative`; a choice is one optional interval for each alternative.
-An interval of size 0 must not be seen by `NoOverlap` (it would break inside another), so what
-may have no length is optional there.
+An interval of size 0 must be hidden from `NoOverlap` (it could not lie inside another), so an
+interval that may have no length is optional there.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def _add_assignment(
 
 
 def _derived(built: Model, places: Sequence[Decision | Placed]) -> dict[int, int]:
-    """The durations and ranks of what is present."""
+    """The durations and ranks of the activities that are present."""
     hints: dict[int, int] = {}
     for i, size in built.sizes.items():
         if places[i].present:

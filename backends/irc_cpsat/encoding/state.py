@@ -42,6 +42,8 @@ def add_state(builder: Builder) -> None:
 
 
 class _StateEncoder:
+    """Adds variables one by one; happenings and literals that they share are made once."""
+
     def __init__(self, builder: Builder) -> None:
         self.builder = builder
         self.model = builder.model
@@ -258,5 +260,5 @@ class _StateEncoder:
 
 
 def _reach(activity: Activity) -> int:
-    """How far behind the horizon an absent activity's end may lie."""
+    """The time by which an absent activity's end may exceed the horizon."""
     return max(activity.duration_min, 0) + (activity.start or 0)

@@ -110,7 +110,7 @@ def _given_up(built: Model, level: LevelResult, following: str) -> int:
 
 
 def _keep(built: Model, level: LevelResult, given_up: int, solver: cp_model.CpSolver) -> None:
-    """Keeps a level's value, but for what may be given up; the solution becomes the next hint."""
+    """Keeps a level's value, less `given_up`; the solution becomes the next hint."""
     value = built.values[level.name]
     if not isinstance(value, int):
         if level.name == "reward":

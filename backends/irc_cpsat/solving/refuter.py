@@ -89,7 +89,7 @@ class _AssumptionBuilder(Builder):
         """The model in which every statement is an assumption."""
         write_model(self, objective=False)
         for src, dst, weight, statement in self.assumptions.differences:
-            # What reaches beyond the horizon never binds, and may be beyond 64 bits.
+            # A difference beyond the horizon never binds, and may be beyond 64 bits.
             if weight > -self.horizon and statement is not None:
                 apart = self.model.add(self._time(dst) - self._time(src) >= weight)
                 apart.only_enforce_if(self._literal(statement))

@@ -150,7 +150,7 @@ def _chosen(problem: Problem, i: int, uses: Mapping[str, str]) -> tuple[int | No
     for demand in activity.open_demands:
         named = uses.get(str(demand.use))
         if named is None:
-            continue  # Not held in this mode, or there was enough of it in what was asked.
+            continue  # Not held in this mode, or ample in the problem that was asked.
         taken = [r for r in demand.alternatives if problem.contention.pools[r].id == named]
         if not taken:
             raise AnswerError(f"{activity.id!r} takes something it cannot use")

@@ -58,6 +58,8 @@ def add_activities(builder: Builder, elements: Elements) -> None:
 
 
 class _ActivityEncoder:
+    """Adds activities one by one."""
+
     def __init__(self, builder: Builder, elements: Elements) -> None:
         self.builder, self.elements = builder, elements
         self.names, self.encoding = builder.names, builder.encoding
@@ -118,7 +120,7 @@ class _ActivityEncoder:
             self._add_variants(i, own, variants, facts)
 
     def _add_reusable(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
-        """Adds what can happen again and again: once the previous occurrence has ended."""
+        """Adds an operator that can be used again once the previous occurrence has ended."""
         base = self.builder.base[i]
         idle = f"idle_{base}"
         if not occurrences.written:

@@ -26,7 +26,7 @@ class Variant:
 
 
 def variants_of(problem: Problem, activity: Activity, units: ResourceUnits) -> Iterator[Variant]:
-    """Every mode, in it every choice of resources, and of each the tokens.
+    """Every mode, with every choice of resources, with every choice of tokens.
 
     Open demands on one pool add up.
     """

@@ -19,7 +19,7 @@ from irc_pddl21.search.neighbourhood import Places
 ROUNDS = 12_000
 """The greatest number of list schedules."""
 
-PATIENCE = 800
+STALE_LIMIT = 800
 """After this number without a shorter one the search begins anew."""
 
 
@@ -41,7 +41,7 @@ def short_list_schedule(
         search.step()
         if search.makespan is not None and (shortest is None or search.makespan < shortest):
             best, shortest = search.found, search.makespan
-        if search.stale > PATIENCE:
+        if search.stale > STALE_LIMIT:
             search = _PrioritySearch(search.problem, rng)
     return None if best is None else dict(enumerate(zip(*best, strict=True)))
 

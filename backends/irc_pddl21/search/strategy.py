@@ -72,11 +72,11 @@ def _by_selection(
     session: PlannerSession, problem: Problem, names: tuple[str, ...], makespan: bool
 ) -> dict[str, int]:
     """The bounds of the selection first; then of the makespan of the best selection."""
-    choice = optional_items(problem, names)
-    if choice is None:
+    found = optional_items(problem, names)
+    if found is None:
         shorten(session, replace(problem, objectives=("makespan",)))
         return {}
-    items, weights = choice
+    items, weights = found
     search = SelectionSearch(session, SelectionSpace(problem, items))
     search.run()
     if search.chosen is None or session.best is None:
