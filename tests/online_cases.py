@@ -48,7 +48,7 @@ def repaired(
 
 def replanned(task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
     """The step after events: what `oracles.online_random.play` asks for."""
-    return replan(task, schedule, at, events, limits=LIMITS)
+    return replan(task, schedule, at, events, options=OPTIONS)
 
 
 def starts(schedule: Schedule) -> dict[str, Number]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, PreviousPlace, Problem
+from irc.problem import Activity, PreviousPlace, Problem, Ranks
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import with_uses
 from irc.schedule import CANCELLED, Entry
@@ -26,6 +26,8 @@ class ExecutedActivity:
     running: bool
     rank: int = 0
     end_rank: int = 0
+    by_itself: bool = False
+    """Whether it is a change of the world, which nobody has made."""
 
     @property
     def cancelled(self) -> bool:
@@ -61,9 +63,15 @@ def frozen_choices(activity: Activity) -> tuple[int | None, tuple[int, ...]]:
     return mode, tuple(use.alternatives[0] for use in activity.uses)
 
 
-def as_executed(problem: Problem, activity: Activity, past: ExecutedActivity, now: int) -> Activity:
+def as_executed(
+    problem: Problem,
+    activity: Activity,
+    past: ExecutedActivity,
+    now: int,
+    ranks: Ranks | None = None,
+) -> Activity:
     """The activity as it happened: its start is fixed, and so are mode, resources and, unless it
-    is running for a duration of its own choice, its end.
+    is running for a duration of its own choice, its end, and those of its `ranks` that are known.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
     has ended demands nothing any more. Releases and deadlines were for the time before.
@@ -75,7 +83,7 @@ def as_executed(problem: Problem, activity: Activity, past: ExecutedActivity, no
     if past.running and not activity.is_fixed and not past.cancelled:
         shortest = max(activity.duration_min, now - past.start)
         longest = max(activity.duration_max, shortest)
-    apart = _ends_apart(activity, past)
+    apart = _ends_apart(activity, past, ranks)
     if apart:
         longest = shortest + 1
     uses = activity.uses
@@ -101,6 +109,7 @@ def as_executed(problem: Problem, activity: Activity, past: ExecutedActivity, no
         optional=False,
         repeats=None,
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
+        ranks=ranks,
     )
     if longest == 0:
         # (One happening: what was seen to take no time has changed each variable once, at last.)
@@ -115,6 +124,8 @@ def as_executed(problem: Problem, activity: Activity, past: ExecutedActivity, no
             due=None,
             reward=0,
         )
+    # (What it frees at this instant, ranks may still have to do with.)
+    frees_now = bool(problem.variables) and past.end == now
     deadline = past.end if apart else activity.deadline
     if shortest == longest or (deadline is not None and deadline < past.start + shortest):
         deadline = None
@@ -126,23 +137,21 @@ def as_executed(problem: Problem, activity: Activity, past: ExecutedActivity, no
         duration_min=shortest,
         duration_max=longest,
         uses=uses,
-        open_demands=demands if past.running else (),
+        open_demands=demands if past.running or frees_now else (),
         details=details,
     )
 
 
-def _ends_apart(activity: Activity, past: ExecutedActivity) -> bool:
+def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None) -> bool:
     """Whether what has ended was of a duration that could be chosen, so that its end has a rank of
     its own. It keeps one where it could still be longer, and a deadline says that it is not.
     """
     details = activity.details
-    return (
-        not past.running
-        and not past.cancelled
-        and not activity.is_fixed
-        and past.end - past.start < activity.duration_max
-        and bool(details.conditions or details.effects)
-    )
+    if past.running or past.cancelled or not (details.conditions or details.effects):
+        return False
+    if ranks is not None and None not in ranks and ranks.start != ranks.end:
+        return True
+    return not activity.is_fixed and past.end - past.start < activity.duration_max
 
 
 def _begun(activity: Activity, past: ExecutedActivity) -> Activity:

@@ -20,6 +20,7 @@ from irc.execution.executed import (
     previous_place_of,
 )
 from irc.execution.history import History
+from irc.execution.past import known_ranks, past_first
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
@@ -46,11 +47,18 @@ class Frozen:
         return not group.required and any(begun) and not all(begun)
 
 
-def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Frozen:
+def freeze(
+    problem: Problem,
+    history: History,
+    now: Number,
+    ticks: int,
+    world_changes: Collection[str] = (),
+) -> Frozen:
     """The problem of a revised task as of `now` (`ticks` in ticks), given its history.
 
-    Optional groups are as they were: `with_groups` says which of them must be finished. Raises
-    `UnexplainedError` where an entry that has begun says what its action cannot have.
+    `world_changes` are ids of actions that say how the world has changed by itself: what is due has
+    happened. Optional groups are as they were: `with_groups` says which of them must be finished.
+    Raises `UnexplainedError` where an entry that has begun says what its action cannot have.
     """
     state = history.state(now)
     completed, running = _by_action(state.completed), _by_action(state.running)
@@ -63,13 +71,18 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
-        found = [executed_activity(problem, activity, e, running=r) for e, r in begun]
+        by_itself = activity.id in world_changes
+        found = [
+            replace(executed_activity(problem, activity, e, running=r), by_itself=by_itself)
+            for e, r in begun
+        ]
         if activity.details.repeats is not None:
             in_order = sorted(found, key=lambda f: (f.start, f.end))
             first = len(problem.activities)
             for k, past in enumerate(in_order, 1):
                 executed[first + len(further)] = past
-                further.append(_occurrence(as_executed(problem, activity, past, ticks), k))
+                ranks = known_ranks(problem, history, activity, past)
+                further.append(_occurrence(as_executed(problem, activity, past, ticks, ranks), k))
             rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
@@ -83,7 +96,12 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
             recurring[i] = tuple(place for place in known[1:] if place is not None)
         elif found:
             executed[i] = found[0]
-            activities.append(as_executed(problem, activity, found[0], ticks))
+            ranks = known_ranks(problem, history, activity, found[0])
+            activities.append(as_executed(problem, activity, found[0], ticks, ranks))
+            earlier.append(None)
+        elif by_itself and _is_due(activity, ticks):
+            executed[i] = _happened(problem, activity)
+            activities.append(activity)
             earlier.append(None)
         else:
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
@@ -99,10 +117,26 @@ def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Froze
         ),
     )
     frozen = replace(frozen, required=_still_required(frozen, executed))
+    if frozen.variables:
+        frozen, executed = past_first(frozen, executed, ticks)
     count = len(frozen.activities)
     frozen, executed = relaxed(frozen, executed, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
     return Frozen(frozen, ticks, executed, helpers)
+
+
+def _is_due(activity: Activity, now: int) -> bool:
+    return activity.start is not None and activity.start <= now
+
+
+def _happened(problem: Problem, activity: Activity) -> ExecutedActivity:
+    """A change of the world that nobody has planned: it takes place when it does."""
+    assert activity.start is not None
+    time = problem.to_units(activity.start)
+    entry = Entry(activity.id, time, time)
+    return ExecutedActivity(
+        entry, activity.start, activity.start, None, (), running=False, by_itself=True
+    )
 
 
 def _still_required(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> tuple[int, ...]:

@@ -18,6 +18,7 @@ from irc.execution.step import Means, Step, moved
 from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.model.quantities import Number
+from irc.model.world_changes import is_world_change
 from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
@@ -88,7 +89,8 @@ def _choices(problem: Problem) -> int:
 
 def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Frozen:
     try:
-        return freeze(problem, history, at, problem.whole_ticks(at))
+        changes = {a.id for a in task.actions if is_world_change(a, task.clock)}
+        return freeze(problem, history, at, problem.whole_ticks(at), changes)
     except UnexplainedError as error:
         entry = error.entry
         findings = Findings()

@@ -3,7 +3,7 @@
 A planner begins at 0 and would have to live through the whole history again. Here what has ended is
 gone: its effects are in the initial state and the initial stock, lags to it are releases, deadlines
 or lags to an instant of its own, what runs is an activity that starts at once and takes the rest of
-its time. What has ended just now runs for no time at all, where state tells it from being over. The
+its time. What has ended just now is over too, and the world has changed: the past comes first. The
 way back leads through the frozen problem, which is re-timed as a whole.
 """
 
@@ -114,12 +114,7 @@ def residual_problem(
     """
     if problem.deadline is not None and problem.deadline < now:
         problem = _all_too_late(problem, executed)
-    disputed = _in_dispute(problem, executed, now)
-    kept = [
-        i
-        for i in range(len(problem.activities))
-        if i not in executed or executed[i].running or i in disputed
-    ]
+    kept = [i for i in range(len(problem.activities)) if i not in executed or executed[i].running]
     left, way = restricted(problem, activities=kept)
     places = way.activities.new
     names = Counter(a.id for a in problem.activities)
@@ -187,37 +182,6 @@ def _end_before(problem: Problem, i: int, executed: Mapping[int, ExecutedActivit
     return 0 if previous is None else executed[previous].end
 
 
-def _in_dispute(problem: Problem, executed: Mapping[int, ExecutedActivity], now: int) -> set[int]:
-    """What has just ended, where something open could come first at this very instant.
-
-    Of state alone: what one of them changes at its end, another or something open has to do with.
-    """
-    contested = {
-        var
-        for i, activity in enumerate(problem.activities)
-        if i not in executed
-        for var in _touched(activity)
-    }
-    names = Counter(a.id for a in problem.activities)
-    ended = {
-        i: _touched(problem.activities[i], at_end=True)
-        for i, past in executed.items()
-        if past.end == now and not past.running and names[problem.activities[i].id] == 1
-    }
-    found: set[int] = set()
-    while more := {i for i, its in ended.items() if i not in found and its & contested}:
-        found |= more
-        contested.update(*(ended[i] for i in more))
-    return found
-
-
-def _touched(activity: Activity, *, at_end: bool = False) -> set[int]:
-    """The variables that an activity needs or changes, at its end or before it if `at_end`."""
-    details = activity.details
-    read = {c.var for c in details.conditions if not at_end or c.at != "start"}
-    return read | {e.var for e in details.effects if e.at_end or not at_end}
-
-
 def _is_over(past: ExecutedActivity, at_end: bool, now: int, left: bool) -> bool:
     """Whether what an executed activity does at its start, or its end, has been done for good."""
     return not left or (not at_end and past.start < now)
@@ -238,6 +202,8 @@ def _shifted(activity: Activity, now: int, after: int) -> Activity:
     if due is not None or details.previous_occurrence is not None or details.occurrence != 1:
         due = None if due is None else due - now
         details = replace(details, due=due, previous_occurrence=None, occurrence=1)
+    if details.not_before is not None:
+        details = replace(details, not_before=None)
     return replace(
         activity,
         release=max(0, release - now),
@@ -322,14 +288,15 @@ def _state_now(
 ) -> tuple[Variable, ...]:
     """What the past has made of each variable."""
     values = [v.initial for v in problem.variables]
-    writes: list[tuple[int, int, int, int]] = []
+    writes: list[tuple[int, int, bool, int, int]] = []
     for i, past in executed.items():
         for effect in problem.activities[i].details.effects:
             if not _is_over(past, effect.at_end, now, i in places):
                 continue
             time, rank = (past.end, past.end_rank) if effect.at_end else (past.start, past.rank)
-            writes.append((time, rank, effect.var, effect.value))
-    for _, _, var, value in sorted(writes):
+            # (What ended at an instant comes before what happened at it by itself.)
+            writes.append((time, rank, past.start == time, effect.var, effect.value))
+    for _, _, _, var, value in sorted(writes):
         values[var] = value
     return tuple(
         replace(v, initial=value) for v, value in zip(problem.variables, values, strict=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from irc.execution.executed import ExecutedActivity
@@ -10,15 +10,17 @@ from irc.execution.fresh_names import fresh_name
 from irc.problem import Activity, Condition, Details, Problem
 from irc.schedule import Entry
 
-Write = tuple[int, int, int]
-"""(time, value, activity)."""
+Write = tuple[int, int, int, int]
+"""(time, stage, value, activity). At an instant at which the past comes first, stage 0 is what
+ended then, 1 a change of the world, 2 what starts then; at any other instant all is one stage."""
 
 
 def without_broken_conditions(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> tuple[Problem, dict[int, ExecutedActivity]]:
     """Drops conditions of executed activities that no order of their own effects makes true."""
-    written = _writes(problem, executed)
+    staged = {now, *(f.start for f in executed.values() if f.by_itself)}
+    written = _writes(problem, executed, staged)
     open_values = {
         (e.var, e.value)
         for i, a in enumerate(problem.activities)
@@ -34,7 +36,7 @@ def without_broken_conditions(
         kept = []
         for c in details.conditions:
             writes = written.get(c.var, [])
-            if _can_hold(problem, writes, c, i, past, open_values):
+            if _can_hold(problem, writes, c, i, past, open_values, staged):
                 kept.append(c)
             elif past.running and c.at == "all":
                 helpers += _held_until_broken(problem, writes, c, i, past, now)
@@ -64,7 +66,7 @@ def _held_until_broken(
     initial = problem.variables[condition.var].initial
     if condition.value not in _values_at(now, writes, initial):
         return []
-    breaks = [t for t, v, j in writes if j != i and now < t < past.end and v != condition.value]
+    breaks = [t for t, _, v, j in writes if j != i and now < t < past.end and v != condition.value]
     if not breaks:
         return []
     who, var = problem.activities[i].id, problem.variables[condition.var].id
@@ -76,7 +78,9 @@ def _held_until_broken(
     return [(helper, ExecutedActivity(entry, now, breaks[0], None, (), running=True))]
 
 
-def _writes(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> dict[int, list[Write]]:
+def _writes(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], staged: Collection[int]
+) -> dict[int, list[Write]]:
     """What executed activities, and world changes that are due, do to each variable, by time."""
     written: dict[int, list[Write]] = {}
     for i, activity in enumerate(problem.activities):
@@ -89,7 +93,10 @@ def _writes(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> dict[
             continue
         for effect in activity.details.effects:
             time = end if effect.at_end else start
-            written.setdefault(effect.var, []).append((time, effect.value, i))
+            stage = 2
+            if time in staged and past is not None:
+                stage = 1 if past.by_itself else 0 if past.start < time else 2
+            written.setdefault(effect.var, []).append((time, stage, effect.value, i))
     for writes in written.values():
         writes.sort()
     return written
@@ -102,28 +109,32 @@ def _can_hold(
     i: int,
     past: ExecutedActivity,
     open_values: set[tuple[int, int]],
+    staged: Collection[int],
 ) -> bool:
-    others = [w for w in writes if w[2] != i]
+    others = [w for w in writes if w[3] != i]
     initial = problem.variables[condition.var].initial
     if condition.at == "all":
         if past.end <= past.start:
             instant = problem.activities[i].is_fixed
             return not instant or condition.value in _values_at(past.start, others, initial)
-        breaks = any(past.start < t < past.end and v != condition.value for t, v, _ in others)
+        breaks = any(past.start < t < past.end and v != condition.value for t, _, v, _ in others)
         return not breaks and condition.value in _values_at(past.start, writes, initial)
     time = past.end if condition.at == "end" else past.start
-    if condition.value in _values_at(time, writes if condition.at == "end" else others, initial):
+    stage = 0 if time in staged and past.start < time else 2
+    if condition.value in _values_at(
+        time, writes if condition.at == "end" else others, initial, stage
+    ):
         return True
     return (
         past.running and condition.at == "end" and ((condition.var, condition.value) in open_values)
     )
 
 
-def _values_at(time: int, writes: list[Write], initial: int) -> set[int]:
-    """What a variable can be at an instant, in whichever order the writes of it come."""
-    before = [w for w in writes if w[0] < time]
-    values = {v for t, v, _ in writes if t == time}
+def _values_at(time: int, writes: list[Write], initial: int, stage: int = 2) -> set[int]:
+    """What a variable can be at a stage of an instant, in whichever order its writes come."""
+    here = {v for t, s, v, _ in writes if (t, s) == (time, stage)}
+    before = [w for w in writes if w[:2] < (time, stage)]
     if not before:
-        return values | {initial}
-    last = before[-1][0]
-    return values | {v for t, v, _ in before if t == last}
+        return here | {initial}
+    last = before[-1][:2]
+    return here | {v for t, s, v, _ in before if (t, s) == last}

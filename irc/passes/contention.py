@@ -67,7 +67,8 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 def drop_uncontended(problem: Problem) -> Problem:
     """Drops open demands on resources that have enough, always, even if everything ran at once.
 
-    (Occurrences of one action never overlap: they count once, as do its modes together.)
+    (Occurrences of one action never overlap: they count once, as do its modes together. But where
+    ranks order what happens at one instant, the next may start before the last one ends.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
     choice that is fixed relieves the other alternatives.
@@ -77,9 +78,10 @@ def drop_uncontended(problem: Problem) -> Problem:
     while True:
         load: Counter[int] = Counter()
         for activity in activities:
+            at_once = 2 if problem.variables and activity.details.repeats is not None else 1
             for demand in activity.open_demands:
                 for r in demand.alternatives:
-                    load[r] += demand.amount
+                    load[r] += demand.amount * at_once
         enough = {
             r for r, amount in load.items() if amount <= problem.contention.pools[r].least_capacity
         }

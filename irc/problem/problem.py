@@ -78,6 +78,18 @@ class Effect(NamedTuple):
     at_end: bool
 
 
+class Ranks(NamedTuple):
+    """The ranks of a start and an end that have been; None where a rank is still to be found.
+
+    `at_least`: the start has that rank or a higher one. (What runs for a fixed duration ends with
+    the rank of its start, and must not be too early in the order of that instant.)
+    """
+
+    start: int | None
+    end: int | None
+    at_least: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class Details:
     """What most activities do without.
@@ -88,6 +100,9 @@ class Details:
 
     With `modes` exactly one is chosen. `use_modes` says for each of the activity's `uses` in which
     mode (index) it is held, None: in all; empty stands for all None.
+
+    `ranks` are those that its start and its end are known to have; where it starts at the time of
+    `not_before`, (time, rank), its start has that rank at least.
     """
 
     optional: bool = False
@@ -96,6 +111,8 @@ class Details:
     previous_occurrence: int | None = None
     modes: tuple[Mode, ...] = ()
     use_modes: tuple[int | None, ...] = ()
+    ranks: Ranks | None = None
+    not_before: tuple[int, int] | None = None
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()

@@ -109,12 +109,16 @@ def resource_orders(
 
 
 def assign(
-    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
+    problem: Problem,
+    decisions: Sequence[Decision],
+    tolerance: Fraction | int = 0,
+    moments: int = 1,
 ) -> list[tuple[int, ...]]:
     """One resource for each use: the engine's choices first, then what is free by start time.
 
     Members of a pool are handed out greedily in order of start, which never runs out where the
-    pool's summed capacity is kept. Raises `AnswerError` where nothing is free.
+    pool's summed capacity is kept. The times of `decisions` may be in so many `moments` a tick,
+    which tell ranks apart. Raises `AnswerError` where nothing is free.
     """
     result: list[list[int | None]] = []
     undecided: list[tuple[Moment, int]] = []
@@ -132,7 +136,7 @@ def assign(
         if None in chosen:
             undecided.append((decisions[i].start, i))
     if undecided:
-        _hand_out(problem, decisions, result, undecided, tolerance)
+        _hand_out(problem, decisions, result, undecided, tolerance, moments)
     return [tuple(r for r in chosen if r is not None) for chosen in result]
 
 
@@ -142,13 +146,15 @@ def _hand_out(
     result: list[list[int | None]],
     undecided: list[tuple[Moment, int]],
     tolerance: Fraction | int,
+    moments: int,
 ) -> None:
     held: dict[int, list[tuple[Moment, Moment, int]]] = {}
     capacity = [resource.capacity for resource in problem.resources]
     for k, resource in enumerate(problem.resources):
         if resource.windows:
             capacity[k], load = _capacity(problem, k)
-            held[k] = [*load]
+            # (What falls within an instant falls behind all its ranks.)
+            held[k] = [((s + 1) * moments - 1, e * moments, amount) for s, e, amount in load]
     for i, chosen in enumerate(result):
         for u, r in enumerate(chosen):
             if r is not None:

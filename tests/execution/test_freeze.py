@@ -198,18 +198,20 @@ def test_the_past_is_in_the_initial_stock_state_and_calendars() -> None:
     assert [(w.start, w.end, w.capacity) for w in oven.windows] == [(0, 7, 2)]
 
 
-def test_what_ended_just_now_is_ordered_against_what_happens_now() -> None:
-    """The lamp is put out at 2, just before or just after `lit` ends and lights it for `read`."""
+def test_what_ended_at_an_instant_comes_before_what_an_event_changes_then() -> None:
+    """`lit` ends at 2 and lights the lamp, then it is put out: nobody lights it for `read`."""
     lamp = task_of(
         action("lit", 2, effects=[{"at": "end", "var": "light", "value": True}]),
         action("read", 1, conditions=[{"at": "all", "var": "light", "value": True}]),
+        action("light again", 3, effects=[{"at": "end", "var": "light", "value": True}]),
         state=[{"id": "light", "initial": False}],
     )
-    old = plan(entry("lit", 0, 2), entry("read", 2, 3, rank=1))
+    old = plan(entry("lit", 0, 2), entry("read", 2, 3, rank=1), entry("light again", 2, 5))
     out = {"op": "set_state", "var": "light", "value": False}
     for target in ("cpsat", "pddl21"):
         step = repaired(lamp, old, 2, out, target=target)
-        assert starts(step.schedule) == {"lit": 0, "light at 2": 2, "read": 2}
+        assert starts(step.schedule) == {"lit": 0, "light at 2": 2, "light again": 2, "read": 5}
+        assert next(e for e in step.schedule.entries if e.id == "light at 2").rank == 1
 
 
 def test_a_range_that_took_no_time_still_had_a_start_and_an_end() -> None:

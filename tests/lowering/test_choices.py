@@ -7,15 +7,7 @@ from typing import Any
 import pytest
 
 from builders import Document, act, problem_of
-from irc.problem import (
-    IMPOSSIBLE_DEADLINE,
-    PLAIN,
-    Condition,
-    Details,
-    Effect,
-    Mode,
-    StockChange,
-)
+from irc.problem import IMPOSSIBLE_DEADLINE, PLAIN, Condition, Details, Effect, Mode, StockChange
 
 
 def details(**fields: Any) -> Details:

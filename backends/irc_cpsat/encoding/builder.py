@@ -46,10 +46,10 @@ class ResourceUses:
 class Model:
     """A CP-SAT model and the variables that carry its answer.
 
-    A demand with one alternative has no `literals`. `present[i]` is None where activity i always
-    is. `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of the ranks of
-    its start and of its end, None where there is no state. `values` are the objectives'
-    expressions.
+    A demand with one alternative has no `literals`. `present[i]` is None where activity i is always
+    present; `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of the
+    ranks of its start and its end, None where there is no state. `values` are the expressions of
+    the objectives.
     """
 
     model: cp_model.CpModel
@@ -93,6 +93,7 @@ class Builder:
         )
         self.problem = within(problem, self.horizon)
         self.uses = [ResourceUses() for _ in problem.contention.pools]
+        self.uses_in_moments = [ResourceUses() for _ in problem.contention.pools]
         self.starts: list[cp_model.IntVar] = []
         self.ends: list[cp_model.IntVar | None] = []
         self.sizes: dict[int, cp_model.IntVar] = {}
@@ -101,6 +102,7 @@ class Builder:
         self.groups: list[Literal | None] = []
         self.modes: list[list[Literal]] = []
         self.ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None] = []
+        self.points: dict[tuple[int, bool], cp_model.IntVar] = {}
         self.conjunctions: dict[tuple[int, int], tuple[Literal, Literal, Literal]] = {}
 
     def end(self, i: int) -> Any:
@@ -113,6 +115,21 @@ class Builder:
         time = self.end(i) if at_end else self.starts[i]
         ranks = self.ranks[i] if self.ranked else None
         return time if ranks is None else time * self.rank_count + ranks[at_end]
+
+    def point(self, i: int, *, at_end: bool) -> Any:
+        """The moment of a happening as a variable and an offset: intervals take no more."""
+        activity = self.problem.activities[i]
+        if not self.ranked:
+            return self.end(i) if at_end else self.starts[i]
+        if at_end and activity.is_fixed:
+            return self.point(i, at_end=False) + activity.duration_min * self.rank_count
+        key = i, at_end
+        if key not in self.points:
+            reach = max(activity.duration_min, 0) + (activity.start or 0)
+            latest = (2 * (self.horizon + 1) + reach) * self.rank_count
+            self.points[key] = self.model.new_int_var(0, latest, "")
+            self.model.add(self.points[key] == self.moment(i, at_end=at_end))
+        return self.points[key]
 
     def enforced(self, constraint: Any, *whose: int, also: Sequence[Any] = ()) -> None:
         """Makes a constraint bind only where some activities (and other literals) are present."""
@@ -150,10 +167,14 @@ def name_of(activity: Activity) -> str:
 
 
 def _rank_count(problem: Problem) -> int:
-    """The number of ranks that is enough: one for each happening that can have its own."""
+    """The number of ranks that is enough: one for each happening that can have its own, behind
+    those that are known."""
     if not problem.variables:
         return 1
-    return 1 + sum(1 if a.is_fixed else 2 for a in problem.activities)
+    known = [rank for a in problem.activities for rank in a.details.ranks or () if rank is not None]
+    known += [a.details.not_before[1] for a in problem.activities if a.details.not_before]
+    free = sum(1 if a.is_fixed else 2 for a in problem.activities)
+    return 1 + free + max(known, default=0)
 
 
 def _tightened(horizon: int, problem: Problem, known: Sequence[Decision] | None) -> int:

@@ -21,7 +21,7 @@ from irc_cpsat.encoding.occurrences import FILE_DEPTH, add_occurrences
 from irc_cpsat.encoding.overflow import refuse_overflow
 from irc_cpsat.encoding.precedence import add_precedence
 from irc_cpsat.encoding.presence import add_presence
-from irc_cpsat.encoding.reservoirs import add_reservoirs
+from irc_cpsat.encoding.reservoirs import add_reservoirs, order_count
 from irc_cpsat.encoding.resources import add_resources
 from irc_cpsat.encoding.state import add_state
 
@@ -42,7 +42,11 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
 
     Raises `Refusal` where sums would not fit 64 bits.
     """
-    refuse_overflow(builder.problem, builder.safe_horizon, builder.rank_count)
+    refuse_overflow(
+        builder.problem,
+        builder.safe_horizon,
+        builder.rank_count * order_count(builder.problem),
+    )
     add_presence(builder)
     add_activities(builder)
     add_precedence(builder)

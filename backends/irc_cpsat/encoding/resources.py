@@ -14,7 +14,9 @@ def add_resources(builder: Builder) -> DemandLiterals:
     activities = enumerate(builder.problem.activities)
     literals = [_add_demands(builder, i, activity) for i, activity in activities]
     for pool, uses in zip(builder.problem.contention.pools, builder.uses, strict=True):
-        _add_capacity(builder, pool, uses)
+        _add_capacity(builder, pool, uses, 1)
+    for pool, uses in zip(builder.problem.contention.pools, builder.uses_in_moments, strict=True):
+        _add_capacity(builder, pool, uses, builder.rank_count)
     return literals
 
 
@@ -47,8 +49,7 @@ def _add_demand(
     if len(demand.alternatives) > 1:
         return _add_choice(builder, i, demand, c, needed, has_length)
     (r,) = demand.alternatives
-    taken = builder.taking(i, demand, r, needed, has_length)
-    builder.uses[r].add(_interval(builder, i, taken), demand.amount)
+    _take(builder, i, demand, r, builder.taking(i, demand, r, needed, has_length))
     return []
 
 
@@ -70,11 +71,37 @@ def _add_choice(
         if demand.amount > pool.capacity and activity.duration_min > 0:
             model.add(literal == 0)
             continue
-        taken = builder.taking(i, demand, r, has_length, literal)
-        builder.uses[r].add(_interval(builder, i, taken), demand.amount)
+        _take(builder, i, demand, r, builder.taking(i, demand, r, has_length, literal))
     absent = [] if needed is None else [~needed]
     model.add_exactly_one([*(literal for _, literal in literals), *absent])
     return literals
+
+
+def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal | None) -> None:
+    """Adds a use of a shared resource: over time, and where there are ranks over moments too.
+
+    (The first follows from the second, but says more about time.)
+    """
+    builder.uses[r].add(_interval(builder, i, taken), demand.amount)
+    if builder.ranked:
+        builder.uses_in_moments[r].add(_interval_of_moments(builder, i, taken), demand.amount)
+
+
+def _interval_of_moments(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+    model, activity = builder.model, builder.problem.activities[i]
+    name = name_of(activity)
+    start = builder.point(i, at_end=False)
+    if activity.is_fixed:
+        size = activity.duration_min * builder.rank_count
+        if literal is None:
+            return model.new_fixed_size_interval_var(start, size, name)
+        return model.new_optional_fixed_size_interval_var(start, size, literal, name)
+    end = builder.point(i, at_end=True)
+    longest = (builder.horizon + 1 + activity.duration_min) * builder.rank_count
+    length = model.new_int_var(0, 2 * longest, "")
+    if literal is None:
+        return model.new_interval_var(start, length, end, name)
+    return model.new_optional_interval_var(start, length, end, literal, name)
 
 
 def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
@@ -91,11 +118,12 @@ def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.Int
     return model.new_optional_interval_var(start, length, end, literal, name)
 
 
-def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses) -> None:
+def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses, moments: int) -> None:
+    """Adds the capacity of a resource, for uses in so many moments a tick."""
     if not uses.intervals:
         return
     if pool.base is not None:
-        uses = with_windows(builder, pool, uses)
+        uses = with_windows(builder, pool, uses, moments)
     capacity = pool.capacity
     if 2 * min(uses.amounts) > capacity and max(uses.amounts) <= capacity:
         builder.model.add_no_overlap(uses.intervals)

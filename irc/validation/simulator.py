@@ -48,7 +48,7 @@ _Holds = dict[Value, dict[int, Hold]]
 """What must stay as it is, by the value it must have and a number."""
 
 
-class Player:
+class StateSimulator:
     """Plays one variable through.
 
     `lost` are demands that the history alone does not meet: they are carried. `failed` collects
@@ -71,7 +71,7 @@ class Player:
         self.damaged: _Holds = {}
         """Holds that the history itself breaks; what is open may do no more damage to them."""
 
-    def play(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
+    def run(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
         """Checks all that happens to it and returns its last value."""
         moments: dict[tuple[Number, int], _Moment] = {}
 
