@@ -49,8 +49,8 @@ def planned(data: Path) -> Iterator[Instance]:
         for raw in json.loads(file.read_text("utf-8")):
             graph = raw["graph"]
             step = {node: f"step{label}" for label, node in graph["step_to_node"].items()}
-            key = (raw["n_steps"], raw["id"])
-            edges = sorted((step[a], step[b]) for a, b in graph["edges"])
+            key = (len(graph["durations"]), raw["id"])
+            edges = sorted({(step[a], step[b]) for a, b in graph["edges"]})
             seconds = {step[node]: value for node, value in enumerate(graph["durations"])}
             yield Instance(key, raw["question"], edges, seconds, key in errata)
 

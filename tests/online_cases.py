@@ -26,10 +26,6 @@ def action(name: str, duration: Any, *resources: str, **fields: Any) -> dict[str
     return {"id": name, "duration": duration, **({"uses": uses} if uses else {}), **fields}
 
 
-def task(*actions: dict[str, Any], **fields: Any) -> Task:
-    return Task.model_validate({"actions": list(actions), **fields})
-
-
 def event(at: Any, *changes: dict[str, Any]) -> Event:
     return Event.model_validate({"at": at, "changes": list(changes)})
 
@@ -48,6 +44,11 @@ def repaired(
     """The step after one event (or none) at a time."""
     events = [event(at, *changes)] if changes else []
     return replan(whole, schedule, at, events, **{"limits": LIMITS, **means})
+
+
+def replanned(task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
+    """The step after events: what `oracles.online_random.play` asks for."""
+    return replan(task, schedule, at, events, limits=LIMITS)
 
 
 def starts(schedule: Schedule) -> dict[str, Number]:

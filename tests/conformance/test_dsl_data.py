@@ -11,8 +11,7 @@ from irc.frontends.dsl.printer import print_task
 from irc.frontends.dsl.task import dsl_task
 from irc.frontends.files import read_task
 from irc.frontends.importers.asyncplan import import_asyncplan
-
-ROOT = Path(__file__).resolve().parents[2]
+from paths import ROOT
 
 
 def comes_back(task: irc.Task) -> bool:
