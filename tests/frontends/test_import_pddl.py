@@ -394,6 +394,7 @@ def test_a_time_that_no_decimal_equals_is_not_rounded() -> None:
         plan_text(task, Schedule(entries))
 
 
+@pytest.mark.slow
 def test_what_must_come_before_the_start_of_time_is_not_written() -> None:
     """Crossing from 0 to 10 and arriving just before the harbour closes needs a start before 0."""
     domain, problem = (

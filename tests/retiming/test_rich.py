@@ -89,6 +89,7 @@ def test_what_is_re_timed_stays_valid_with_its_own_ranks(seed: int) -> None:
             assert verdict.valid, verdict.violations
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds)
 def test_nothing_becomes_later_and_choices_stay(seed: int) -> None:
@@ -101,6 +102,7 @@ def test_nothing_becomes_later_and_choices_stay(seed: int) -> None:
             assert place.end <= decision.end
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds)
 def test_what_is_re_timed_moves_no_further(seed: int) -> None:
@@ -110,6 +112,7 @@ def test_what_is_re_timed_moves_no_further(seed: int) -> None:
         assert retime(problem, as_decisions(placed)) == placed
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds, st.integers(1, 50))
 def test_waiting_before_everything_starts_changes_nothing(seed: int, wait: int) -> None:

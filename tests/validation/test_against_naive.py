@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,6 +26,7 @@ from oracles.naive_validation import (
 )
 
 
+@pytest.mark.slow
 @SLOW
 @given(tasks_and_schedules())
 def test_a_schedule_valid_by_construction_is_accepted(case: tuple[Task, list[Entry]]) -> None:
@@ -32,6 +34,7 @@ def test_a_schedule_valid_by_construction_is_accepted(case: tuple[Task, list[Ent
     assert validate(task, Schedule(tuple(entries))).violations == ()
 
 
+@pytest.mark.slow
 @SLOW
 @given(st.data(), tasks_and_schedules())
 def test_each_rule_is_broken_exactly_where_the_naive_check_says(
@@ -50,6 +53,7 @@ def test_each_rule_is_broken_exactly_where_the_naive_check_says(
     assert found == expected, verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=350)
 @given(state_cases())
 def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]) -> None:
@@ -59,6 +63,7 @@ def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]
     assert verdict.valid is some_ranks_do(task, entries), verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=350)
 @given(st.data(), state_cases())
 def test_given_ranks_are_judged_as_the_naive_check_does(
