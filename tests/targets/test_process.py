@@ -314,7 +314,7 @@ def test_a_daemon_in_a_session_of_its_own_is_ended(fake, streams: str) -> None:
 @needs_proc
 def test_what_a_nested_run_started_is_ended_too(fake) -> None:
     command = fake("nested.py", str(FAKES / "ignore_sigterm.py"))
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
     result = run(command, UNLIMITED, env=environment, on_line=is_ready)
     assert (result.ended, result.stdout) == (Ended.STOPPED, "ready\n")
 
