@@ -969,6 +969,7 @@ def told_of(task: Task) -> list[Diagnostic]:
     return list(run_checks(task).report)
 
 
+@pytest.mark.slow
 @settings(
     max_examples=60,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.

@@ -450,6 +450,7 @@ def kairos_output(folder: Path) -> str:
 ENGINES = {"cpsat": cp_sat_response, "pddl21": kairos_output}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_extract_reads_what_an_engine_made_of_the_files(
     kitchen: Path, tmp_path: Path, target: str
@@ -810,6 +811,7 @@ def test_the_schema_is_json_schema_of_the_ir() -> None:
 # In a process of its own
 
 
+@pytest.mark.slow
 def test_names_are_escaped_where_stdout_cannot_hold_them(kitchen: Path) -> None:
     kitchen.write_text(json.dumps({**KITCHEN, "name": "café 🤖"}), "utf-8")
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -821,6 +823,7 @@ def test_names_are_escaped_where_stdout_cannot_hold_them(kitchen: Path) -> None:
     assert json.loads(document.stdout)["task"] == "café 🤖"
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_makes_no_traceback(kitchen: Path) -> None:
     command = [sys.executable, "-m", "irc", "schema"]
     read, write = os.pipe()
@@ -830,6 +833,7 @@ def test_a_reader_that_goes_away_makes_no_traceback(kitchen: Path) -> None:
     assert ended.stderr == b""
 
 
+@pytest.mark.slow
 def test_the_module_and_the_script_are_the_same_command(kitchen: Path) -> None:
     script = Path(sys.executable).with_name("irc")
     if not script.exists():

@@ -165,6 +165,7 @@ def test_the_next_step_goes_on_from_what_the_last_one_wrote(van: Path) -> None:
     assert step["schedule"]["makespan"] == 23
 
 
+@pytest.mark.slow
 def test_of_a_task_with_events_of_its_own_those_of_the_time_apply(tmp_path: Path) -> None:
     plan, first, second = (tmp_path / f"{k}.json" for k in range(3))
     run_irc("solve", MORNING, "-o", plan)

@@ -530,6 +530,7 @@ def hostile() -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii", "cp1252"])
 @pytest.mark.parametrize("width", [24, 40, 60, 80, 100, 173])
 def test_no_line_is_wider_than_the_console(width: int, encoding: str) -> None:

@@ -45,6 +45,7 @@ def test_an_answer_is_valid_as_of_the_start_and_not_even_an_event_at_0_is_seen()
     assert [note.code for note in answer.notes] == [Code.LATER_EVENTS]
 
 
+@pytest.mark.slow
 def test_an_answer_extracted_later_says_it_too() -> None:
     program = irc.compile(REVISED, "cpsat")
     answer = extract_answer(program.manifest, "solution: [0, 4, 7]\nstatus: OPTIMAL\n")

@@ -141,6 +141,7 @@ LINES = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=600)
 @given(st.lists(LINES, max_size=14))
 def test_layout_is_final_and_changes_no_task(lines: list[str]) -> None:
@@ -165,6 +166,7 @@ def test_the_examples_are_laid_out() -> None:
 # --- JSON ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(documents())
 def test_the_layout_of_json_is_final_and_keeps_every_word(document: object) -> None:

@@ -87,6 +87,7 @@ def episodes(shared_data: Path) -> list[tuple[Raw, Task]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_every_episode_is_a_sound_task_before_and_after_each_event(shared_data: Path) -> None:
     read = episodes(shared_data)
@@ -111,6 +112,7 @@ def _all(raw: Raw, field: str) -> Raw:
     return {k: v for e in raw["events"] for k, v in (e["delta"].get(field) or {}).items()}
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_the_known_optima_are_those_of_the_tasks_before_any_event(shared_data: Path) -> None:
     """The benchmark's candidate menus had a deadline, which their episodes leave out."""

@@ -93,6 +93,7 @@ def small_problems(kind: str, count: int) -> Iterator[tuple[Problem, int | None]
             assert best is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", SMALL_TASKS)
 def test_no_bound_exceeds_the_optimum(kind: str) -> None:
     compared = 0
@@ -201,6 +202,7 @@ TIGHTNESS: dict[str, Callable[[random.Random, int], Task]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TIGHTNESS)
 def test_the_bound_is_the_optimum_in_19_of_20_contended_tasks(kind: str) -> None:
     reached = by_energy = total = 0
@@ -264,6 +266,7 @@ def robo_task(document: Document) -> Task:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 @pytest.mark.skipif(not ROBO_CHALLENGE.is_dir(), reason="needs the benchmark data")
 def test_the_bound_is_the_optimum_of_every_robo_challenge_task() -> None:
@@ -578,6 +581,7 @@ def test_without_contention_the_problem_is_returned_as_it_is() -> None:
 # --- determinism and size -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_order_of_the_input_does_not_matter() -> None:
     for seed in range(20):
         rng = random.Random(seed)
@@ -622,6 +626,7 @@ def _user(name: str, duration: int, resource: int) -> Activity:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("activities", "seconds"), [(100, 1), (1_000, 3), (10_000, 5)])
 def test_the_bounds_take_little_time_on_large_problems(activities: int, seconds: float) -> None:
     problem = prepared(layered(activities, 20))

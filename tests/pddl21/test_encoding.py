@@ -215,6 +215,7 @@ def test_every_name_in_the_text_is_told_in_the_manifest() -> None:
         assert {f for f in facts if f.startswith("free_")} | counters == set(names["tokens"])
 
 
+@pytest.mark.slow
 def test_planners_read_every_text(tmp_path: Path) -> None:
     kairos = pytest.importorskip("kairos")
     reader = up_reader()
@@ -438,6 +439,7 @@ def crowd(capacity: int, amount: int, users: int = 3) -> Task:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("capacity", "amount", "operators_each"),
     [(10, 5, 252), (16, 15, 16), (3, 2, 3), (11, 5, None), (20, 10, None), (100, 60, None)],
@@ -543,6 +545,7 @@ def plan_of(program: Program, best: Optimum) -> str:
     return "\n".join(random.Random(0).sample(lines, len(lines))) + "\n"
 
 
+@pytest.mark.slow
 def test_a_plan_is_read_back_as_the_schedule_it_stands_for() -> None:
     compared = 0
     for task, program in random_programs(90):
