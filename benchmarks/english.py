@@ -70,7 +70,7 @@ def judge_asyncplan(data: Path) -> Counter[str]:
     counts: Counter[str] = Counter()
     for instance in planned(data):
         try:
-            edges, seconds = reading(irc.loads(instance.text))
+            edges, seconds = reading(irc.loads(instance.text).ir)
         except irc.InputError as error:
             counts["refused"] += 1
             print(instance.key, error)
@@ -265,10 +265,10 @@ def judge_mutation(name: str, instance: Instance, rng: random.Random) -> str:
     text, meant = MUTATIONS[name](instance.text, before, rng)
     if name == "decimal":
         # "5.5 minutes" is a duration: what must not happen is that the old one is kept.
-        meant = reading(irc.loads(text))
+        meant = reading(irc.loads(text).ir)
         return "as meant" if meant[1] != before[1] else "WRONG"
     try:
-        found = reading(irc.loads(text))
+        found = reading(irc.loads(text).ir)
     except irc.InputError:
         return "refused"
     return "as meant" if found == meant else "WRONG"

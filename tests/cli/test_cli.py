@@ -379,6 +379,7 @@ def test_solve_prints_the_schedule_document(kitchen: Path) -> None:
         "irc_schedule",
         "task",
         "task_sha256",
+        "time_unit",
         "status",
         "makespan",
         "objective",
@@ -648,7 +649,7 @@ def test_convert_writes_one_task_for_each_instance(tmp_path: Path) -> None:
     assert (result.exit_code, result.stdout) == (0, "")
     assert result.stderr == f"wrote 2 tasks to {folder}\n"
     assert sorted(files_in(folder)) == ["nodes1_8.json", "nodes3_7.json"]
-    tea = irc.load(folder / "nodes3_7.json")
+    tea = irc.load(folder / "nodes3_7.json").ir
     assert (tea.name, tea.metadata) == ("brew tea", {"id": 7, "answer": 300})
     assert {a.id: (a.label, a.duration) for a in tea.actions} == {
         "step1": ("Boil the water", 120),
@@ -695,7 +696,7 @@ def test_convert_keeps_what_a_task_says(kitchen: Path, tmp_path: Path) -> None:
     out = tmp_path / "converted.json"
     result = run_irc("convert", kitchen, "-o", out, "--format", "json")
     assert json.loads(result.stdout) == {"written": [str(out)]}
-    assert irc.load(out) == irc.load(kitchen)
+    assert irc.load(out).ir == irc.load(kitchen).ir
 
 
 @pytest.mark.shared_data
@@ -705,7 +706,7 @@ def test_convert_takes_the_whole_benchmark(shared_data: Path, tmp_path: Path) ->
     instances = json.loads(source.read_text("utf-8"))
     result = run_irc("convert", source, "-o", tmp_path, "--from", "asyncplan")
     assert result.exit_code == 0
-    tasks = [irc.load(path) for path in tmp_path.iterdir()]
+    tasks = [irc.load(path).ir for path in tmp_path.iterdir()]
     assert len(tasks) == len(instances)
     assert sorted(t.metadata["id"] for t in tasks) == sorted(i["id"] for i in instances)
     assert {t.metadata["id"]: len(t.precedence) for t in tasks} == {

@@ -20,6 +20,7 @@ from typer.testing import Result
 
 import irc
 from irc.frontends.json.document import decode_bytes
+from irc.model import Task
 from runs import run_irc
 
 SECONDS = 15
@@ -452,7 +453,7 @@ def test_half_a_character_is_refused_wherever_it_stands(field: str) -> None:
 
 
 def test_decimals_in_the_metadata_are_carried_through() -> None:
-    task = irc.loads('{"actions": [], "metadata": {"rate": 0.1, "far": [1e400]}}')
+    task = irc.loads('{"actions": [], "metadata": {"rate": 0.1, "far": [1e400]}}').ir
     manifest = json.loads(irc.compile(task, "pddl21").manifest_text())
     assert manifest["task"]["metadata"] == {"rate": 0.1, "far": ["1E+400"]}
 
@@ -464,7 +465,7 @@ def test_decimals_in_the_metadata_are_carried_through() -> None:
 def test_text_with_a_byte_order_mark_is_read(encoding: str, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     file.write_bytes('{"actions": [{"id": "é", "duration": 3}]}'.encode(encoding))
-    assert [a.id for a in irc.load(file).actions] == ["é"]
+    assert [a.id for a in irc.load(file).ir.actions] == ["é"]
     assert irc_check(file).exit_code == 0
 
 
@@ -628,10 +629,10 @@ SEED = json.dumps(
 ).encode()
 
 
-def loaded(data: bytes) -> irc.Task | None:
+def loaded(data: bytes) -> Task | None:
     """The task, or None where an `InputError` says in words why there is none."""
     try:
-        return irc.loads(decode_bytes(data, "<test>"))
+        return irc.loads(decode_bytes(data, "<test>")).ir
     except irc.InputError as error:
         return None if error.report.errors and error.report.render() else pytest.fail("no reason")
 

@@ -83,7 +83,7 @@ def test_nothing_is_to_be_said_of_an_example(promised: Promised) -> None:
 @pytest.mark.slow
 @each_example
 def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
-    task = irc.load(promised.path)
+    task = irc.load(promised.path).ir
     schedule = irc.solve(task, "cpsat", time_limit=60, shortcut=False)
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, promised.makespan)
     assert task.time_unit == promised.time_unit
@@ -94,7 +94,7 @@ def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
 @pytest.mark.skipif(find_spec("kairos") is None, reason="kairos has wheels for Linux only")
 @each_example
 def test_kairos_answers_within_ten_seconds_or_the_target_refuses(promised: Promised) -> None:
-    task = irc.load(promised.path)
+    task = irc.load(promised.path).ir
     if refused_features(task, get_backend("pddl21")):
         with pytest.raises(irc.InputError) as refused:
             irc.compile(task, "pddl21")
@@ -113,4 +113,4 @@ def test_kairos_answers_within_ten_seconds_or_the_target_refuses(promised: Promi
 
 
 def test_the_house_has_a_hundred_steps() -> None:
-    assert len(irc.load(EXAMPLES / "house_build_100.json").actions) == 100
+    assert len(irc.load(EXAMPLES / "house_build_100.json").ir.actions) == 100

@@ -246,7 +246,7 @@ def test_a_binary_file_is_told_at_its_first_bad_byte(tmp_path: Path) -> None:
 def test_line_ends_of_windows_are_read(tmp_path: Path) -> None:
     report = checked(tmp_path, 'task "a"\r\nboil 3\r\n\r\nbake 4 after boil\r\n  deadline 20\r\n')
     assert list(report) == []
-    assert irc.load(tmp_path / "task.irc").actions[1].deadline == 20
+    assert irc.load(tmp_path / "task.irc").ir.actions[1].deadline == 20
 
 
 def test_a_byte_order_mark_is_noted(tmp_path: Path) -> None:

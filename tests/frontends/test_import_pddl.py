@@ -530,7 +530,7 @@ def test_the_command_writes_one_task(tmp_path: Path) -> None:
         *("--from", "pddl", "-o", out),
     )
     assert (result.exit_code, result.stdout) == (0, "")
-    assert irc.load(out) == example("matchcellar")
+    assert irc.load(out).ir == example("matchcellar")
 
 
 def test_the_command_needs_a_problem_and_for_pddl_only(tmp_path: Path) -> None:

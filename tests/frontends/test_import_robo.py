@@ -140,7 +140,7 @@ def test_state_orders_the_processing_and_holds_an_item_back_from_the_dish() -> N
     ]
     assert (
         actions["marinate_tofu"].duration
-        == irc.Task(actions=[{"id": "x", "duration": 6.5}]).actions[0].duration
+        == irc.Task(actions=[{"id": "x", "duration": 6.5}]).ir.actions[0].duration
     )
 
 
@@ -414,7 +414,7 @@ def test_the_command_reads_a_folder_in_order_and_writes_a_task_for_each(tmp_path
         "plate_.json",
         "menu_1.json",
     ]
-    assert irc.load(out / "menu_1.json") == imported({**MENU, "id": "menu / 1"})[0]
+    assert irc.load(out / "menu_1.json").ir == imported({**MENU, "id": "menu / 1"})[0]
 
 
 def test_a_bad_instance_in_a_folder_is_status_1_and_nothing_is_written(tmp_path: Path) -> None:

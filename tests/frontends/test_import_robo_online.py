@@ -61,7 +61,7 @@ def faults(raw: Raw) -> dict[str, str]:
     found = error.value.report.located()
     assert len(list(found)) == len({d.pointer for d in found}), "a fault is told twice"
     assert {(d.code, d.line is not None) for d in found} == {(Code.NOT_AN_IMPORT, True)}
-    return {d.as_json()["pointer"]: d.message for d in found}
+    return {d.to_dict()["pointer"]: d.message for d in found}
 
 
 def changes(event: Event) -> dict[str, Any]:

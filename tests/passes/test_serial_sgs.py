@@ -64,7 +64,7 @@ def taken(problem: Problem, i: int, choice: tuple[int, ...]) -> tuple[int, ...]:
     """What has no length claims nothing, but names its resources all the same."""
     if not choice:
         return tuple(use.alternatives[0] for use in problem.activities[i].uses)
-    return tuple(problem.shared[shared].members[0] for shared in choice)
+    return tuple(problem.contention.pools[shared].members[0] for shared in choice)
 
 
 @pytest.mark.slow
@@ -73,7 +73,7 @@ def test_with_pools_the_rule_keeps_the_summed_capacity() -> None:
     for seed in range(60):
         task = contended_task(random.Random(f"pools {seed}"), 6 + seed % 9)
         problem = run_passes(lower(task))
-        pooled += any(len(shared.members) > 1 for shared in problem.shared)
+        pooled += any(len(shared.members) > 1 for shared in problem.contention.pools)
         found = list_schedule(problem)
         assert found is not None
         decisions = [Decision(d.start, d.end) for d in found[0]]
@@ -90,8 +90,8 @@ def test_without_contention_the_rule_is_the_critical_path() -> None:
         problem = with_heads_and_tails(task)
         found = list_schedule(problem)
         assert found is not None
-        assert tuple(d.start for d in found[0]) == problem.heads
-        assert max(d.end for d in found[0]) == problem.bound.value
+        assert tuple(d.start for d in found[0]) == problem.bounds.heads
+        assert max(d.end for d in found[0]) == problem.bounds.makespan.value
 
 
 def test_the_longest_way_to_the_end_goes_first() -> None:

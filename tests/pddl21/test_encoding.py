@@ -524,10 +524,10 @@ def test_without_bounds_from_above_one_tick_is_one_unit() -> None:
 def fits(program: Program, uses: dict[str, str], action: str, held: dict[str, int]) -> bool:
     """Whether an operator's choices are those of an action that holds these amounts."""
     problem = program.problem
-    members = {s.id: [problem.resources[m].id for m in s.members] for s in problem.shared}
+    members = {s.id: [problem.resources[m].id for m in s.members] for s in problem.contention.pools}
     (activity,) = [a for a in problem.activities if a.id == action]
     taken = Counter[str]()
-    for claim in activity.claims:
+    for claim in activity.open_demands:
         pool = members[uses[str(claim.use)]]
         taken[pool[0] if len(pool) == 1 else ""] += claim.amount
         if held.keys().isdisjoint(pool):

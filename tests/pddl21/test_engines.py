@@ -283,7 +283,7 @@ def test_a_plan_beyond_the_capacity_does_not_displace_a_valid_one(optic) -> None
 def under_a_deadline(plan: str) -> str:
     """The plan in the finer units of the files that hold the bound as a deadline."""
     problem = irc.compile(TASK, "pddl21").problem
-    scale = encode(replace(problem, deadline=problem.bound.value)).scale
+    scale = encode(replace(problem, deadline=problem.bounds.makespan.value)).scale
     assert scale > 1
     return re.sub(r"[\d.]+(?=:|\])", lambda time: f"{float(time[0]) * scale:.3f}", plan)
 

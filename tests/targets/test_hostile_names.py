@@ -211,7 +211,7 @@ def test_names_of_resources_arrive_whole_in_the_cp_sat_model() -> None:
 def test_a_schedule_has_the_original_names(target: str, engine: str) -> None:
     if target == "pddl21":
         pytest.importorskip("kairos")
-    task = irc.Task.model_validate(chain(NAMES))
+    task = irc.Task.from_dict(chain(NAMES)).ir
     schedule = irc.solve(task, target, engine=engine, shortcut=False, time_limit=60)
     assert schedule.status is Status.OPTIMAL
     assert [entry.id for entry in schedule.entries] == list(NAMES)
@@ -237,7 +237,7 @@ def test_names_of_actions_and_resources_come_back(
 ) -> None:
     if target == "pddl21":
         pytest.importorskip("kairos")
-    task = irc.Task.model_validate(two_machines(names))
+    task = irc.Task.from_dict(two_machines(names)).ir
     schedule = irc.solve(task, target, engine=engine, shortcut=False, time_limit=60)
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, 5)
     assert {e.id: dict(e.resources) for e in schedule.entries} == {

@@ -227,10 +227,12 @@ def test_stock_is_taken_at_the_start_and_put_in_at_the_end() -> None:
     )
 
 
-def test_changes_of_one_instant_count_together() -> None:
-    task = stock_task(bake(amount=3), mill(amount=2), initial=1, max=1)
-    assert rules(task, Entry("mill", 0, 2), Entry("bake", 2, 4)) == []
-    assert rules(task, Entry("mill", 0, 2), Entry("bake", 3, 5)) == ["reservoir"]
+def test_changes_of_one_instant_come_in_an_order_that_keeps_the_level() -> None:
+    both = Entry("mill", 0, 2), Entry("bake", 2, 4)
+    assert rules(stock_task(bake(amount=3), mill(amount=2), initial=1, max=3), *both) == []
+    task = stock_task(bake(amount=3), mill(amount=2), initial=1, max=2)
+    (violation,) = violations(task, *both)
+    assert violation.message == "no order of 'mill', 'bake' at 2 s keeps 'flour' within bounds"
 
 
 def test_a_change_happens_where_it_says() -> None:
