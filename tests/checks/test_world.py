@@ -126,6 +126,7 @@ def test_nothing_is_called_out_of_reach_because_its_giver_is_misspelt() -> None:
     assert messages == ["there is no state variable 'litt'"]
 
 
+@pytest.mark.slow
 def test_nothing_is_called_out_of_reach_because_its_giver_could_not_be_read() -> None:
     text = "state lit\nlight 3 onn stove sets lit\ngoal lit\n"
     assert [d.code.id for d in dsl_task(text).report.errors] == ["IRC010"]

@@ -184,6 +184,7 @@ def test_arguments_that_do_not_exist_or_fit_are_status_2(
     assert "Usage:" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [["--workers", "10000"], ["--memory-limit", "1073741824"]])
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_the_largest_limits_that_are_taken_do_no_harm(

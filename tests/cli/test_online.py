@@ -225,6 +225,7 @@ def test_where_nothing_continues_what_has_run_the_old_plan_stays(van: Path) -> N
 # --- simulate -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_simulation_tells_each_step_and_ends_with_the_verdict(tmp_path: Path) -> None:
     result = run_irc("simulate", MORNING, "-o", tmp_path / "s.json", "--steps", tmp_path / "steps")
     heads = [line for line in result.stdout.splitlines() if line.startswith("at ")]

@@ -63,6 +63,7 @@ def test_the_conflict_is_the_one_written_down_by_hand(case: Case) -> None:
     assert len(explanation.conflict) == len(case.expected)
 
 
+@pytest.mark.slow
 @each_case
 def test_removing_any_statement_of_a_conflict_resolves_it(case: Case) -> None:
     checked = Task.model_validate(case.document)
@@ -104,6 +105,7 @@ def test_the_check_by_removal_knows_wrong_conflicts() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_same_task_gets_the_same_explanation_however_it_is_ordered() -> None:
     for case in SOLVER[::5]:
         document = case.document

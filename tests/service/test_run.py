@@ -272,6 +272,7 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     assert "standard input carries the requests" in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
