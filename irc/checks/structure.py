@@ -1,4 +1,4 @@
-"""What can be said of a task without reckoning with time: names, kinds, shapes that contradict."""
+"""Checks of a task that need no times: names, kinds, and contradictory elements."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Names:
-    """The declared ids of each kind, and what to say of one that is not among them."""
+    """The declared ids of each kind; reports a name that is not among them."""
 
     def __init__(self, task: Task, findings: Findings) -> None:
         self.findings = findings
@@ -38,16 +38,16 @@ class Names:
         self._guesses: Guesses | None = None
 
     def require(self, kind: str, name: str, pointer: Pointer, unlike: str | None = None) -> bool:
-        """Whether `name` is a declared `kind` ("action", "resource" …); tells where it is not.
+        """Whether `name` is a declared `kind` ("action", "resource" …); reports it if not.
 
-        No repair to the name `unlike` is offered: it would make another fault.
+        No repair to the name `unlike` is offered: that would cause another fault.
         """
         if name in self.tables[kind]:
             return True
-        self._tell_unknown(kind, name, pointer, unlike)
+        self._report_unknown(kind, name, pointer, unlike)
         return False
 
-    def _tell_unknown(self, kind: str, name: str, pointer: Pointer, unlike: str | None) -> None:
+    def _report_unknown(self, kind: str, name: str, pointer: Pointer, unlike: str | None) -> None:
         from irc.checks.unknown_names import Guesses
 
         if self._guesses is None:
@@ -84,7 +84,7 @@ def _some(names: Iterable[str]) -> str:
 
 
 def check_structure(task: Task, findings: Findings) -> tuple[Names, Times]:
-    """Adds every structural fault of a task, but for its events, to `findings`.
+    """Adds every structural fault of a task, except in its events, to `findings`.
 
     Returns the names that the task declares and its times, for checks of its events.
     """
@@ -157,7 +157,7 @@ class Times:
         self.findings = findings
 
     def number(self, value: Instant, what: str, pointer: Pointer) -> Number | None:
-        """The time as a number, or None after telling why it has none."""
+        """The time as a number; None after reporting why it has none."""
         try:
             return self.clock.number(value)
         except TimeError as error:
@@ -166,7 +166,9 @@ class Times:
             return None
 
     def point(self, value: Instant | None, what: str, pointer: Pointer) -> Number | None:
-        """A point in time that must not be before t = 0."""
+        """The number of a point in time; None if it has none or is before t = 0, which is
+        reported.
+        """
         if value is None or value == 0:
             return None if value is None else 0
         number = self.number(value, what, pointer)
@@ -181,7 +183,7 @@ class Times:
         return number
 
     def duration(self, raw: Any, owner: str, pointer: Pointer) -> None:
-        """A duration or a range of durations: not negative, not empty."""
+        """Reports a negative duration and an empty range of durations."""
         if isinstance(raw, DurationRange):
             low = self.span(raw.min, owner, (*pointer, "min"))
             high = self.span(raw.max, owner, (*pointer, "max"))
@@ -197,7 +199,7 @@ class Times:
             self.span(raw, owner, pointer)
 
     def span(self, raw: Any, owner: str, pointer: Pointer) -> Number | None:
-        """A length of time that must not be negative."""
+        """The number of a length of time; None if it has none or is negative, which is reported."""
         number = self.number(raw, "duration", pointer)
         if number is not None and number < 0:
             self.findings.add(
@@ -211,13 +213,13 @@ class Times:
 
 
 _OTHER_KIND = {
-    "renewable": 'remove it, or say "kind": "reservoir"',
+    "renewable": 'remove it, or write "kind": "reservoir"',
     "reservoir": 'remove it; a reservoir has "initial", "min" and "max"',
 }
 
 
 def check_resource(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
-    """Tells what contradicts itself in a resource."""
+    """Reports contradictions in a resource."""
     if resource.kind == "reservoir":
         if resource.max is not None and resource.min > resource.max:
             findings.add(
@@ -267,7 +269,7 @@ def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Find
             findings.add(
                 Code.EMPTY_RANGE,
                 f"this window of {resource.id!r} begins at {write_time(window.from_)} "
-                f"and ends at {write_time(window.to)}, so it holds no time",
+                f"and ends at {write_time(window.to)}, so it is empty",
                 pointer,
                 hint=_SWAP,
             )
@@ -285,7 +287,7 @@ def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Find
 
 
 def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
-    """Tells what a state variable lacks, or an initial value that it does not have."""
+    """Reports a state variable without values, and a missing or unknown initial value."""
     if not variable.values:
         findings.add(
             Code.EMPTY_CHOICE,
@@ -301,14 +303,14 @@ def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> 
             hint=f'add "initial": one of {_some(map(str, variable.values))}',
         )
     elif not _has_value(variable, variable.start_value):
-        _tell_value(variable, variable.start_value, (*at, "initial"), findings)
+        _report_value(variable, variable.start_value, (*at, "initial"), findings)
 
 
 def _has_value(variable: StateVariable, value: bool | str) -> bool:
     return any(v == value and type(v) is type(value) for v in variable.values)
 
 
-def _tell_value(
+def _report_value(
     variable: StateVariable, value: bool | str, at: Pointer, findings: Findings
 ) -> None:
     from irc.checks.unknown_names import value_meant
@@ -338,19 +340,18 @@ def _value_text(value: bool | str) -> str:
 
 
 def check_value(fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: Names) -> None:
-    """Tells where a variable, or its value, is not declared."""
+    """Reports a variable, or a value of it, that is not declared."""
     if not names.require("state variable", fact.var, (*at, "var")):
         return
     variable = names.state[fact.var]
     if _has_value(variable, fact.value):
         return
     if "value" in fact.model_fields_set:
-        _tell_value(variable, fact.value, (*at, "value"), names.findings)
+        _report_value(variable, fact.value, (*at, "value"), names.findings)
         return
     names.findings.add(
         Code.UNKNOWN_VALUE,
-        f"state variable {variable.id!r} has no value true, "
-        "which is meant where no 'value' is given",
+        f"state variable {variable.id!r} has no value true, the default of 'value'",
         (*at, "value"),
         hint=f'add "value": one of {_some(map(str, variable.values))}',
     )
@@ -359,7 +360,7 @@ def check_value(fact: Condition | Effect | StateGoal | SetState, at: Pointer, na
 def check_action(
     action: Action, at: Pointer, names: Names, times: Times, findings: Findings
 ) -> None:
-    """Tells every structural fault of an action."""
+    """Reports every structural fault of an action."""
     owner = f"action {action.id!r}"
     if action.duration is not None:
         times.duration(action.duration, owner, (*at, "duration"))
@@ -435,7 +436,7 @@ def _check_repeated_alternatives(
 
 
 def require_kind(resource: Resource, kind: str, field: str, pointer: Pointer, names: Names) -> None:
-    """Tells where a resource is not of the `kind` that `field` needs."""
+    """Reports a resource that is not of the `kind` that `field` needs."""
     if resource.kind != kind:
         other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
         called = {"renewable": "a renewable resource", "reservoir": "a reservoir"}
@@ -524,7 +525,7 @@ def _check_precedence(task: Task, names: Names, times: Times, findings: Findings
 
 
 def check_lags(least: Instant, greatest: Instant, at: Pointer, times: Times) -> None:
-    """Tells where a lag's least is above its greatest."""
+    """Reports a lag whose minimum is above its maximum."""
     low = times.number(least, "min_lag", (*at, "min_lag"))
     high = times.number(greatest, "max_lag", (*at, "max_lag"))
     if low is not None and high is not None and low > high:
@@ -563,14 +564,14 @@ def check_member(
     optional_group: dict[str, Group],
     findings: Findings,
 ) -> None:
-    """Tells where an action cannot be in a group; notes its optional group."""
+    """Reports an action that cannot be in a group; records its optional group."""
     greatest = action.occurrence_bounds[1]
     if greatest is None or greatest > 1:
         findings.add(
             Code.OCCURRENCE,
             f"action {action.id!r} may occur more than once, so it cannot be in a group",
             at,
-            hint=f"let {action.id!r} occur at most once, or take it out of the group",
+            hint=f"let {action.id!r} occur at most once, or remove it from the group",
         )
     if group.required:
         return

@@ -55,7 +55,7 @@ def _in_words(entry: Entry) -> str:
     source = f"what {entry.printed_by} prints" if entry.printed_by else entry.file
     saved = "" if entry.encoding == "utf-8" else f", saved as {entry.encoding.upper()}"
     parts.append(f"Bad ({source}{saved}):\n\n{_indented(entry.bad)}")
-    parts.append(f"`{entry.command}` says:\n\n{_indented(entry.told)}")
+    parts.append(f"`{entry.command}` says:\n\n{_indented(entry.output)}")
     parts.append(f"Good:\n\n{_indented(entry.good)}")
     return "\n\n".join(parts)
 

@@ -49,7 +49,7 @@ class HandOver:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """One step of the chain, from one time (ticks) to another; what makes it so long.
+    """One step of the chain, from one time (ticks) to another; what gives it that value long.
 
     Without a statement and a hand-over it is how time is: from t = 0, or no time at all.
     """

@@ -8,7 +8,7 @@ from time import perf_counter
 from irc.checks import run_checks
 from irc.diagnostics import Code, InputError
 from irc.diagnostics.source import Pointer
-from irc.driver.compile import refusals_told
+from irc.driver.compile import reporting_refusals
 from irc.driver.judge import Answer
 from irc.driver.solve import solve_task
 from irc.explanation.chain import HandOver, Link, critical_chain
@@ -93,7 +93,7 @@ def _with_solver(task: Task, problem: Problem, until: float, *, whole: bool) -> 
             by="solver",
             reason=_RICH,
         )
-    with refusals_told(task):
+    with reporting_refusals(task):
         conflict = None if refuter is None else resource_conflict(problem, refuter, until)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")

@@ -220,7 +220,7 @@ def _damaged(data: bytes, at: int, number: int, name: str) -> InputError:
     if number or _is_begun(data):
         message = f"line {number + 1} of the journal is damaged: {_reason(data[at:], number)}"
         hint = (
-            "nothing can be told of what came from there on; keep the file, and restore it from a "
+            "the lines from there on are not usable; keep the file, and restore it from a "
             "copy, or start again with another journal"
         )
     else:
@@ -244,7 +244,7 @@ def _torn(data: bytes, at: int, number: int, name: str) -> Diagnostic:
     return Diagnostic(
         Code.TORN_JOURNAL,
         f"line {number + 1}, the last of the journal, was cut off and has been dropped",
-        hint="nothing need be done: it was never acknowledged; send that request again",
+        hint="no action is needed: it was never acknowledged; send that request again",
         offset=len(data[:at].decode("utf-8", "replace")),
         line=number + 1,
         column=1,

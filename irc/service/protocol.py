@@ -125,7 +125,7 @@ def _check_fields(do: str, raw: Mapping[str, Any], findings: Findings) -> None:
     if do == "observe" and raw.get("started") is None and raw.get("finished") is None:
         findings.add(
             Code.MISSING_FIELD,
-            "nothing is said to have happened to the action",
+            "no time is given for what happened to the action",
             hint='say when it "started", or when it "finished"',
         )
 

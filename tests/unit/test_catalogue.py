@@ -1,6 +1,6 @@
 """The catalogue of diagnostics: complete, true to what irc says, and the source of its page.
 
-`--refresh-golden` writes what irc says now into the entries (`told`) and the page anew.
+`--refresh-golden` writes what irc says now into the entries (`output`) and the page anew.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from irc.diagnostics.catalogue.page import diagnostics_page
 from runs import Told, run_command
 
 ROOT = Path(__file__).resolve().parents[2]
-CATALOGUE = ROOT / "irc" / "catalogue"
+CATALOGUE = ROOT / "irc" / "diagnostics" / "catalogue"
 ENTRIES = list(load_catalogue().values())
 
 NOT_IN_A_TEXT = (Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED, Code.NO_CONTINUATION)
@@ -48,9 +48,9 @@ def refresh(entry: Entry, told: str) -> None:
         head, found, rest = file.read_text("utf-8").partition(f"[codes.{entry.code.id}]\n")
         if found:
             # What is told, which may hold anything but three quotes, goes in as it is.
-            before, _, after = rest.partition("told = '''")
+            before, _, after = rest.partition("output = '''")
             after = after.partition("'''")[2]
-            text = f"{head}{found}{before}told = '''\n{told}\n'''{after}"
+            text = f"{head}{found}{before}output = '''\n{told}\n'''{after}"
             file.write_text(text, encoding="utf-8")
 
 
@@ -69,7 +69,7 @@ def test_the_bad_example_is_told_this_code_and_no_other_in_these_words(
     if refresh_golden:
         refresh(entry, told.text)
     else:
-        assert told.text == entry.told
+        assert told.text == entry.output
 
 
 @runs_planners
@@ -81,7 +81,7 @@ def test_of_the_good_example_nothing_is_to_be_said(entry: Entry, tmp_path: Path)
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
 def test_an_entry_says_where_unless_no_text_is_at_fault(entry: Entry) -> None:
-    places = re.findall(rf"^  --> {re.escape(entry.file)}:\d+:\d+$", entry.told, re.MULTILINE)
+    places = re.findall(rf"^  --> {re.escape(entry.file)}:\d+:\d+$", entry.output, re.MULTILINE)
     assert places or entry.code in NOT_IN_A_TEXT
 
 
@@ -122,7 +122,7 @@ def test_a_code_is_explained_with_both_examples_and_what_is_told(given: str) -> 
     shown = explain_code(given).stdout
     entry = load_catalogue()["IRC201"]
     flat = "\n".join(line.removeprefix("    ") for line in shown.splitlines())
-    for part in (entry.bad.strip(), entry.told, entry.good.strip()):
+    for part in (entry.bad.strip(), entry.output, entry.good.strip()):
         assert part in flat
     for part in (entry.explanation, entry.remedy):
         assert part in " ".join(shown.split())

@@ -778,11 +778,13 @@ def test_a_target_refuses_with_the_feature_its_place_and_who_can(tmp_path: Path)
         for refused in target["refused"]:
             feature = Feature[refused["feature"].upper()]
             able = [n for n, t in targets.items() if t["features"][refused["feature"]]]
-            refusal = f": target '{name}' cannot take {feature.value}"
+            refusal = f": target '{name}' does not support {feature.value}"
             (told,) = (d for d in diagnostics if d["message"].endswith(refusal))
             assert told["line"] is not None
             assert told["hint"] == (
-                f"targets that can: {', '.join(able)}" if able else "no installed target can yet"
+                f"targets that support it: {', '.join(able)}"
+                if able
+                else "no installed target supports it yet"
             )
 
 
@@ -794,8 +796,8 @@ def test_a_refusal_names_the_targets_that_can(
     monkeypatch.setattr(CpSat, "supports", CpSat.supports - {Feature.RESOURCES})
     result = run("solve", written(tmp_path, KITCHEN))
     assert result.exit_code == 1
-    assert "target 'cpsat' cannot take renewable resources" in result.stderr
-    assert "hint: targets that can: pddl21" in result.stderr
+    assert "target 'cpsat' does not support renewable resources" in result.stderr
+    assert "hint: targets that support it: pddl21" in result.stderr
 
 
 # schema

@@ -12,7 +12,7 @@ _LANGUAGES = {"json": "json", "irc": "text", "txt": "text"}
 
 
 def diagnostics_page() -> str:
-    """The whole page in Markdown: the introduction, a table of all codes, then each of them."""
+    """The whole page in Markdown: the introduction, tables of all codes, then each code."""
     families = load_families()
     lines = [files(__package__).joinpath("introduction.md").read_text("utf-8").rstrip(), ""]
     for family in families:
@@ -27,7 +27,7 @@ def diagnostics_page() -> str:
 def _table(family: Family) -> Iterator[str]:
     yield f"**{family.title}**"
     yield ""
-    yield "| code | severity | what it is about | what to do |"
+    yield "| code | severity | meaning | what to do |"
     yield "|---|---|---|---|"
     for entry in family.entries:
         code = entry.code
@@ -50,7 +50,7 @@ def _section(entry: Entry) -> Iterator[str]:
         yield from _fenced(f"With `{name}`:", text, _language(name))
     yield from _fenced(_bad_title(entry), entry.bad, _language(entry.file))
     commands = " and then ".join(f"`{command}`" for command in (*entry.before, entry.command))
-    yield from _fenced(f"{commands} says", entry.told, "text")
+    yield from _fenced(f"{commands} prints", entry.output, "text")
     yield from _fenced("Good:", entry.good, _language(entry.file))
 
 

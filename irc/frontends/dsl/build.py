@@ -507,7 +507,7 @@ def _no_objective(said: str, word: Any) -> Fault:
 
 def said_twice(what: str, start: int, end: int) -> Fault:
     """Something that can be said once is said again."""
-    return Fault(Code.DSL_TWICE, f"{what} is said twice", start, end, "keep one of the two")
+    return Fault(Code.DSL_TWICE, f"{what} appears twice", start, end, "keep one of the two")
 
 
 def _word(field: str) -> str:

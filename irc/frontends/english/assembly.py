@@ -242,7 +242,7 @@ class Assembly:
         resource = {"id": name, "capacity": most}
         if any(known["id"] == name for known, _ in self.resources):
             raise Unclear(
-                self._contradiction("how many steps may run at a time is said twice", said)
+                self._contradiction("how many steps may run at a time appears twice", said)
             )
         self.resources.append((resource, Range(said.start, said.end)))
         for position in range(len(self.steps)):

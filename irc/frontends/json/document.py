@@ -124,7 +124,7 @@ def read_document(text: str, name: str) -> RawDocument:
         findings.add(
             Code.BYTE_ORDER_MARK,
             "a byte-order mark at the start is ignored",
-            hint="nothing need be done",
+            hint="no action is needed",
             offset=0,
         )
         text = text[1:]
@@ -272,8 +272,8 @@ def note_surroundings(text: str, start: int, end: int, findings: Findings) -> No
         what = "a code fence" if fenced else "other text"
         findings.add(
             Code.SURROUNDED,
-            f"there is {what} around the JSON document; it was set aside",
-            hint="nothing need be done; only the JSON was read",
+            f"there is {what} around the JSON document; it is ignored",
+            hint="no action is needed; only the JSON was read",
             offset=_skip_blank(text, 0) if before else _skip_blank(text, end),
         )
 
