@@ -1,4 +1,4 @@
-"""Revising a task by an event: a pure function from a task to a task."""
+"""Revises a task by an event: a pure function from a task to a task."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ def apply(
 ) -> Task:
     """The task as revised by `event`, which is no longer among its events.
 
-    `starts` says when actions started, in the task's unit, for observations that name an end
-    alone; `source` is the text that the event was read from. Neither task nor event changes.
-    The task must have no faults of its own (`irc.check`): only the event is judged here.
-    Raises `InputError` where the event does not fit the task: nothing of it is applied then.
+    `starts` has the starts of actions, in the task's unit, for observations of an end alone;
+    `source` is the text of the event. Neither task nor event changes. The task must have no faults
+    of its own (`irc.check`): only the event is checked here. Raises `InputError` if the event does
+    not fit the task.
 
     >>> task = Task(actions=[{"id": "boil", "duration": 4}])
     >>> change = {"op": "set_duration", "action": "boil", "duration": 6}
@@ -58,17 +58,17 @@ def apply(
     report = check_event(task, event, source=source)
     if not report.ok:
         raise InputError(report)
-    draft = _Draft(task, task.number(event.at), starts)
+    revision = _Revision(task, task.number(event.at), starts)
     for i, change in enumerate(event.changes):
         try:
-            _OPERATIONS[type(change)](draft, change)
+            _OPERATIONS[type(change)](revision, change)
         except _NoStart as error:
             raise InputError(_no_start(error.action, i, source)) from None
-    return draft.revised(event)
+    return revision.revised(event)
 
 
 class _NoStart(Exception):
-    """An observation names the end of an action whose start nobody has told."""
+    """An observation names the end of an action whose start is not known."""
 
     def __init__(self, action: str) -> None:
         super().__init__(action)
@@ -79,14 +79,14 @@ def _no_start(action: str, change: int, source: Source | None) -> Report:
     findings = Findings()
     findings.add(
         Code.UNSUITED_CHANGE,
-        f"when action {action!r} started is not known, so its end says no duration",
+        f"the start of action {action!r} is not known, so its end gives no duration",
         ("changes", change, "finished"),
-        hint='say when it did: "started": …',
+        hint='add the start: "started": …',
     )
     return Report(tuple(findings.items), source)
 
 
-class _Draft:
+class _Revision:
     """A task that is being revised. Elements keep their order; new ones come last."""
 
     def __init__(self, task: Task, at: Number, starts: Mapping[str, Number]) -> None:
@@ -101,7 +101,7 @@ class _Draft:
         """Fields of the task that are replaced as a whole."""
 
     def revised(self, event: Event) -> Task:
-        """The task that the changes have made."""
+        """The task after the changes."""
         fields: dict[str, Any] = {
             "actions": tuple(self.actions.values()),
             "resources": tuple(self.resources.values()),
@@ -112,14 +112,14 @@ class _Draft:
             **self.whole,
         }
         changed = {k: v for k, v in fields.items() if v != getattr(self.task, k)}
-        # Its elements no longer stand where the text that was read has them.
+        # The places of its elements in the text are no longer valid.
         return self.task.model_copy(update=changed).with_source(None)
 
     def change_action(self, name: str, **fields: Any) -> None:
         self.actions[name] = self.actions[name].model_copy(update=fields)
 
     def cancel(self, names: Collection[str]) -> None:
-        """Ends actions; what orders, groups and wants them lapses."""
+        """Cancels actions, and removes them from precedences, groups and goals."""
         gone = frozenset(names)
         for name in gone:
             self.actions[name] = ended(self.actions[name], self.at, self.clock)
@@ -144,98 +144,100 @@ def _add(table: dict[str, Any], elements: Iterable[Any]) -> None:
     table.update((element.id, element) for element in elements)
 
 
-def _cancel_groups(draft: _Draft, change: CancelGroups) -> None:
-    """Members go with their order, unless another one that stays wants them."""
-    taken_back = [draft.groups.pop(name) for name in dict.fromkeys(change.groups)]
-    wanted = {action for group in draft.groups.values() for action in group.actions}
-    draft.cancel({a for group in taken_back for a in group.actions} - wanted)
+def _cancel_groups(revision: _Revision, change: CancelGroups) -> None:
+    """Removes groups and cancels their members, except members of other groups."""
+    taken_back = [revision.groups.pop(name) for name in dict.fromkeys(change.groups)]
+    wanted = {action for group in revision.groups.values() for action in group.actions}
+    revision.cancel({a for group in taken_back for a in group.actions} - wanted)
 
 
-def _remove_precedence(draft: _Draft, change: RemovePrecedence) -> None:
+def _remove_precedence(revision: _Revision, change: RemovePrecedence) -> None:
     removed = {(edge.before, edge.after) for edge in change.precedence}
-    draft.precedence = [e for e in draft.precedence if (e.before, e.after) not in removed]
+    revision.precedence = [e for e in revision.precedence if (e.before, e.after) not in removed]
 
 
-def _set_capacity(draft: _Draft, change: SetCapacity) -> None:
-    clock = draft.clock
-    start = draft.at if change.from_ is None else max(draft.at, clock.number(change.from_))
+def _set_capacity(revision: _Revision, change: SetCapacity) -> None:
+    clock = revision.clock
+    start = revision.at if change.from_ is None else max(revision.at, clock.number(change.from_))
     end = None if change.to is None else clock.number(change.to)
-    resource = draft.resources[change.resource]
-    draft.resources[resource.id] = with_capacity(resource, change.capacity, start, end, clock)
+    resource = revision.resources[change.resource]
+    revision.resources[resource.id] = with_capacity(resource, change.capacity, start, end, clock)
 
 
-def _set_deadline(draft: _Draft, change: SetDeadline) -> None:
+def _set_deadline(revision: _Revision, change: SetDeadline) -> None:
     if change.action is not None:
-        draft.change_action(change.action, deadline=change.deadline)
+        revision.change_action(change.action, deadline=change.deadline)
     elif change.group is not None:
-        group = draft.groups[change.group]
-        draft.groups[group.id] = group.model_copy(update={"deadline": change.deadline})
+        group = revision.groups[change.group]
+        revision.groups[group.id] = group.model_copy(update={"deadline": change.deadline})
     else:
-        draft.whole["deadline"] = change.deadline
+        revision.whole["deadline"] = change.deadline
 
 
-def _set_state(draft: _Draft, change: SetState) -> None:
-    fact, order = world_change(change.var, change.value, draft.at, draft.actions, draft.clock)
-    draft.actions[fact.id] = fact
-    draft.precedence += [] if order is None else [order]
+def _set_state(revision: _Revision, change: SetState) -> None:
+    fact, order = world_change(
+        change.var, change.value, revision.at, revision.actions, revision.clock
+    )
+    revision.actions[fact.id] = fact
+    revision.precedence += [] if order is None else [order]
 
 
-def _observe(draft: _Draft, change: Observe) -> None:
-    """What happened is what the task says from now on: a fixed start, an exact duration.
+def _observe(revision: _Revision, change: Observe) -> None:
+    """Writes an observation into the task: as a fixed start, an exact duration.
 
-    Of one of several occurrences a task cannot say that: the history alone has it.
+    A task cannot express this for one of several occurrences: only the history has it.
     """
-    name, clock = change.action, draft.clock
-    action = draft.actions[name]
+    name, clock = change.action, revision.clock
+    action = revision.actions[name]
     if action.may_repeat:
         return
     if change.started is not None:
         started = clock.number(change.started)
-        draft.change_action(name, start=started)
-        if clock.number(action.release) > started:  # It did start, whatever it should have done.
-            draft.change_action(name, release=started)
+        revision.change_action(name, start=started)
+        if clock.number(action.release) > started:  # It started before its release.
+            revision.change_action(name, release=started)
     if change.finished is not None:
-        _end_at(draft, name, clock.number(change.finished))
+        _end_at(revision, name, clock.number(change.finished))
 
 
-def _end_at(draft: _Draft, name: str, finished: Number) -> None:
-    action = draft.actions[name]
-    started = draft.starts.get(name)
+def _end_at(revision: _Revision, name: str, finished: Number) -> None:
+    action = revision.actions[name]
+    started = revision.starts.get(name)
     if action.start is not None:
-        started = draft.clock.number(action.start)
+        started = revision.clock.number(action.start)
     if started is None or started > finished:
         raise _NoStart(name)
     length = finished - started
     if action.modes:
         modes = tuple(mode.model_copy(update={"duration": length}) for mode in action.modes)
-        draft.change_action(name, modes=modes)
+        revision.change_action(name, modes=modes)
     else:
-        draft.change_action(name, duration=length)
+        revision.change_action(name, duration=length)
 
 
-def _replace(field: str) -> Callable[[_Draft, Any], None]:
-    def replace(draft: _Draft, change: Any) -> None:
-        draft.whole[field] = getattr(change, field)
+def _replace(field: str) -> Callable[[_Revision, Any], None]:
+    def replace(revision: _Revision, change: Any) -> None:
+        revision.whole[field] = getattr(change, field)
 
     return replace
 
 
-_OPERATIONS: Mapping[type, Callable[[_Draft, Any], None]] = MappingProxyType(
+_OPERATIONS: Mapping[type, Callable[[_Revision, Any], None]] = MappingProxyType(
     {
-        AddActions: lambda draft, change: _add(draft.actions, change.actions),
-        CancelActions: lambda draft, change: draft.cancel(change.actions),
-        SetDuration: lambda draft, c: draft.change_action(c.action, duration=c.duration),
-        AddPrecedence: lambda draft, change: draft.precedence.extend(change.precedence),
+        AddActions: lambda revision, change: _add(revision.actions, change.actions),
+        CancelActions: lambda revision, change: revision.cancel(change.actions),
+        SetDuration: lambda revision, c: revision.change_action(c.action, duration=c.duration),
+        AddPrecedence: lambda revision, change: revision.precedence.extend(change.precedence),
         RemovePrecedence: _remove_precedence,
-        AddResources: lambda draft, change: _add(draft.resources, change.resources),
+        AddResources: lambda revision, change: _add(revision.resources, change.resources),
         SetCapacity: _set_capacity,
         SetDeadline: _set_deadline,
-        SetRelease: lambda draft, c: draft.change_action(c.action, release=c.release),
-        AddGroups: lambda draft, change: _add(draft.groups, change.groups),
+        SetRelease: lambda revision, c: revision.change_action(c.action, release=c.release),
+        AddGroups: lambda revision, change: _add(revision.groups, change.groups),
         CancelGroups: _cancel_groups,
         SetGoals: _replace("goals"),
         SetState: _set_state,
-        AddState: lambda draft, change: _add(draft.state, change.state),
+        AddState: lambda revision, change: _add(revision.state, change.state),
         SetObjective: _replace("objective"),
         Observe: _observe,
     }

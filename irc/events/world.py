@@ -1,7 +1,7 @@
-"""Changes of the world: facts that become part of the history.
+"""World changes: changes of state variables by events.
 
-A change of a state variable at an instant is an action of no duration with a fixed start and one
-effect. It is valid, re-timed and encoded like any other, and needs no rule of its own.
+A world change is an action of duration 0 with a fixed start and one effect. It is validated,
+re-timed and encoded like any other action, and needs no rule of its own.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from irc.model.times import Clock, format_number
 def world_change(
     var: str, value: bool | str, at: Number, actions: Mapping[str, Action], clock: Clock
 ) -> tuple[Action, Precedence | None]:
-    """The action that makes `var` become `value` at `at`, and what orders it.
+    """(the action that makes `var` become `value` at `at`, its precedence if it needs one).
 
-    Its id is "`var` at `at`", with a number where that is taken. It comes after an earlier
-    change of the same variable at the same instant: events of one instant keep their order.
+    Its id is "`var` at `at`", with a number if that id is taken. It comes after an earlier change
+    of the same variable at the same instant: events of one instant keep their order.
     """
     name = stem = f"{var} at {format_number(at)}"
     number, earlier = 1, None
@@ -28,17 +28,17 @@ def world_change(
             earlier = name
         number += 1
         name = f"{stem} ({number})"
-    fact = Action(
+    action = Action(
         id=name,
         duration=0,
         start=at,
         effects=({"at": "start", "var": var, "value": value},),
     )
-    return fact, None if earlier is None else Precedence(before=earlier, after=name)
+    return action, None if earlier is None else Precedence(before=earlier, after=name)
 
 
 def _is_change(action: Action, var: str, at: Number, clock: Clock) -> bool:
-    """Whether the action does nothing but change `var` at this instant."""
+    """Whether the action only changes `var` at this instant."""
     if action.model_fields_set != {"id", "duration", "start", "effects"} or action.start is None:
         return False
     (effect, *more) = action.effects

@@ -1,4 +1,4 @@
-"""Statements and links in the task's words."""
+"""Statements in the words of the task."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _precedence(problem: Problem, statement: Statement) -> str:
 
 
 def arc_in_words(problem: Problem, arc: Arc, side: Side) -> str:
-    """What an arc says, or only what one of its two lags says."""
+    """An arc as a sentence, or only one of its two lags."""
     before, after = problem.activities[arc.before].id, problem.activities[arc.after].id
     plain = arc.from_end and not arc.to_end and arc.min_lag == 0
     if plain and (arc.max_lag is None or side is Side.LEAST):

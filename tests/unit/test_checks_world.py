@@ -94,10 +94,8 @@ def test_an_optional_action_that_can_never_occur_is_named_as_the_reason() -> Non
         state=[{"id": "gas"}, LIT],
         goals=[{"var": "lit"}],
     )
-    assert (
-        "only 'light' gives it that value, and 'light' needs 'gas' to be true, which no effect gives it"
-        in message
-    )
+    assert "only 'light' gives it that value, and 'light' needs 'gas' to be true" in message
+    assert message.endswith(", which no effect gives it")
 
 
 def test_an_optional_action_out_of_reach_is_no_fault() -> None:

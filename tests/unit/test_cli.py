@@ -744,8 +744,8 @@ def test_targets_says_why_an_engine_is_missing(monkeypatch: pytest.MonkeyPatch) 
 def test_targets_with_a_file_says_who_takes_it(kitchen: Path) -> None:
     result = run("targets", kitchen)
     assert result.exit_code == 0
-    assert "cpsat takes this file" in result.stdout
-    assert "pddl21 takes this file" in result.stdout
+    assert "cpsat supports this file" in result.stdout
+    assert "pddl21 supports this file" in result.stdout
     assert Feature.RESERVOIRS.value not in result.stdout  # it has none
 
 
@@ -758,9 +758,9 @@ def test_targets_with_a_file_says_why_not(tmp_path: Path) -> None:
     text = run("targets", task).stdout
     for name, target in document.items():
         refused = {r["feature"]: r["pointer"] for r in target["refused"]}
-        assert target["takes_file"] is (not refused)
+        assert target["supports_file"] is (not refused)
         assert set(refused) == {f for f, able in target["features"].items() if not able}
-        assert (f"{name} takes this file" in text) is (not refused)
+        assert (f"{name} supports this file" in text) is (not refused)
         for feature, pointer in refused.items():
             assert f"({pointer}): {Feature[feature.upper()].value}" in text
 

@@ -234,7 +234,7 @@ def test_a_simulation_tells_each_step_and_ends_with_the_verdict(tmp_path: Path) 
         "at 9 min: guest  optimal",
     ]
     assert result.stdout.endswith(
-        "4 steps, moved 4 in all\nmakespan 17 min, reward 10, changes 0\n"
+        "4 steps, moved 4 in total\nmakespan 17 min, reward 10, changes 0\n"
         "valid: makespan 17 min, reward 10\n"
     )
     documents = [json.loads(p.read_text()) for p in sorted((tmp_path / "steps").iterdir())]
