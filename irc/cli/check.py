@@ -42,7 +42,7 @@ def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
 
 
 def _checked(file: str, fix: bool) -> tuple[Report, Report | None]:
-    """(the report of a file, None); with `fix`: (the report after repairs, the repaired findings)."""
+    """(the report of a file, None); with `fix`, (the report after repairs, the repaired ones)."""
     from irc.driver.compile import check_task
     from irc.frontends.files import read_task
 

@@ -349,7 +349,7 @@ def test_a_chain_of_precedences_is_called_a_proof() -> None:
     explanation = irc.explain(EXAMPLES / "pancake_breakfast.json")
     assert [step.statement.kind for step in explanation.chain or ()].count("duration") >= 2
     assert explanation.proof is not None
-    assert explanation.proof.startswith("nothing is shorter: the chain needs no resource")
+    assert explanation.proof.startswith("no schedule is shorter: the chain needs no resource")
 
 
 def test_a_hand_over_names_the_station_and_both_actions() -> None:
