@@ -13,8 +13,8 @@ from types import MappingProxyType
 from typing import Any
 
 from irc.checks.structure import (
-    Names,
-    Times,
+    DeclaredNames,
+    TimeChecks,
     check_action,
     check_lags,
     check_member,
@@ -54,12 +54,12 @@ def check_event(
 ) -> Report:
     """Every fault of an event for the task it revises; `at` is where it stands in `source`."""
     findings = Findings()
-    walk = _Walk(task, Names(task, findings), Times(task.clock, findings))
+    walk = _Walk(task, DeclaredNames(task, findings), TimeChecks(task.clock, findings))
     walk.event(event, walk.times.point(event.at, "at", (*at, "at")), at)
     return Report(tuple(findings.items), source)
 
 
-def check_events(task: Task, names: Names, times: Times) -> None:
+def check_events(task: Task, names: DeclaredNames, times: TimeChecks) -> None:
     """Adds the faults of a task's own events, in the order of their times.
 
     `names` are those that the task declares; events add to them and take from them.
@@ -75,7 +75,7 @@ def check_events(task: Task, names: Names, times: Times) -> None:
 class _Walk:
     """The ids that exist when an event comes, updated by each of its changes."""
 
-    def __init__(self, task: Task, names: Names, times: Times) -> None:
+    def __init__(self, task: Task, names: DeclaredNames, times: TimeChecks) -> None:
         self.names, self.times, self.findings = names, times, names.findings
         self.at: Number | None = None
         self.edges = {(edge.before, edge.after) for edge in task.precedence}

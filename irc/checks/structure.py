@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from irc.model.events import SetState
 
 
-class Names:
+class DeclaredNames:
     """The declared ids of each kind; reports a name that is not among them."""
 
     def __init__(self, task: Task, findings: Findings) -> None:
@@ -83,18 +83,18 @@ def _some(names: Iterable[str]) -> str:
     return shown if len(listed) <= 5 else f"{shown}, …"
 
 
-def check_structure(task: Task, findings: Findings) -> tuple[Names, Times]:
+def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, TimeChecks]:
     """Adds every structural fault of a task, except in its events, to `findings`.
 
     Returns the names that the task declares and its times, for checks of its events.
     """
     clock = task.clock
-    names = Names(task, findings)
+    names = DeclaredNames(task, findings)
     _check_unique(task.actions, "action", ("actions",), findings)
     _check_unique(task.resources, "resource", ("resources",), findings)
     _check_unique(task.state, "state variable", ("state",), findings)
     _check_unique(task.groups, "group", ("groups",), findings)
-    times = Times(clock, findings)
+    times = TimeChecks(clock, findings)
     times.point(task.deadline, "deadline", ("deadline",))
     for i, resource in enumerate(task.resources):
         check_resource(resource, ("resources", i), times, findings)
@@ -149,7 +149,7 @@ _WEIGHT = 'add "due": …, or remove the weight'
 _SWAP = "swap the two, or correct one of them"
 
 
-class Times:
+class TimeChecks:
     """Checks of single times, all against one clock."""
 
     def __init__(self, clock: Clock, findings: Findings) -> None:
@@ -218,7 +218,7 @@ _OTHER_KIND = {
 }
 
 
-def check_resource(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
+def check_resource(resource: Resource, at: Pointer, times: TimeChecks, findings: Findings) -> None:
     """Reports contradictions in a resource."""
     if resource.kind == "reservoir":
         if resource.max is not None and resource.min > resource.max:
@@ -257,7 +257,7 @@ def _limits(resource: Resource) -> str:
     return f"{resource.min} to {resource.max}"
 
 
-def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
+def _check_windows(resource: Resource, at: Pointer, times: TimeChecks, findings: Findings) -> None:
     windows = []
     for i, window in enumerate(resource.availability):
         pointer = (*at, "availability", i)
@@ -339,7 +339,9 @@ def _value_text(value: bool | str) -> str:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def check_value(fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: Names) -> None:
+def check_value(
+    fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: DeclaredNames
+) -> None:
     """Reports a variable, or a value of it, that is not declared."""
     if not names.require("state variable", fact.var, (*at, "var")):
         return
@@ -358,7 +360,7 @@ def check_value(fact: Condition | Effect | StateGoal | SetState, at: Pointer, na
 
 
 def check_action(
-    action: Action, at: Pointer, names: Names, times: Times, findings: Findings
+    action: Action, at: Pointer, names: DeclaredNames, times: TimeChecks, findings: Findings
 ) -> None:
     """Reports every structural fault of an action."""
     owner = f"action {action.id!r}"
@@ -390,7 +392,7 @@ def check_action(
         _check_occurs(action, at, findings)
 
 
-def _check_stock(action: Action, at: Pointer, names: Names) -> None:
+def _check_stock(action: Action, at: Pointer, names: DeclaredNames) -> None:
     for field in ("consumes", "produces"):
         for i, change in enumerate(getattr(action, field)):
             pointer = (*at, field, i, "resource")
@@ -398,13 +400,13 @@ def _check_stock(action: Action, at: Pointer, names: Names) -> None:
                 require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
 
 
-def _check_facts(action: Action, at: Pointer, names: Names) -> None:
+def _check_facts(action: Action, at: Pointer, names: DeclaredNames) -> None:
     for field in ("conditions", "effects"):
         for i, fact in enumerate(getattr(action, field)):
             check_value(fact, (*at, field, i), names)
 
 
-def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> None:
+def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: DeclaredNames) -> None:
     for i, use in enumerate(uses):
         if use.one_of is not None and not use.one_of:
             names.findings.add(
@@ -435,7 +437,9 @@ def _check_repeated_alternatives(
     )
 
 
-def require_kind(resource: Resource, kind: str, field: str, pointer: Pointer, names: Names) -> None:
+def require_kind(
+    resource: Resource, kind: str, field: str, pointer: Pointer, names: DeclaredNames
+) -> None:
     """Reports a resource that is not of the `kind` that `field` needs."""
     if resource.kind != kind:
         other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
@@ -448,7 +452,7 @@ def require_kind(resource: Resource, kind: str, field: str, pointer: Pointer, na
         )
 
 
-def _check_modes(action: Action, at: Pointer, names: Names, times: Times) -> None:
+def _check_modes(action: Action, at: Pointer, names: DeclaredNames, times: TimeChecks) -> None:
     owner = f"action {action.id!r}"
     _check_unique(action.modes, "mode", (*at, "modes"), names.findings)
     for i, mode in enumerate(action.modes):
@@ -483,7 +487,9 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
         )
 
 
-def _check_precedence(task: Task, names: Names, times: Times, findings: Findings) -> None:
+def _check_precedence(
+    task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings
+) -> None:
     actions = names.actions
     repeatable = {a.id for a in task.actions if a.may_repeat}
     seen: set[Any] = set()
@@ -524,7 +530,7 @@ def _check_precedence(task: Task, names: Names, times: Times, findings: Findings
             check_lags(edge.min_lag, edge.max_lag, ("precedence", k), times)
 
 
-def check_lags(least: Instant, greatest: Instant, at: Pointer, times: Times) -> None:
+def check_lags(least: Instant, greatest: Instant, at: Pointer, times: TimeChecks) -> None:
     """Reports a lag whose minimum is above its maximum."""
     low = times.number(least, "min_lag", (*at, "min_lag"))
     high = times.number(greatest, "max_lag", (*at, "max_lag"))
@@ -537,7 +543,7 @@ def check_lags(least: Instant, greatest: Instant, at: Pointer, times: Times) -> 
         )
 
 
-def _check_groups(task: Task, names: Names, times: Times, findings: Findings) -> None:
+def _check_groups(task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings) -> None:
     optional_group: dict[str, Group] = {}
     for i, group in enumerate(task.groups):
         at: Pointer = ("groups", i)

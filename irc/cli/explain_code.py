@@ -7,7 +7,7 @@ from textwrap import fill
 from irc.cli.exit_codes import EXIT_USE
 from irc.cli.output import Format, fail, put, put_json
 from irc.diagnostics import did_you_mean
-from irc.diagnostics.catalogue import Entry, load_catalogue, load_families
+from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue, load_families
 
 CODES_VERSION = "1"
 
@@ -45,7 +45,7 @@ def put_codes(format: Format) -> None:
     put("\n\n".join([*blocks, "`irc explain-code IRC201` explains one of them."]))
 
 
-def _in_words(entry: Entry) -> str:
+def _in_words(entry: CatalogueEntry) -> str:
     code = entry.code
     parts = [f"{code.severity}[{code.id}]: {code.summary}", fill(entry.explanation, _WIDTH)]
     parts.append(fill(f"What to do: {entry.remedy}.", _WIDTH))

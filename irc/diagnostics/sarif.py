@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote
 
 from irc._version import __version__
-from irc.diagnostics.catalogue import Entry, load_catalogue
+from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue
 from irc.diagnostics.finding import Code, Diagnostic, Severity
 from irc.diagnostics.patching import TextEdit, text_edits
 from irc.diagnostics.report import Report
@@ -60,7 +60,7 @@ def sarif_log(reports: Sequence[tuple[str, Report]]) -> dict[str, Any]:
     }
 
 
-def _rule(entry: Entry, code: Code) -> dict[str, Any]:
+def _rule(entry: CatalogueEntry, code: Code) -> dict[str, Any]:
     """The catalogue's entry of a code as a reporting descriptor (3.49)."""
     return {
         "id": code.id,

@@ -11,7 +11,7 @@ from irc.lsp.documents import Document
 from irc.lsp.findings import SEVERITIES, Shown
 from irc.lsp.mentions import Kind
 from irc.lsp.names import Spot
-from irc.lsp.outline import Entry
+from irc.lsp.outline import OutlineEntry
 from irc.lsp.positions import Lines
 from irc.lsp.repairs import Repair
 from irc.lsp.suggestions import Suggestion
@@ -104,7 +104,7 @@ def item(suggestion: Suggestion, lines: Lines) -> types.CompletionItem:
     )
 
 
-def symbol(entry: Entry, lines: Lines, lead: int) -> types.DocumentSymbol:
+def symbol(entry: OutlineEntry, lines: Lines, lead: int) -> types.DocumentSymbol:
     """A declaration as a document symbol."""
     return types.DocumentSymbol(
         entry.name,

@@ -18,7 +18,7 @@ from irc.problem.time_points import PointMap, timing_network
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
+class StartTimes:
     """The earliest and latest start of an action, in ticks. After a start later than `latest`, the
     makespan is longer than the critical path, or a deadline is missed."""
 
@@ -36,7 +36,7 @@ class CriticalTimes:
     """The length of the critical path, and the times of all actions in every schedule."""
 
     length: int
-    times: Mapping[str, Times]
+    times: Mapping[str, StartTimes]
 
 
 def critical_times(problem: Problem) -> CriticalTimes | None:
@@ -56,7 +56,7 @@ def critical_times(problem: Problem) -> CriticalTimes | None:
     times = {}
     for i, place in places.items():
         point = points.start[place]
-        found = Times(forward.t[point], length - tails.t[point])
+        found = StartTimes(forward.t[point], length - tails.t[point])
         if found.slack < 0:
             return None
         times[problem.activities[i].id] = found

@@ -11,7 +11,7 @@ from irc.lsp.names import Names
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class OutlineEntry:
     """A declaration: its span, and the span of its name in it."""
 
     kind: Kind
@@ -22,7 +22,7 @@ class Entry:
     name_end: int
 
 
-def outline(analysis: Analysis, names: Names) -> list[Entry]:
+def outline(analysis: Analysis, names: Names) -> list[OutlineEntry]:
     """The declarations of the text itself, in its order; each place once."""
     source = analysis.source
     if source is None:
@@ -40,7 +40,7 @@ def outline(analysis: Analysis, names: Names) -> list[Entry]:
         # Several names at one place come from a repeated statement: show its own text.
         name = mention.name if len(listed) == 1 else source.text[start:end]
         entries.append(
-            Entry(mention.kind, name or "…", min(begin, start), max(stop, end), start, end)
+            OutlineEntry(mention.kind, name or "…", min(begin, start), max(stop, end), start, end)
         )
     return sorted(entries, key=lambda entry: entry.start)
 

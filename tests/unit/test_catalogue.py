@@ -15,7 +15,7 @@ from typer.testing import CliRunner, Result
 
 from irc.cli.app import build_app
 from irc.diagnostics import Code, Severity
-from irc.diagnostics.catalogue import Entry, load_catalogue, load_families
+from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue, load_families
 from irc.diagnostics.catalogue.page import diagnostics_page
 from runs import Told, run_command
 
@@ -30,7 +30,7 @@ runs_planners = pytest.mark.skipif(
 )
 
 
-def told_of(entry: Entry, example: str, encoding: str, folder: Path) -> Told:
+def told_of(entry: CatalogueEntry, example: str, encoding: str, folder: Path) -> Told:
     """What the entry's command says of one of its examples."""
     for name, text in entry.files.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -42,7 +42,7 @@ def told_of(entry: Entry, example: str, encoding: str, folder: Path) -> Told:
     return run_command(entry.command, folder, engine=engine)
 
 
-def refresh(entry: Entry, told: str) -> None:
+def refresh(entry: CatalogueEntry, told: str) -> None:
     """Writes what is told into the entry."""
     for file in CATALOGUE.glob("*.toml"):
         head, found, rest = file.read_text("utf-8").partition(f"[codes.{entry.code.id}]\n")
@@ -61,7 +61,7 @@ def test_every_code_has_an_entry_and_every_entry_a_code() -> None:
 @runs_planners
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
 def test_the_bad_example_is_told_this_code_and_no_other_in_these_words(
-    entry: Entry, tmp_path: Path, refresh_golden: bool
+    entry: CatalogueEntry, tmp_path: Path, refresh_golden: bool
 ) -> None:
     told = told_of(entry, entry.bad, entry.encoding, tmp_path)
     assert {code for code, _ in told.findings} == {entry.code.id}, told.text
@@ -74,13 +74,13 @@ def test_the_bad_example_is_told_this_code_and_no_other_in_these_words(
 
 @runs_planners
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
-def test_of_the_good_example_nothing_is_to_be_said(entry: Entry, tmp_path: Path) -> None:
+def test_of_the_good_example_nothing_is_to_be_said(entry: CatalogueEntry, tmp_path: Path) -> None:
     told = told_of(entry, entry.good, "utf-8", tmp_path)
     assert (told.exit_code, told.text) == (0, "")
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
-def test_an_entry_says_where_unless_no_text_is_at_fault(entry: Entry) -> None:
+def test_an_entry_says_where_unless_no_text_is_at_fault(entry: CatalogueEntry) -> None:
     places = re.findall(rf"^  --> {re.escape(entry.file)}:\d+:\d+$", entry.output, re.MULTILINE)
     assert places or entry.code in NOT_IN_A_TEXT
 

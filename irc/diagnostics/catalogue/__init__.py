@@ -28,7 +28,7 @@ from irc.diagnostics.finding import Code
 
 
 @dataclass(frozen=True)
-class Entry:
+class CatalogueEntry:
     """The catalogue's texts for one code."""
 
     code: Code
@@ -70,7 +70,7 @@ class Family:
 
     title: str
     about: str
-    entries: tuple[Entry, ...]
+    entries: tuple[CatalogueEntry, ...]
 
 
 @cache
@@ -82,7 +82,7 @@ def load_families() -> tuple[Family, ...]:
 
 
 @cache
-def load_catalogue() -> Mapping[str, Entry]:
+def load_catalogue() -> Mapping[str, CatalogueEntry]:
     """Every entry by its code ("IRC201")."""
     return {entry.code.id: entry for family in load_families() for entry in family.entries}
 
@@ -100,7 +100,7 @@ def _family(raw: Mapping[str, Any]) -> Family:
         texts = {key: " ".join(fields[key].split()) for key in _FLOWING}
         texts["output"] = fields["output"].strip()
         lists = {"before": tuple(fields.get("before", ()))}
-        entries.append(Entry(codes[id], **{**fields, **texts, **lists}))
+        entries.append(CatalogueEntry(codes[id], **{**fields, **texts, **lists}))
     return Family(raw["title"], " ".join(raw["about"].split()), tuple(entries))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from importlib.resources import files
 from textwrap import fill
 
-from irc.diagnostics.catalogue import Entry, Family, load_families
+from irc.diagnostics.catalogue import CatalogueEntry, Family, load_families
 
 _LANGUAGES = {"json": "json", "irc": "text", "txt": "text"}
 
@@ -36,7 +36,7 @@ def _table(family: Family) -> Iterator[str]:
     yield ""
 
 
-def _section(entry: Entry) -> Iterator[str]:
+def _section(entry: CatalogueEntry) -> Iterator[str]:
     code = entry.code
     yield f"### {code.id}"
     yield ""
@@ -54,7 +54,7 @@ def _section(entry: Entry) -> Iterator[str]:
     yield from _fenced("Good:", entry.good, _language(entry.file))
 
 
-def _bad_title(entry: Entry) -> str:
+def _bad_title(entry: CatalogueEntry) -> str:
     if entry.printed_by is not None:
         return f"Bad, printed by the engine {entry.printed_by}:"
     saved = "" if entry.encoding == "utf-8" else f", saved as {entry.encoding.upper()}"

@@ -10,7 +10,7 @@ import re
 from itertools import pairwise
 
 from irc.frontends.dsl.build import Builder, PoolUse
-from irc.frontends.dsl.draft import Element, Sink
+from irc.frontends.dsl.document_parts import Element, Sink
 from irc.frontends.dsl.lexer import CLAUSE_WORDS, PHRASES, STATEMENT_WORDS
 from irc.frontends.dsl.lines import Statement
 from irc.model.quantities import MONTH_NAMES, UNIT_SECONDS
@@ -86,7 +86,7 @@ def _order(line: str, statement: Statement, sink: Sink, builder: Builder) -> boo
         return False
     for sources, targets in pairwise(sides):
         if (count := len(sources) * len(targets)) > 1:
-            builder.budget.take(count, "this order", statement.start, statement.end)
+            builder.expansion.take(count, "this order", statement.start, statement.end)
     sink.arrays["precedence"] += arcs
     return True
 

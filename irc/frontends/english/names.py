@@ -34,7 +34,7 @@ def _gerunds(verb: str) -> set[str]:
     return forms
 
 
-class Names:
+class StepNames:
     """Which steps (by position) a text names."""
 
     def __init__(self, titles: Sequence[str]) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from irc.diagnostics import Code
 from irc.frontends.english.layout import Span
-from irc.frontends.english.reasons import Problem, Unclear, not_understood, shown
+from irc.frontends.english.reasons import TextFault, Unclear, not_understood, shown
 from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Statement, Takes
 from irc.frontends.english.understanding import Reader
@@ -69,20 +69,20 @@ _REPEATED = re.compile(r"\b(?:twice|thrice|times|each|every|per)\b|\b[0-9]+ ?[xÃ
 
 @dataclass
 class StepText:
-    """What one item says of its step."""
+    """The parts of one item: the title of its step, notes and sentences."""
 
     title: Span
     notes: list[tuple[tuple[Statement, ...], Span]] = field(default_factory=list)
     """Statements beside the step's text, with their places."""
     rest: list[Sentence] = field(default_factory=list)
     """Sentences after the step's own."""
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[TextFault] = field(default_factory=list)
     unreadable: bool = False
-    """A note stands here that is not understood."""
+    """Whether a note is not understood."""
 
     @property
     def timed(self) -> bool:
-        """Whether a duration stands here, be it one that is not understood."""
+        """Whether the item has a duration, or a note that may be one but is not understood."""
         return self.unreadable or any(
             isinstance(s, Takes) for statements, _ in self.notes for s in statements
         )
@@ -232,16 +232,16 @@ def _looks_like_note(text: str, start: int, end: int) -> bool:
     return bool(timed or (_STEP_NUMBER.search(piece) and _ORDER_WORD.search(piece)))
 
 
-def _unreadable_note(text: str, start: int, end: int) -> Problem:
+def _unreadable_note(text: str, start: int, end: int) -> TextFault:
     problem = not_understood(text, start, end)
     if bound := _BOUND.search(text, start, end):
         message = f"vague: {shown(bound[0])} in {shown(text[start:end])}"
-        return Problem(
+        return TextFault(
             Code.VAGUE, message, bound.start(), 'write one time, or a range: "(5 to 10 minutes)"'
         )
     if problem.code is not Code.NOT_UNDERSTOOD:
         return problem
-    return Problem(
+    return TextFault(
         problem.code,
         f"not understood as a duration or an order: {shown(text[start:end])}",
         start,
@@ -249,8 +249,8 @@ def _unreadable_note(text: str, start: int, end: int) -> Problem:
     )
 
 
-def _two_times(text: str, start: int, end: int) -> Problem:
-    return Problem(
+def _two_times(text: str, start: int, end: int) -> TextFault:
+    return TextFault(
         Code.AMBIGUOUS,
         f"which of these times is the step's duration? {shown(text[start:end])}",
         start,
@@ -269,7 +269,7 @@ def _judge_title(text: str, step: StepText) -> None:
             return
     if (number := _STEP_NUMBER.search(text, start, end)) and _ORDER_WORD.search(text, start, end):
         step.problems.append(
-            Problem(
+            TextFault(
                 Code.NOT_UNDERSTOOD,
                 f"the text of a step speaks of the order: {shown(text[start:end])}",
                 number.start(),

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from irc.frontends.english.names import Names
+from irc.frontends.english.names import StepNames
 from irc.frontends.english.units import UNITS
 from irc.model.quantities import MAX_DIGITS
 
@@ -124,7 +124,7 @@ def words_of(
     end: int,
     vocabulary: Vocabulary,
     labels: Collection[str],
-    names: Names | None = None,
+    names: StepNames | None = None,
 ) -> list[Word]:
     """The words of text[start:end].
 
@@ -145,7 +145,7 @@ def _words(
     texts: Sequence[str],
     vocabulary: Vocabulary,
     labels: Collection[str],
-    names: Names | None,
+    names: StepNames | None,
 ) -> Iterator[Word]:
     at, before = 0, ""
     while at < len(raws):
@@ -165,7 +165,7 @@ def _words(
         at += count
 
 
-def _named(names: Names, texts: Sequence[str], at: int, vocabulary: Vocabulary) -> int:
+def _named(names: StepNames, texts: Sequence[str], at: int, vocabulary: Vocabulary) -> int:
     """How many words from `at` on are a step's own text. One word of the language is none."""
     word = texts[at]
     common = vocabulary.knows(word) or word in _NUMBER_WORDS or word in UNITS or not word.isalpha()

@@ -1,7 +1,7 @@
-"""Reading benchmark files: JSON with one instance or a list of them, every fault located.
+"""Reads benchmark files: JSON with one instance or a list of them, every fault located.
 
-An importer asks a `Part` for what it needs; what is missing or of the wrong type becomes a
-diagnostic that names the instance and the field, and reading goes on, so that one run tells all.
+An importer asks a `Part` for the fields that it needs. A missing field or a wrong type becomes a
+diagnostic with the instance and the field, and reading goes on, so that one run reports all.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from irc.model.quantities import Span, TimeError
 from irc.model.times import parse_span
 
 _DIGITS = 100
-"""Longer whole numbers are no amounts of anything."""
+"""Longer whole numbers are refused."""
 
 
 @dataclass(frozen=True)
 class Faults:
-    """What is wrong with a file, in the order of finding."""
+    """The faults of a file, in the order in which they are found."""
 
     source: Source
     findings: Findings = field(default_factory=Findings)
@@ -43,12 +43,12 @@ class Faults:
 
 @dataclass(frozen=True)
 class Part:
-    """A value of a foreign document: what it is, whose it is, and where it stands."""
+    """A value of another format's document, with its owner and its place."""
 
     value: Any
     pointer: Pointer
     owner: str
-    """How messages call the instance."""
+    """The name of the instance in messages."""
     faults: Faults
 
     def fault(self, message: str, *, hint: str | None = None, key: bool = False) -> None:

@@ -21,11 +21,11 @@ from irc.validation import validate
 from irc.validation.ranked import NoRanksError, Ranks, ranks_of
 
 LARGEST_EPSILON = Fraction(1, 1000)
-"""What planners customarily separate by."""
+"""The usual epsilon of planners."""
 
 
 class PlanError(ValueError):
-    """A schedule that cannot be written as a plan; the text says why."""
+    """A schedule that cannot be written as a plan; the message says why."""
 
 
 def plan_text(task: Task, schedule: Schedule) -> str:

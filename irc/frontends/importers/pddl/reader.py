@@ -1,4 +1,4 @@
-"""PDDL text → unified-planning's model of it."""
+"""Reads PDDL text as a model of unified-planning."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from irc.targets import EngineMissing
 
 
 def read_problem(domain: Source, problem: Source) -> Any:
-    """What unified-planning makes of a domain and a problem.
+    """The model of unified-planning for a domain and a problem.
 
-    Raises `InputError` with its complaint, and `EngineMissing` where it is not installed.
+    Raises `InputError` with its error message, and `EngineMissing` if it is not installed.
     """
     require_unified_planning()
     import pyparsing
@@ -22,7 +22,7 @@ def read_problem(domain: Source, problem: Source) -> Any:
     from unified_planning.exceptions import UPException
     from unified_planning.io import PDDLReader
 
-    environment = get_environment()  # The reader makes metrics in no other one.
+    environment = get_environment()  # The reader makes metrics only in this one.
     environment.credits_stream = None
     strict = environment.error_used_name
     environment.error_used_name = False  # PDDL lets a type and a predicate have one name.

@@ -1,7 +1,7 @@
-"""What the importer takes of PDDL; everything else is refused by name, where it stands.
+"""Checks that a PDDL text uses only elements that the importer supports.
 
-unified-planning's reader does not keep places, so that this is looked for in the text itself,
-before the reader sees it.
+unified-planning's reader does not keep places, so this module refuses other elements in the text
+itself, with their names and places, before the reader sees them.
 """
 
 from __future__ import annotations
@@ -201,7 +201,7 @@ class Scope:
             findings.add(Code.NOT_AN_IMPORT, message, offset=word.offset, hint=hint)
 
     def _timed(self, part: Form, what: str) -> Form | None:
-        """What is inside (at start …), (at end …) or (over all …)."""
+        """The form inside (at start …), (at end …) or (over all …)."""
         when = part.words[1] if len(part.words) == 2 and len(part.items) == 3 else None
         if when in _TIMED.get(part.head, ()) and len(part.forms) == 1:
             if part.head == "over" and what == "effect":

@@ -14,7 +14,7 @@ _TOKEN = re.compile(r"[()]|[^\s();]+|;[^\n]*")
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A token, in lower case as PDDL does not tell the two apart."""
+    """A token, in lower case, because PDDL ignores case."""
 
     text: str
     offset: int
@@ -22,14 +22,14 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """What stands between two parentheses."""
+    """A list between two parentheses."""
 
     items: list[Word | Form] = field(default_factory=list)
     offset: int = 0
 
     @property
     def head(self) -> str:
-        """Its first word; empty where it does not begin with one."""
+        """Its first word; empty if it does not begin with one."""
         first = self.items[0] if self.items else None
         return first.text if isinstance(first, Word) else ""
 

@@ -58,12 +58,12 @@ class Item:
     grill_requires_marinated: bool = False
     fry_requires_cut: bool = False
     mash_requires_boiled: bool = False
-    """Said of items to be mashed; anything boiled may be, and nothing else."""
+    """Given for items to be mashed; only boiled items can be mashed in any case."""
 
 
 @dataclass(frozen=True)
 class Kitchen:
-    """What all work shares: durations by action, capacities by station, and the robots."""
+    """The kitchen: durations by action, capacities by station, and the robots."""
 
     durations: dict[str, Span]
     stations: dict[str, int]
@@ -71,8 +71,8 @@ class Kitchen:
 
 
 @dataclass(frozen=True)
-class Step:
-    """One processing of one item: it goes from the state `before` to the state `after`."""
+class ProcessingStep:
+    """One processing of one item, which changes it from the state `before` to `after`."""
 
     action: str
     item: str
@@ -90,19 +90,19 @@ def action_id(action: str, item: str) -> str:
     return f"{action}_{item}"
 
 
-def steps_to(item: Item, wanted: str) -> tuple[Step, ...]:
+def steps_to(item: Item, wanted: str) -> tuple[ProcessingStep, ...]:
     """The processing that takes an item to a state, in order; none where it is in it already.
 
     Raises `UnreachableError`.
     """
-    steps: list[Step] = []
+    steps: list[ProcessingStep] = []
     state = wanted
     while state != item.state:
         process = _MAKES.get(state)
         before = None if process is None else _starts_from(process.action, item)
         if process is None or before is None:
             raise UnreachableError(_why_not(item, wanted, state, process))
-        steps.append(Step(process.action, item.name, process.station, before, state))
+        steps.append(ProcessingStep(process.action, item.name, process.station, before, state))
         state = before
     return tuple(reversed(steps))
 

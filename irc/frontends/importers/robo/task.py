@@ -1,8 +1,8 @@
-"""What a Robo instance says → the IR task.
+"""Builds the IR task of a Robo instance.
 
-An item whose state changes is a state variable; every processing needs the state before it and
-makes the state after it, so that state alone orders the processing of an item, and holds an item
-back from the dish until it is done. Stack order and lags are given as order, and are precedence.
+An item whose state changes is a state variable. Every processing needs the state before it and
+gives the state after it, so that state alone orders the processing of an item, and the stacking of
+an item waits until it is done. Stack order and lags become precedence.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from irc.frontends.importers.robo.kitchen import (
     STACK,
     Item,
     Kitchen,
-    Step,
+    ProcessingStep,
     UnreachableError,
     action_id,
     steps_to,
@@ -34,7 +34,7 @@ class Work:
     """All that is done to one item: its processing, and its stacking where it is stacked."""
 
     item: Item
-    steps: tuple[Step, ...]
+    steps: tuple[ProcessingStep, ...]
     stacked: bool
 
     @property
@@ -125,7 +125,7 @@ def actions(work: Work, kitchen: Kitchen, candidate: Candidate | None) -> list[d
     return made
 
 
-def processing(step: Step, kitchen: Kitchen) -> dict[str, Any]:
+def processing(step: ProcessingStep, kitchen: Kitchen) -> dict[str, Any]:
     """The action of a step: it needs the state before it, and makes the state after it."""
     return {
         "id": action_id(step.action, step.item),
@@ -153,7 +153,7 @@ def take(cost: Mapping[str, int], action: dict[str, Any]) -> None:
 
 
 def robot_use(kitchen: Kitchen) -> list[dict[str, Any]]:
-    """What every action holds besides its station: one of the robots, where there are any."""
+    """The use of every action besides its station: one of the robots, if there are any."""
     if not kitchen.robots:
         return []
     if len(kitchen.robots) == 1:
@@ -236,7 +236,7 @@ def _left_out(robo: RoboTask, works: Iterable[Work]) -> dict[str, Any]:
 
 
 def _check(robo: RoboTask, works: Sequence[Work]) -> None:
-    """What an instance must say besides, for the work that it asks for."""
+    """Reports stations and durations that the work of an instance needs and that are missing."""
     part = robo.part
     kitchen = robo.kitchen
     for work in works:

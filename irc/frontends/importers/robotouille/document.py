@@ -46,8 +46,8 @@ class Item:
 
 
 @dataclass
-class Wish:
-    """What the goal wants of one item."""
+class ItemGoal:
+    """The goal for one item."""
 
     done: set[str] = field(default_factory=set)
     at: str | None = None
@@ -68,7 +68,7 @@ class KitchenTask:
     items: Mapping[str, Item]
     start: Cell
     facing: Cell
-    wishes: Mapping[str, Wish]
+    item_goals: Mapping[str, ItemGoal]
     goal: Part
     part: Part
 
@@ -91,7 +91,7 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
     stations, kinds = _stations(fields["stations"], width, height)
     items = _items(fields["items"], stations, fields["config"])
     start, facing = _player(fields["players"], width, height, stations)
-    wishes = _Binder(stations, kinds, items).wishes(fields["goal"])
+    item_goals = _Binder(stations, kinds, items).item_goals(fields["goal"])
     if len(instance.faults.findings.items) > found:
         return None
     description = fields["goal_description"].text() if "goal_description" in fields else None
@@ -106,7 +106,7 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
         items,
         start,
         facing,
-        wishes,
+        item_goals,
         fields["goal"],
         instance,
     )
@@ -234,10 +234,10 @@ def _config(part: Part) -> dict[str, dict[str, int]]:
 
 
 def _player(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -> tuple[Cell, Cell]:
-    """Where the robot stands and the cell that it faces."""
+    """(the cell of the robot, the cell that it faces)."""
     players = part.items()
     if len(players) != 1:
-        part.fault(f"this importer takes kitchens with one player, found {len(players)}")
+        part.fault(f"this importer reads kitchens with one player, found {len(players)}")
     for player in players[:1]:
         fields = player.record(("x", "y"), ("name", "direction"))
         cell = _cell(fields, width, height)
@@ -256,11 +256,11 @@ def _player(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -
 
 
 class _Binder:
-    """Gives the goal's ids their objects.
+    """Binds the goal's ids to objects.
 
-    An id means some object of its name, the same wherever it is used. They are bound in the order
-    in which the goal names them to the objects in the order of the file, as the text that comes
-    with each instance reads them; a plan for this binding is a plan for the goal.
+    An id means some object of its kind, the same at every use. Ids in the order of the goal are
+    bound to objects in the order of the file, as in the text of each instance; a plan for this
+    binding is a plan for the goal.
     """
 
     def __init__(
@@ -274,8 +274,8 @@ class _Binder:
         }
         self.bound: dict[int, str] = {}
 
-    def wishes(self, goal: Part) -> dict[str, Wish]:
-        wishes: dict[str, Wish] = {}
+    def item_goals(self, goal: Part) -> dict[str, ItemGoal]:
+        item_goals: dict[str, ItemGoal] = {}
         for part in goal.items():
             fields = part.record(("predicate", "args", "ids"), ())
             predicate = (
@@ -289,21 +289,21 @@ class _Binder:
             if len(objects) != (2 if predicate in PLACED else 1) or objects[0] not in self.items:
                 part.fault(f"{predicate!r} does not fit the arguments {', '.join(objects)}")
                 continue
-            self._wish(part, predicate, objects, wishes.setdefault(objects[0], Wish()))
-        return wishes
+            self._set_goal(part, predicate, objects, item_goals.setdefault(objects[0], ItemGoal()))
+        return item_goals
 
-    def _wish(self, part: Part, predicate: str, objects: list[str], wish: Wish) -> None:
+    def _set_goal(self, part: Part, predicate: str, objects: list[str], wanted: ItemGoal) -> None:
         if predicate in DONE:
-            wish.done.add(predicate)
+            wanted.done.add(predicate)
         elif predicate == CLEAR:
-            wish.clear = True
+            wanted.clear = True
         elif objects[1] not in self.stations:
             part.fault(f"{predicate!r} needs a station, not {objects[1]!r}")
-        elif wish.at not in (None, objects[1]):
-            part.fault(f"the goal wants {objects[0]!r} both at {wish.at!r} and at {objects[1]!r}")
+        elif wanted.at not in (None, objects[1]):
+            part.fault(f"the goal wants {objects[0]!r} both at {wanted.at!r} and at {objects[1]!r}")
         else:
-            wish.at = objects[1]
-            wish.on_station |= predicate == "item_on"
+            wanted.at = objects[1]
+            wanted.on_station |= predicate == "item_on"
 
     def _objects(self, part: Part, fields: Mapping[str, Part]) -> list[str] | None:
         if "args" not in fields or "ids" not in fields:
