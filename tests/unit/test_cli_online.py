@@ -217,7 +217,7 @@ def test_where_nothing_continues_what_has_run_the_old_plan_stays(van: Path) -> N
     result = replan("3", "--event", "-", "-o", "new.json", input=event)
     assert result.exit_code == 1
     assert result.stdout.startswith("at 3 min: an event  infeasible\n")
-    assert "stays on record" in result.stdout
+    assert "keeping the previous plan" in result.stdout
     assert not (van / "new.json").exists()
 
 

@@ -69,7 +69,7 @@ STATEMENTS = [
     wrong("boil 3 label eggs", ("IRC010", 1, 14), said='text in "quotes"'),
     wrong("boil 3 reward 1 reward 2", ("IRC014", 1, 17), said="`reward` appears twice"),
     wrong("boil 3 optional occurs 2", ("IRC014", 1, 17)),
-    wrong("boil 3 deadline -5", ("IRC010", 1, 17), said="not negative"),
+    wrong("boil 3 deadline -5", ("IRC010", 1, 17), said="cannot be negative"),
     wrong('boil 3 after a - "5 min"\na 1', ("IRC010", 1, 18), said="inside"),
     wrong("boil eggs: 3", ("IRC010", 1, 10), said='put the name in "quotes"'),
     wrong("boil (eggs) 3", ("IRC010", 1, 6), said="`(` has no meaning here"),
@@ -117,11 +117,11 @@ TEXTS = [
 ]
 
 BLOCKS = [
-    wrong("x 1\n  y 2\nz 3", ("IRC012", 2, 3), said="does not go on"),
-    wrong("x 1\n  onn r\nz 3", ("IRC012", 2, 3), said="does not go on"),
-    wrong("for a in b:\n    x {a} 1\n  y 2", ("IRC012", 3, 3), said="like no statement"),
+    wrong("x 1\n  y 2\nz 3", ("IRC012", 2, 3), said="does not continue"),
+    wrong("x 1\n  onn r\nz 3", ("IRC012", 2, 3), said="does not continue"),
+    wrong("for a in b:\n    x {a} 1\n  y 2", ("IRC012", 3, 3), said="no statement above this line"),
     wrong("for a in b:\n\tx {a} 1\n    y {a} 2", ("IRC012", 3, 5), said="tabs and spaces"),
-    wrong("  x 1", ("IRC012", 1, 3), said="take the blanks"),
+    wrong("  x 1", ("IRC012", 1, 3), said="remove the spaces"),
     wrong("for a in b\nx 1", ("IRC010", 1, 10), said="`:`"),
     wrong("for a b: x 1", ("IRC010", 1, 7), said="`in`"),
     wrong("for a in b:\nx 1", ("IRC010", 1, 11), said="is empty"),
@@ -136,7 +136,7 @@ BLOCKS = [
     wrong("for a in b, x: y {a} min", ("IRC016", 1, 18), said="not a time"),
     wrong("for a in b: task {a}", ("IRC010", 1, 13), said="cannot stand in a `for`"),
     wrong("for a in b: metadata {}", ("IRC010", 1, 13)),
-    wrong("x {a} 1", ("IRC016", 1, 3), said="in a `for` only"),
+    wrong("x {a} 1", ("IRC016", 1, 3), said="only in a `for`"),
     wrong("for a in 1 .. 2: x {a} 1 onn b", ("IRC010", 1, 26), said="`on`"),
     wrong("event 3: cancel a\na 1", ("IRC010", 1, 8), said="expected `at`"),
     wrong("a 1\nevent at 3: cancl a", ("IRC010", 2, 13), said="`cancel`"),
@@ -146,7 +146,7 @@ BLOCKS = [
     wrong("a 1\nevent at 3:\n  add:\n    b 1\n    resource r", ("IRC010", 3, 3), said="one kind"),
     wrong("a 1\nevent at 3:\n  add:\n    goal a", ("IRC010", 4, 5), said="cannot be added"),
     wrong("a 1\nevent at 3:\n  remove:\n    b 1", ("IRC010", 4, 5), said="only an order"),
-    wrong("a 1\nevent at 3: set state s = b at end", ("IRC010", 2, 29), said="take it away"),
+    wrong("a 1\nevent at 3: set state s = b at end", ("IRC010", 2, 29), said="remove it"),
 ]
 
 CHECKS = [

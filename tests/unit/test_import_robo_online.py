@@ -386,7 +386,7 @@ LAG = {
         (
             episode(delta(add_candidate_goals=[candidate("c", "okra", "cut")])),
             f"{ADDED}/add_candidate_goals/0",
-            "it holds already, so there is nothing to choose",
+            "it is fulfilled already, so there is nothing to choose",
         ),
         (
             episode(

@@ -43,7 +43,7 @@ def read_problem(domain: Source, problem: Source) -> Any:
         TypeError,
         ValueError,
     ) as error:
-        # The reader checks much by assertion, and says in words where it says where at all.
+        # The reader checks much by assertion, and gives places only in words, if at all.
         said = str(error).strip() or type(error).__name__
         message = f"{domain.name} with {problem.name}: unified-planning cannot read this: {said}"
         raise InputError(Report((Diagnostic(Code.NOT_AN_IMPORT, message),))) from None
@@ -52,7 +52,7 @@ def read_problem(domain: Source, problem: Source) -> Any:
 
 
 def require_unified_planning() -> None:
-    """Raises `EngineMissing` where the extra `up` is not installed."""
+    """Raises `EngineMissing` if the extra `up` is not installed."""
     if find_spec("unified_planning") is None:
         raise EngineMissing(
             "PDDL is read by unified-planning, which is not installed;"
@@ -61,7 +61,7 @@ def require_unified_planning() -> None:
 
 
 def _which(text: str, domain: Source, problem: Source) -> Source:
-    """The file whose text the parser was reading: it changes case and tabs, but no length."""
+    """The source that the parser was reading; it changes case and tabs, but no lengths."""
     shown = text.strip()[:200].lower()
     return domain if domain.text.strip().replace("\t", " ").lower().startswith(shown) else problem
 

@@ -1,4 +1,4 @@
-"""PDDL text → nested lists of tokens that know where they stand."""
+"""Reads PDDL text as nested lists of tokens with their places."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Form:
             waiting.extend(reversed(form.forms))
 
     def after(self, key: str) -> Form | None:
-        """The form that follows a keyword such as `:effect`; None where there is none."""
+        """The form after a keyword such as `:effect`; None if there is none."""
         for item, following in zip(self.items, self.items[1:], strict=False):
             if isinstance(item, Word) and item.text == key and isinstance(following, Form):
                 return following
@@ -68,7 +68,7 @@ class SyntaxFault(ValueError):
 
 
 def read_form(text: str) -> Form:
-    """The one list that a PDDL file is. Raises `SyntaxFault`."""
+    """The one list in a PDDL file. Raises `SyntaxFault`."""
     root = Form()
     stack = [root]
     for match in _TOKEN.finditer(text):

@@ -1,4 +1,4 @@
-"""Robotouille JSON → the kitchen it describes, typed, every fault located."""
+"""Reads Robotouille JSON as a typed kitchen, every fault located."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _CONTENT = (
 _MOST_CUTS = 1000
 _MOST_STATIONS = 60
 _MOST_ITEMS = 60
-"""Walks and stacks go by pairs, so that larger kitchens would become very large tasks."""
+"""Limits on kitchens: walks and stacks need an action for each pair, so tasks grow quickly."""
 
 
 @dataclass(frozen=True)
 class Item:
-    """An item: where it lies at first, what lies below it (None: the station), what it admits."""
+    """An item: its first station, the item below it (None: the station), its predicates."""
 
     name: str
     station: str
@@ -90,7 +90,7 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
     width, height = (_side(fields[key]) for key in ("width", "height"))
     stations, kinds = _stations(fields["stations"], width, height)
     items = _items(fields["items"], stations, fields["config"])
-    start, facing = _player(fields["players"], width, height, stations)
+    start, facing = _robot(fields["players"], width, height, stations)
     item_goals = _Binder(stations, kinds, items).item_goals(fields["goal"])
     if len(instance.faults.findings.items) > found:
         return None
@@ -115,7 +115,7 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
 def _side(part: Part) -> int:
     side = part.whole(1) or 1
     if side > LARGEST_SIDE:
-        part.fault(f"at most {LARGEST_SIDE} cells are taken, found {side}")
+        part.fault(f"at most {LARGEST_SIDE} cells are allowed, found {side}")
         return 1
     return side
 
@@ -132,16 +132,16 @@ def _cell(fields: Mapping[str, Part], width: int, height: int) -> Cell | None:
 
 
 def _at_most(most: int, part: Part) -> list[Part]:
-    """The entries of a list; none, and a fault, where there are more than `most`."""
+    """The entries of a list; none, and a fault, if there are more than `most`."""
     items = part.items()
     if len(items) > most:
-        part.fault(f"at most {most} are taken, found {len(items)}")
+        part.fault(f"at most {most} are allowed, found {len(items)}")
         return []
     return items
 
 
 def numbered(names: Iterable[str]) -> list[str]:
-    """Names of their own, in order: "table_1", "stove_1", "table_2"."""
+    """Numbered names in order: "table_1", "stove_1", "table_2"."""
     counts: Counter[str] = Counter()
     made = []
     for name in names:
@@ -195,7 +195,7 @@ def _items(part: Part, stations: Mapping[str, Cell], config: Part) -> dict[str, 
         if name not in where or kind is None:
             continue
         if kind in STATION_KINDS:
-            inner.fault(f"an item cannot be called {kind!r}, as stations are")
+            inner.fault(f"an item cannot have the name of a kind of station, {kind!r}")
         station, level = where[name]
         if level and level - 1 not in lying[station]:
             inner.fault(f"{name!r} lies at the level {level} of {station!r}, with nothing below it")
@@ -215,9 +215,9 @@ def _items(part: Part, stations: Mapping[str, Cell], config: Part) -> dict[str, 
 
 
 def _config(part: Part) -> dict[str, dict[str, int]]:
-    """How many cuts and how many steps of cooking, by kind of item and by default."""
+    """The numbers of cuts and of steps of cooking, by kind of item and by default."""
     fields = part.record(("num_cuts", "cook_time"), ())
-    # The defaults here only stand in where a fault has been recorded.
+    # These defaults are used only after a fault.
     read: dict[str, dict[str, int]] = {"num_cuts": {"default": 1}, "cook_time": {"default": 1}}
     for key, inner in fields.items():
         if key not in read:
@@ -229,17 +229,17 @@ def _config(part: Part) -> dict[str, dict[str, int]]:
         )
         for kind, count in read[key].items():
             if count > _MOST_CUTS:
-                inner.fault(f"at most {_MOST_CUTS} are taken, found {count} for {kind!r}")
+                inner.fault(f"at most {_MOST_CUTS} are allowed, found {count} for {kind!r}")
     return read
 
 
-def _player(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -> tuple[Cell, Cell]:
+def _robot(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -> tuple[Cell, Cell]:
     """(the cell of the robot, the cell that it faces)."""
     players = part.items()
     if len(players) != 1:
         part.fault(f"this importer reads kitchens with one player, found {len(players)}")
-    for player in players[:1]:
-        fields = player.record(("x", "y"), ("name", "direction"))
+    for robot in players[:1]:
+        fields = robot.record(("x", "y"), ("name", "direction"))
         cell = _cell(fields, width, height)
         steps = fields["direction"].items() if "direction" in fields else []
         way = [step.value for step in steps]
@@ -249,7 +249,7 @@ def _player(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -
         if cell is None:
             break
         if cell in stations.values():
-            player.fault(f"the player stands on the cell {cell} of a station")
+            robot.fault(f"the player stands on the cell {cell} of a station")
         x, y = (*way, 0, 0)[:2]
         return cell, (cell[0] + x, cell[1] + y)
     return (0, 0), (0, 0)
@@ -279,7 +279,7 @@ class _Binder:
         for part in goal.items():
             fields = part.record(("predicate", "args", "ids"), ())
             predicate = (
-                fields["predicate"].one_of(GOALS, "goal predicate that this importer takes")
+                fields["predicate"].one_of(GOALS, "goal predicate that this importer supports")
                 if "predicate" in fields
                 else None
             )

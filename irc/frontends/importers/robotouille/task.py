@@ -104,7 +104,7 @@ class _Builder:
 
     @cached_property
     def floor(self) -> Floor:
-        """Where the robot can walk."""
+        """The cells on which the robot can walk."""
         kitchen = self.kitchen
         return Floor(kitchen.width, kitchen.height, kitchen.stations.values())
 
@@ -116,17 +116,17 @@ class _Builder:
 
     @cached_property
     def cells(self) -> Mapping[str, Cell | None]:
-        """Where the robot stands at each station."""
+        """The cell of the robot at each station."""
         return standing_cells(self.floor, self.kitchen.stations, self.kitchen.start, self.faced)
 
     @cached_property
     def first_place(self) -> str:
-        """The place at which the robot is at first."""
+        """The first place of the robot."""
         return self.faced or START
 
     @cached_property
     def visited(self) -> list[str]:
-        """The stations at which there is something to do."""
+        """The stations at which some action takes place."""
         chores = self.chores
         used = {s for i in self.kitchen.items for s in (*chores.puts(i), *chores.takes(i))}
         used |= {s for i in self.kitchen.items for s in chores.processing(i)}
@@ -227,12 +227,12 @@ class _Builder:
                     )
 
     def _moves(self) -> Iterator[Raw]:
-        """Walks go on from one station to the next; what the robot does ends on its arrival."""
+        """The walks from each station to each other one."""
         places = {name: cell for name in self.visited if (cell := self.cells[name]) is not None}
         places.setdefault(self.first_place, self.kitchen.start)
         for (one, other), steps in walking_times(self.floor, places).items():
             if other not in self.visited:
-                continue  # Nobody goes back to where there is nothing to do.
+                continue  # No plan goes back to a place without actions.
             yield _by_robot(
                 f"move_{one}_{other}",
                 [_start(ROBOT, one)],
@@ -298,7 +298,7 @@ class _Builder:
         )
 
     def _cuts(self, item: str, station: str, stations: list[str]) -> Iterator[Raw]:
-        """Each cut by itself, the n-th after n - 1 others."""
+        """One action for each cut, the n-th after n - 1 others."""
         for n in range(self.chores.cuts(item)):
             yield _by_robot(
                 f"cut_{item}_{station}_{n + 1}",
@@ -313,7 +313,7 @@ class _Builder:
             )
 
     def _run(self, what: str, item: str, station: str, stations: list[str]) -> Raw:
-        """A stove or fryer at work: started by the robot, then left alone with what is in it."""
+        """The actions of a stove or fryer: the robot starts it, then it runs by itself."""
         conditions = [_start(ROBOT, station), _start(HAND, EMPTY), _start(f"top_{station}", item)]
         if what == "fry" and self.chores.fried_only_when_cut(item) and self.chores.cuts(item):
             conditions.append(_start(f"cut_{item}", str(self.chores.cuts(item))))
@@ -337,7 +337,9 @@ class _Builder:
         )
 
     def _how_often_taken(self, item: str, station: str) -> str:
-        """An item that must leave where it is, and is put there at most once, is taken once."""
+        """How often an item is taken from a station: once if it must leave and is put there at most
+        once, else at most once.
+        """
         there = self.kitchen.items[item]
         if station == there.station and self.chores.leaves(item):
             return "once" if station not in self.chores.puts(item) else "optional"
