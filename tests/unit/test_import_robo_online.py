@@ -313,12 +313,12 @@ LAG = {
         (
             episode(delta(add_deliveries=[delivery("first", "leek", "cut")])),
             f"{ADDED}/add_deliveries/0",
-            "the order 'first' is already there",
+            "the order 'first' already exists",
         ),
         (
             episode(delta(add_candidate_goals=[candidate("first", "leek", "cut")])),
             f"{ADDED}/add_candidate_goals/0",
-            "the order 'first' is already there",
+            "the order 'first' already exists",
         ),
         (
             episode(delta(add_deliveries=[delivery("x", "leek", "fried")])),
