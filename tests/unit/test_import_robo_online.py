@@ -381,7 +381,7 @@ LAG = {
         (
             episode(delta(add_candidate_goals=[candidate("c", "leek", "cut", root=1)])),
             f"{ADDED}/add_candidate_goals/0",
-            "'inventory_limits' has no 'root', which it costs",
+            "'inventory_limits' has no 'root', which this order costs",
         ),
         (
             episode(delta(add_candidate_goals=[candidate("c", "okra", "cut")])),
