@@ -298,7 +298,11 @@ def test_what_is_done_already_needs_nothing() -> None:
         (("config", "num_cuts", "default"), 0, "1 or more, found 0"),
         (("config", "cook_time", "default"), 10**7, "at most 1000 are allowed"),
         (("width",), 5000, "at most 100 cells"),
-        (("stations",), [{"name": "table", "x": 0, "y": 0}] * 61, "at most 60 are allowed, found 61"),
+        (
+            ("stations",),
+            [{"name": "table", "x": 0, "y": 0}] * 61,
+            "at most 60 are allowed, found 61",
+        ),
         (("width",), "five", "expected a whole number"),
         (("goal", 1, "predicate"), "isboiling", "there is no goal predicate"),
         (("goal", 1, "args"), ["water"], "the kitchen has no 'water' for the id 3"),
