@@ -49,8 +49,8 @@ def planned(data: Path) -> Iterator[Instance]:
         for raw in json.loads(file.read_text("utf-8")):
             graph = raw["graph"]
             step = {node: f"step{label}" for label, node in graph["step_to_node"].items()}
-            key = (raw["n_steps"], raw["id"])
-            edges = sorted((step[a], step[b]) for a, b in graph["edges"])
+            key = (len(graph["durations"]), raw["id"])
+            edges = sorted({(step[a], step[b]) for a, b in graph["edges"]})
             seconds = {step[node]: value for node, value in enumerate(graph["durations"])}
             yield Instance(key, raw["question"], edges, seconds, key in errata)
 
@@ -70,7 +70,7 @@ def judge_asyncplan(data: Path) -> Counter[str]:
     counts: Counter[str] = Counter()
     for instance in planned(data):
         try:
-            edges, seconds = reading(irc.loads(instance.text))
+            edges, seconds = reading(irc.loads(instance.text).ir)
         except irc.InputError as error:
             counts["refused"] += 1
             print(instance.key, error)
@@ -265,10 +265,10 @@ def judge_mutation(name: str, instance: Instance, rng: random.Random) -> str:
     text, meant = MUTATIONS[name](instance.text, before, rng)
     if name == "decimal":
         # "5.5 minutes" is a duration; the result must not have the old one.
-        meant = reading(irc.loads(text))
+        meant = reading(irc.loads(text).ir)
         return "as meant" if meant[1] != before[1] else "WRONG"
     try:
-        found = reading(irc.loads(text))
+        found = reading(irc.loads(text).ir)
     except irc.InputError:
         return "refused"
     return "as meant" if found == meant else "WRONG"

@@ -32,6 +32,7 @@ class Client:
         self.errors: list[bytes] = []
         self._id = 0
         self._versions: dict[str, int] = {}
+        self._opened: set[str] = set()
         for target in (self._read, self._read_errors):
             threading.Thread(target=target, daemon=True).start()
         general = {} if encodings is None else {"positionEncodings": encodings}
@@ -122,10 +123,22 @@ class Client:
 
     def open(self, uri: str, text: str, language: str = "irc") -> list[Message]:
         """Opens a text; the findings about it."""
-        self._versions[uri] = 1
-        document = {"uri": uri, "languageId": language, "version": 1, "text": text}
+        version = self._versions[uri] = self._versions.get(uri, 0) + 1
+        self._opened.add(uri)
+        document = {"uri": uri, "languageId": language, "version": version, "text": text}
         self.notify("textDocument/didOpen", {"textDocument": document})
         return self.findings(uri)
+
+    def close_all(self) -> None:
+        """Closes the texts that are open and forgets what was said of them.
+
+        A version is given once only, so that nothing said late can be taken for something new.
+        """
+        for uri in self._opened:
+            self.notify("textDocument/didClose", {"textDocument": {"uri": uri}})
+        self._opened.clear()
+        self.at("hover", "untitled:none", 0, 0)  # Answered when all that is above has been taken.
+        self.kept.clear()
 
     def change(self, uri: str, *changes: Message) -> None:
         """Changes a text; the findings are not waited for."""

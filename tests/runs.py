@@ -7,9 +7,11 @@ import re
 import shlex
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from typer.testing import CliRunner
+from typer import Typer
+from typer.testing import CliRunner, Result
 
 from irc.cli.app import build_app
 
@@ -29,6 +31,21 @@ class Told:
     """The diagnostics alone, as they were shown."""
 
 
+@cache
+def _app(command: str | None) -> Typer:
+    """The application with this command, as `irc` itself builds it to start quickly."""
+    return build_app(command)
+
+
+def run_irc(*arguments: object, stdin: str | bytes | None = None) -> Result:
+    """What an `irc` command says in this process; an exception other than its exit is raised."""
+    given = [str(a) for a in arguments]
+    result = CliRunner().invoke(_app(given[0] if given else None), given, input=stdin)
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
 def run_command(command: str, folder: Path, *, engine: tuple[str, Path] | None = None) -> Told:
     """Runs one command line. `engine` is a planner's name and a file with what it is to print."""
     program, *arguments = shlex.split(command)
@@ -38,7 +55,7 @@ def run_command(command: str, folder: Path, *, engine: tuple[str, Path] | None =
         name, printed = engine
         environment[f"IRC_{name.upper()}"] = str(_planner(folder, printed))
     with contextlib.chdir(folder):
-        result = CliRunner(env=environment).invoke(build_app(), arguments)
+        result = CliRunner(env=environment).invoke(_app(arguments[0]), arguments)
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
     said = result.stderr if "[IRC" in result.stderr else result.stdout

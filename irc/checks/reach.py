@@ -11,10 +11,11 @@ from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from irc.checks.facts import ShownFact, fact_places, goal_places, shown_value
+from irc.checks.facts import ShownFact, fact_places, goal_places
 from irc.checks.required import is_ruled_out
 from irc.diagnostics import Code, Findings
 from irc.model import Task
+from irc.model.state_values import value_text
 from irc.problem import Activity, Problem
 
 Fact = tuple[int, int]
@@ -178,7 +179,7 @@ class _Reporter:
         more = more if others else ""
         self.findings.add(
             Code.UNREACHABLE,
-            f"action {activity.id!r} needs {place.var!r} to be {shown_value(place.value)} "
+            f"action {activity.id!r} needs {place.var!r} to be {value_text(place.value)} "
             f"{_WHEN[place.at]}{more}, but {self._initially(fact)} "
             "and no effect gives it that value",
             place.pointer,
@@ -190,7 +191,7 @@ class _Reporter:
         place = self._place(activity, fact)
         self.findings.add(
             Code.UNREACHABLE,
-            f"action {activity.id!r} needs {place.var!r} to be {shown_value(place.value)} "
+            f"action {activity.id!r} needs {place.var!r} to be {value_text(place.value)} "
             f"{_WHEN[place.at]}, but {self._initially(fact)} and {self._chain(fact)}",
             place.pointer,
             hint="remove one of these conditions, or change the initial value",
@@ -206,7 +207,7 @@ class _Reporter:
             return
         self.findings.add(
             Code.UNREACHABLE,
-            f"the goal that {goal.var!r} be {shown_value(goal.value)} cannot be reached: "
+            f"the goal that {goal.var!r} be {value_text(goal.value)} cannot be reached: "
             f"{self._initially(fact)} and {why}",
             goal.pointer,
             hint=hint,
@@ -219,16 +220,16 @@ class _Reporter:
 
     def _initially(self, fact: Fact) -> str:
         variable = self.problem.variables[fact[0]]
-        return f"it is {shown_value(variable.values[variable.initial])} at first"
+        return f"it is {value_text(variable.values[variable.initial])} at first"
 
     def _hint(self, fact: Fact) -> str:
         variable = self.problem.variables[fact[0]]
         can_be = [
-            shown_value(value)
+            value_text(value)
             for k, value in enumerate(variable.values)
             if (fact[0], k) in self.reach.facts
         ]
-        wanted = shown_value(variable.values[fact[1]])
+        wanted = value_text(variable.values[fact[1]])
         listed = f"{', '.join(can_be[:5])}{', …' if len(can_be) > 5 else ''}"
         return f"add an effect that makes it {wanted}; now it can be {listed}"
 
@@ -248,7 +249,7 @@ class _Reporter:
                 return ", ".join([*parts, "which may occur at most 0 times"])
             fact = missing[0]
             variable = self.problem.variables[fact[0]]
-            needs = f"to be {shown_value(variable.values[fact[1]])}"
+            needs = f"to be {value_text(variable.values[fact[1]])}"
             parts.append(f"and {name!r} needs {variable.id!r} {needs}")
         return ", ".join([*parts, "and so on in a cycle" if fact in seen else "and so on"])
 
@@ -290,8 +291,8 @@ def _check_lost_goals(
         breaker = problem.activities[ended_by[v]]
         findings.add(
             Code.UNREACHABLE,
-            f"the goal that {goal.var!r} be {shown_value(goal.value)} cannot hold at the end: "
+            f"the goal that {goal.var!r} be {value_text(goal.value)} cannot hold at the end: "
             f"action {breaker.id!r} changes it, and no effect restores it",
             goal.pointer,
-            hint=f"add an effect that makes it {shown_value(goal.value)} again, or change the goal",
+            hint=f"add an effect that makes it {value_text(goal.value)} again, or change the goal",
         )

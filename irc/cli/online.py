@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
@@ -45,7 +46,7 @@ def replan(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
-    stability: StabilityOption = 0.0,
+    stability: StabilityOption = Fraction(0),
     output: OutOption = None,
     task_output: Annotated[
         Path | None,
@@ -73,7 +74,7 @@ def simulate(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
-    stability: StabilityOption = 0.0,
+    stability: StabilityOption = Fraction(0),
     output: OutOption = None,
     steps: Annotated[
         Path | None, typer.Option("--steps", help="A folder for the document of each step.")
@@ -110,7 +111,7 @@ def run(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
-    stability: StabilityOption = 0.0,
+    stability: StabilityOption = Fraction(0),
 ) -> None:
     """Serve a running task: read a JSON request on each line, print an answer on each line."""
     from irc.cli.planning import Planning

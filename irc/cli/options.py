@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
@@ -35,12 +36,23 @@ WorkersOption = Annotated[
 StepTimeLimitOption = Annotated[
     float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for each step.")
 ]
+
+
+def _share(text: str | Fraction) -> Fraction:
+    from irc.errors import OptionError
+    from irc.targets import read_share
+
+    try:
+        return read_share(text)
+    except OptionError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
 StabilityOption = Annotated[
-    float,
+    Fraction,
     typer.Option(
-        min=0.0,
-        max=1e6,
-        metavar="PERCENT",
-        help="How much worse the last objective may get so that fewer occurrences move.",
+        parser=_share,
+        metavar="FRACTION",
+        help="How much worse the last objective may get so that fewer move: 0.05 or 5%.",
     ),
 ]

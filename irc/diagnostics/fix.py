@@ -22,7 +22,7 @@ class Operation:
         """The path of the element, in the document before the patch, that the operation changes."""
         return self.path if self.origin is None else self.origin
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The operation as RFC 6902 writes it."""
         shown: dict[str, Any] = {"op": self.op}
         if self.origin is not None:

@@ -32,18 +32,19 @@ def pointer_text(pointer: Pointer) -> str:
     return "".join(f"/{str(part).replace('~', '~0').replace('/', '~1')}" for part in pointer)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Source:
     """A named text and a locator for its elements.
 
     Positions are computed only when a diagnostic needs them, so a task without faults pays nothing.
+    The locator must be picklable: a function of a module, or an object of a class.
     """
 
     name: str
     text: str
-    locator: Locator | None = None
-    _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False)
-    _counted: list[int] = field(default_factory=lambda: [0, 0, 0], repr=False)
+    locator: Locator | None = field(default=None, compare=False, repr=False)
+    _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False, compare=False)
+    _counted: list[int] = field(default_factory=lambda: [0, 0, 0], repr=False, compare=False)
     """The last offset, the number of lines that end before it, and the start of its line."""
 
     def line_and_column(self, offset: int) -> tuple[int, int]:

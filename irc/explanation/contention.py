@@ -17,7 +17,7 @@ from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.energy import energy_bound
 from irc.passes.serial_sgs import list_schedule
-from irc.problem import Activity, Claim, Problem
+from irc.problem import Activity, OpenDemand, Problem
 from irc.problem.horizon import safe_horizon
 from irc.problem.statements import (
     Kind,
@@ -141,7 +141,7 @@ class _Search:
         If all statements are in conflict, so are these: such a resource never restricts a schedule.
         """
         contended = drop_uncontended(merge_pools(self.problem))
-        uses = {(i, c.use) for i, a in enumerate(contended.activities) for c in a.claims}
+        uses = {(i, d.use) for i, a in enumerate(contended.activities) for d in a.open_demands}
         resources = {r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives}
         return [
             s
@@ -152,14 +152,14 @@ class _Search:
 
     def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
         uses = {(s.of, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
-        demands: dict[int, list[Claim]] = {}
+        demands: dict[int, list[OpenDemand]] = {}
         for i, u in uses:
             of = self.problem.activities[i].uses[u]
-            demands.setdefault(i, []).append(Claim(u, of.alternatives, of.amount))
+            demands.setdefault(i, []).append(OpenDemand(u, of.alternatives, of.amount))
         bare = replace(
             self.problem,
             activities=tuple(
-                Activity(a.id, 0, self.horizon, uses=a.uses, claims=tuple(demands.get(i, ())))
+                Activity(a.id, 0, self.horizon, uses=a.uses, open_demands=tuple(demands.get(i, ())))
                 for i, a in enumerate(self.problem.activities)
             ),
             arcs=(),
@@ -229,7 +229,7 @@ class _Search:
 
 
 def _refuted_by_energy(part: Problem) -> bool:
-    return part.deadline is not None and energy_bound(part).bound.value > part.deadline
+    return part.deadline is not None and energy_bound(part).bounds.makespan.value > part.deadline
 
 
 def _refuted_by_cases(part: Problem) -> bool:
@@ -238,4 +238,4 @@ def _refuted_by_cases(part: Problem) -> bool:
         return False
     from irc.passes.destructive import destructive_bound
 
-    return destructive_bound(energy_bound(part)).bound.value > part.deadline
+    return destructive_bound(energy_bound(part)).bounds.makespan.value > part.deadline

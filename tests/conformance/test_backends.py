@@ -15,18 +15,16 @@ from typing import Any, ClassVar
 
 import pytest
 
-from irc.diagnostics import Code, InputError
 from irc.driver.compile import check_task, compile_task
 from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.schedule import Schedule, Status
 from irc.targets import Backend, EngineFailed, Limits, Program, get_backend
 from irc.targets.process import ProcessLimits, run
 from irc.testing import CONFORMANCE_TASKS, ConformanceError, check_backend
-from irc.validation import validate
 from irc_cpsat import CpSat
 from irc_cpsat.engines import OrTools
 from irc_pddl21 import Pddl21, planners
+from laws import answered, judged
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, random_task
 
@@ -37,42 +35,6 @@ def needs(engine: str) -> None:
     reason = get_backend("pddl21").engines()[engine].missing()
     if reason is not None:
         pytest.skip(reason)
-
-
-def judged(task: Task, schedule: Schedule, best: int | None) -> str:
-    """How an answer ended, after checking that it is valid and claims nothing untrue."""
-    if schedule.status is Status.UNKNOWN:
-        assert schedule.entries == ()
-        return "unknown"
-    if schedule.status is Status.INFEASIBLE:
-        assert best is None
-        return "infeasible"
-    assert best is not None
-    assert validate(task, schedule).valid
-    assert schedule.makespan >= best
-    (objective,) = schedule.objective
-    assert objective.value == schedule.makespan
-    assert objective.bound is not None
-    assert objective.bound <= best
-    if schedule.status is Status.OPTIMAL:
-        assert schedule.makespan == best
-    return str(schedule.status)
-
-
-def answered(task: Task, target: str, engine: str, seconds: float | None = None) -> str:
-    """What an engine says of a task; "refused" where the checks already see a contradiction."""
-    best = optimal_makespan(task)
-    limits = Limits(seconds, workers=1)
-    try:
-        answer = solve_task(task, target, engine, limits, shortcut=False)
-    except InputError as refusal:
-        codes = {d.code for d in refusal.report.errors}
-    else:
-        return judged(task, answer.schedule, best)
-    if Code.OUT_OF_RANGE in codes:
-        return "beyond the target"
-    assert best is None
-    return "refused"
 
 
 def seeded(make: Callable[..., Task], name: str, count: int, **knobs: Any) -> Iterator[Task]:

@@ -4,8 +4,6 @@ schedule, written as a plan, judged by unified-planning's validator on the origi
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 import irc
@@ -15,10 +13,11 @@ from irc.model import Task
 from irc.schedule import Status
 from irc.targets import get_backend
 from oracles.pddl_plans import Judge
+from paths import EXAMPLES
 
 pytest.importorskip("unified_planning")
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "pddl"
+EXAMPLES = EXAMPLES / "pddl"
 SOLVED = {
     "matchcellar": (Status.OPTIMAL, 10),
     "ferry": (Status.OPTIMAL, 25),

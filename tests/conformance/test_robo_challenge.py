@@ -10,8 +10,9 @@ import irc
 from irc.frontends.importers.robo import import_robo
 from irc.schedule import Status
 from irc.validation import validate
+from paths import SHARED_DATA
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "data" / "robo_challenge"
+FOLDER = SHARED_DATA / "robo_challenge"
 INSTANCES = sorted(FOLDER.glob("*.json"))
 
 

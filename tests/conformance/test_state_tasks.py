@@ -9,38 +9,14 @@ import pytest
 import irc
 from irc.diagnostics import Code
 from irc.model import Task
-from irc.schedule import Schedule, Status
+from irc.schedule import Status
 from irc.targets import backends, refused_features
-from irc.validation import validate
+from laws import agree, answer_of
 from oracles.field_witnesses import WITNESSES, Answer, Witness
-from oracles.state_brute_force import Optimum, optimum
+from oracles.state_brute_force import optimum
 from oracles.state_generators import match_cellar, state_task
 
 TASKS, BATCHES = 300, 10
-
-
-def has_no_schedule(task: Task) -> bool:
-    """Whether the checks alone say so."""
-    codes = {d.code.id[:4] for d in irc.check(task).errors}
-    assert codes <= {"IRC3"}
-    return bool(codes)
-
-
-def answer_of(task: Task) -> Schedule | None:
-    """What `cpsat` proves: the best schedule, or (None) that there is none."""
-    if has_no_schedule(task):
-        return None
-    schedule = irc.solve(task, "cpsat", shortcut=False, workers=1, time_limit=60)
-    assert schedule.status in (Status.OPTIMAL, Status.INFEASIBLE)
-    return None if schedule.status is Status.INFEASIBLE else schedule
-
-
-def agree(task: Task, schedule: Schedule | None, best: Optimum | None) -> None:
-    assert (schedule is None) == (best is None)
-    if schedule is None or best is None:
-        return
-    assert tuple(o.value for o in schedule.objective) == best.vector
-    assert validate(task, schedule).valid
 
 
 @pytest.mark.parametrize("batch", range(BATCHES))

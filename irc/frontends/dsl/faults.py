@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from irc.diagnostics import Code
+from irc.errors import IrcError
 
 
-class Fault(Exception):
+class Fault(IrcError):
     """A fault of a statement: the code, the message, and the offsets in its text."""
 
     def __init__(

@@ -1,0 +1,313 @@
+"""A bound schedule: a task and the entries of a schedule, brought together by name."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple, Protocol, TypeVar
+
+from irc.errors import IrcError
+from irc.model import (
+    Action,
+    DurationRange,
+    Group,
+    Mode,
+    Resource,
+    StateGoal,
+    StateVariable,
+    StockChange,
+    Task,
+    Use,
+)
+from irc.model.quantities import Number
+from irc.model.times import Clock
+from irc.schedule import Entry, Schedule
+
+CANCELLED, ABANDONED = "cancelled", "abandoned"
+"""What an entry of a schedule that is being carried out may say of itself."""
+
+
+class UncheckedTaskError(IrcError, ValueError):
+    """The task itself is at fault, so no schedule of it can be judged; `irc check` says how."""
+
+
+class InexactTimeError(IrcError, ValueError):
+    """A schedule holds a time that is not an exact number, such as a binary float."""
+
+
+class Past(NamedTuple):
+    """What is certain of an occurrence that began before the time as of which a schedule is judged:
+    its start, its resources, and that its end lies in a range, which is one time for all that has
+    ended or lasts a fixed time."""
+
+    over: bool
+    earliest_end: Number
+    latest_end: Number
+
+    @property
+    def end_is_certain(self) -> bool:
+        """Whether its end is not for anyone to choose any more."""
+        return self.earliest_end == self.latest_end
+
+
+class Occurrence(NamedTuple):
+    """An entry of the schedule with the action it is an occurrence of.
+
+    `shortest` and `longest` bound its duration; both are None where the mode is not known. What was
+    cancelled could end at any time.
+    `number` is its place in `BoundSchedule.occurrences`; `past` is None for what may still be
+    planned otherwise.
+    """
+
+    number: int
+    entry: Entry
+    action: Action
+    mode: Mode | None
+    shortest: Number | None
+    longest: Number | None
+    start: Number
+    end: Number
+    rank: int
+    end_rank: int
+    past: Past | None
+
+    @property
+    def name(self) -> str:
+        """How messages call it."""
+        entry = self.entry
+        return repr(entry.id) + (
+            f" (occurrence {entry.occurrence})" if entry.occurrence != 1 else ""
+        )
+
+    @property
+    def uses(self) -> tuple[Use, ...]:
+        """What it holds from start to end: the action's own uses and its mode's."""
+        return self.action.uses if self.mode is None else self.action.uses + self.mode.uses
+
+    @property
+    def ends_freely(self) -> bool:
+        """Whether its duration was chosen, so that its end has a rank of its own.
+
+        What has ended keeps the rank that it had, though an observation has fixed its duration.
+        """
+        return self.shortest != self.longest or self.rank != self.end_rank
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether it was ended before it was done: nothing that its end does has happened."""
+        return self.entry.status == CANCELLED
+
+
+@dataclass(frozen=True)
+class BoundSchedule:
+    """A task and a schedule of it, with every name resolved."""
+
+    task: Task
+    clock: Clock
+    schedule: Schedule
+    actions: dict[str, Action]
+    resources: dict[str, Resource]
+    variables: dict[str, StateVariable]
+    groups: dict[str, Group]
+    occurrences: tuple[Occurrence, ...]
+    by_action: dict[str, list[Occurrence]]
+    done: frozenset[str]
+    """The actions that are there, and not merely as what was cancelled."""
+    unknown: tuple[Entry, ...]
+    """Entries that name no action of the task."""
+    at: Number | None = None
+    """What began before is history; None: nothing is."""
+
+    @property
+    def ranked(self) -> bool:
+        """Whether the schedule gives ranks; if not, they are looked for."""
+        return any(e.rank or e.end_rank not in (None, 0) for e in self.schedule.entries)
+
+    def is_present(self, group: Group) -> bool:
+        """Whether all actions of a group are there; what was cancelled is not."""
+        return bool(group.actions) and self.done.issuperset(group.actions)
+
+
+def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSchedule:
+    """Brings a task and a schedule together; what began before `at` is history.
+
+    Raises `UncheckedTaskError` for a task whose references do not hold, and `InexactTimeError` for
+    an entry whose times are not exact numbers.
+    """
+    if at is not None and not isinstance(at, (int, Fraction)):
+        raise InexactTimeError(f"judged as of the time {at!r}; use an int or a Fraction")
+    clock = task.clock
+    actions = _by_id("action", task.actions)
+    resources = _by_id("resource", task.resources)
+    variables = _by_id("state variable", task.state)
+    groups = _by_id("group", task.groups)
+    _check_references(task, actions, resources, variables)
+    occurrences: list[Occurrence] = []
+    by_action: dict[str, list[Occurrence]] = {}
+    unknown = []
+    for entry in schedule.entries:
+        action = actions.get(entry.id)
+        _check_exact(entry)
+        if action is None:
+            unknown.append(entry)
+            continue
+        occurrence = _occurrence(len(occurrences), entry, action, clock, at)
+        occurrences.append(occurrence)
+        by_action.setdefault(entry.id, []).append(occurrence)
+    return BoundSchedule(
+        task,
+        clock,
+        schedule,
+        actions,
+        resources,
+        variables,
+        groups,
+        tuple(occurrences),
+        by_action,
+        frozenset(o.entry.id for o in occurrences if not o.cancelled),
+        tuple(unknown),
+        at,
+    )
+
+
+def _occurrence(
+    number: int, entry: Entry, action: Action, clock: Clock, at: Number | None
+) -> Occurrence:
+    mode = next((m for m in action.modes if m.id == entry.mode), None)
+    duration = action.duration
+    if action.modes:
+        duration = None if mode is None else mode.duration
+    shortest: Number | None
+    longest: Number | None
+    if isinstance(duration, DurationRange):
+        shortest, longest = clock.number(duration.min), clock.number(duration.max)
+    else:
+        shortest = longest = None if duration is None else clock.number(duration)
+    if entry.status == CANCELLED and longest is not None:
+        shortest = 0
+    past = None if at is None else _past(entry, action, (shortest, longest), clock, at)
+    tied = shortest == longest and not (past is not None and past.over)
+    end_rank = entry.rank if entry.end_rank is None or tied else entry.end_rank
+    return Occurrence(
+        number,
+        entry,
+        action,
+        mode,
+        shortest,
+        longest,
+        entry.start,
+        entry.end,
+        entry.rank,
+        end_rank,
+        past,
+    )
+
+
+def _past(
+    entry: Entry,
+    action: Action,
+    bounds: tuple[Number | None, Number | None],
+    clock: Clock,
+    at: Number,
+) -> Past | None:
+    """What begins at `at` itself is history where the task fixes that start: it was observed."""
+    observed = entry.start == at and action.start is not None and clock.number(action.start) == at
+    if not (entry.start < at or observed):
+        return None
+    shortest, longest = bounds
+    over = entry.end <= at
+    if over or shortest is None or longest is None or shortest == longest:
+        return Past(over, entry.end, entry.end)
+    earliest = max(at, entry.start + shortest)
+    return Past(over, earliest, max(earliest, entry.start + longest))
+
+
+def _check_exact(entry: Entry) -> None:
+    for value in (entry.start, entry.end):
+        if not isinstance(value, (int, Fraction)):
+            raise InexactTimeError(
+                f"the entry of {entry.id!r} has the time {value!r}; use an int or a Fraction"
+            )
+
+
+class _Named(Protocol):
+    @property
+    def id(self) -> str: ...
+
+
+_N = TypeVar("_N", bound=_Named)
+
+
+def _by_id(what: str, parts: Iterable[_N]) -> dict[str, _N]:
+    found: dict[str, _N] = {}
+    for part in parts:
+        first = found.setdefault(part.id, part)
+        if first is not part and first != part:
+            raise UncheckedTaskError(f"the {what} {part.id!r} is given twice, differently")
+    return found
+
+
+def _check_references(
+    task: Task,
+    actions: dict[str, Action],
+    resources: dict[str, Resource],
+    variables: dict[str, StateVariable],
+) -> None:
+    repeatable = {action.id for action in actions.values() if action.may_repeat}
+    renewable = {r.id for r in resources.values() if r.kind == "renewable"}
+    stocks = {r.id for r in resources.values() if r.kind == "reservoir"}
+    for action in actions.values():
+        _check_action(action, renewable, stocks, variables)
+        if action.start is not None and action.id in repeatable:
+            raise UncheckedTaskError(f"{action.id!r} may repeat, so it can have no fixed start")
+    single = actions.keys() - repeatable
+    for precedence in task.precedence:
+        if precedence.before not in single or precedence.after not in single:
+            for name in (precedence.before, precedence.after):
+                _require_single(name, actions, repeatable, "a precedence")
+    for group in task.groups:
+        for name in group.actions:
+            _require_single(name, actions, repeatable, f"the group {group.id!r}")
+    for goal in task.goals:
+        if isinstance(goal, StateGoal):
+            _require(goal.var, variables, "a goal")
+        else:
+            _require(goal, actions, "a goal")
+
+
+def _check_action(
+    action: Action, renewable: set[str], stocks: set[str], variables: dict[str, StateVariable]
+) -> None:
+    where = f"the action {action.id!r}"
+    if action.duration is None and not action.modes:
+        raise UncheckedTaskError(f"{where} has neither a duration nor modes")
+    for use in _all_uses(action):
+        for name in use.alternatives:
+            _require(name, renewable, f"a use of {where}")
+    stock_changes: tuple[StockChange, ...] = action.consumes + action.produces
+    for change in stock_changes:
+        _require(change.resource, stocks, f"a consumption or production of {where}")
+    for condition in action.conditions:
+        _require(condition.var, variables, f"a condition of {where}")
+    for effect in action.effects:
+        _require(effect.var, variables, f"an effect of {where}")
+
+
+def _all_uses(action: Action) -> Iterator[Use]:
+    yield from action.uses
+    for mode in action.modes:
+        yield from mode.uses
+
+
+def _require_single(
+    name: str, actions: dict[str, Action], repeatable: set[str], where: str
+) -> None:
+    _require(name, actions, where)
+    if name in repeatable:
+        raise UncheckedTaskError(f"{where} names {name!r}, which may occur more than once")
+
+
+def _require(name: str, known: Container[str], where: str) -> None:
+    if name not in known:
+        raise UncheckedTaskError(f"{where} names {name!r}, which the task does not have")

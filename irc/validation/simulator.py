@@ -1,0 +1,181 @@
+"""Plays one state variable through, in the order of (time, rank), and tells what does not hold."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from irc.model import StateVariable
+from irc.model.quantities import Number
+from irc.model.state_values import value_text
+from irc.validation.happenings import (
+    Access,
+    Happening,
+    Hold,
+    Timeline,
+    Value,
+)
+from irc.validation.state_messages import (
+    add_broken,
+    add_contradiction,
+    add_unheld,
+    add_unmet,
+)
+from irc.validation.verdict import Violations, listed
+
+
+class Demand(NamedTuple):
+    """A value that a happening needs just before it, or just after it and from then on."""
+
+    occurrence: int
+    at_end: bool
+    kind: Literal["before", "from then on"]
+    value: Value
+
+
+@dataclass
+class _Moment:
+    """What concerns one variable at one (time, rank)."""
+
+    reads: list[Access] = field(default_factory=list)
+    writes: list[Access] = field(default_factory=list)
+    opening: list[tuple[int, Hold]] = field(default_factory=list)
+    closing: list[tuple[int, Hold]] = field(default_factory=list)
+
+
+_Holds = dict[Value, dict[int, Hold]]
+"""What must stay as it is, by the value it must have and a number."""
+
+
+class StateSimulator:
+    """Plays one variable through.
+
+    `lost` are demands that the history alone does not meet: they are carried. `failed` collects
+    those that are not met here. Of what is history (`Occurrence.past`), one changing what another
+    needs is carried too; where something open takes part, it is a violation.
+    """
+
+    def __init__(
+        self,
+        variable: StateVariable,
+        violations: Violations,
+        lost: Collection[Demand] = frozenset(),
+    ) -> None:
+        self.name = variable.id
+        self.value: Value = variable.start_value
+        self.violations = violations
+        self.lost = lost
+        self.failed: set[Demand] = set()
+        self.held: _Holds = {}
+        self.damaged: _Holds = {}
+        """Holds that the history itself breaks; what is open may do no more damage to them."""
+
+    def run(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
+        """Checks all that happens to it and returns its last value."""
+        moments: dict[tuple[Number, int], _Moment] = {}
+
+        def moment(happening: Happening) -> _Moment:
+            return moments.setdefault((happening.time, ranks[happening.node]), _Moment())
+
+        for access in timeline.reads:
+            moment(access.happening).reads.append(access)
+        for access in timeline.writes:
+            moment(access.happening).writes.append(access)
+        for number, hold in enumerate(timeline.holds):
+            first = (hold.opening.time, ranks[hold.opening.node])
+            last = (hold.closing.time, ranks[hold.closing.node])
+            if first < last:
+                moments.setdefault(first, _Moment()).opening.append((number, hold))
+                moments.setdefault(last, _Moment()).closing.append((number, hold))
+        for (_, rank), current in sorted(moments.items(), key=lambda item: item[0]):
+            self._pass(current, rank)
+        return self.value
+
+    def _pass(self, moment: _Moment, rank: int) -> None:
+        for access in moment.reads:
+            if access.value != self.value:
+                carried = self._fail(access.happening, "before", access.value)
+                found = value_text(self.value)
+                add_unmet(self.name, access, found, self.violations, carried=carried)
+        for number, hold in moment.closing:
+            self.held.get(hold.value, {}).pop(number, None)
+            self.damaged.get(hold.value, {}).pop(number, None)
+        if moment.writes:
+            self._check_interference(moment, rank)
+            for access in moment.writes:
+                self._write(access)
+        for number, hold in moment.opening:
+            if hold.value == self.value:
+                self.held.setdefault(hold.value, {})[number] = hold
+                continue
+            carried = self._fail(hold.opening, "from then on", hold.value)
+            add_unheld(self.name, hold, value_text(self.value), self.violations, carried=carried)
+            if carried:
+                self.damaged.setdefault(hold.value, {})[number] = hold
+
+    def _fail(
+        self, happening: Happening, kind: Literal["before", "from then on"], value: Value
+    ) -> bool:
+        """Whether a demand that is not met is carried."""
+        demand = Demand(happening.occurrence.number, happening.at_end, kind, value)
+        self.failed.add(demand)
+        return demand in self.lost
+
+    def _write(self, access: Access) -> None:
+        broken = _others(self.held, access.value)
+        if access.happening.occurrence.past is None:
+            # A damaged hold that has its value again is not to lose it by what is open.
+            broken |= self.damaged.get(self.value, {}) if self.value != access.value else {}
+            self._tell_broken(access, broken.values(), carried=False)
+            _drop(self.damaged, broken)
+        else:
+            between_past = {n: h for n, h in broken.items() if h.opening.occurrence.past}
+            self._tell_broken(access, between_past.values(), carried=True)
+            open_ones = [h for n, h in broken.items() if n not in between_past]
+            self._tell_broken(access, open_ones, carried=False)
+            for number, hold in between_past.items():
+                self.damaged.setdefault(hold.value, {})[number] = hold
+        # Told once: what is broken here need not be told again at every later change.
+        _drop(self.held, broken)
+        self.value = access.value
+
+    def _tell_broken(self, access: Access, broken: Collection[Hold], *, carried: bool) -> None:
+        if broken:
+            add_broken(self.name, access, list(broken), self.violations, carried=carried)
+
+    def _check_interference(self, moment: _Moment, rank: int) -> None:
+        writers = {access.happening.node: access for access in moment.writes}
+        for access in moment.writes:
+            if access.value != writers[access.happening.node].value:
+                carried = _all_past([access])
+                add_contradiction(self.name, access, self.violations, carried=carried)
+        parties = writers | {access.happening.node: access for access in moment.reads}
+        if len(parties) < 2:
+            return
+        first = moment.writes[0].happening
+        others = [a.happening.occurrence.entry.id for n, a in parties.items() if n != first.node]
+        self.violations.add(
+            "interference",
+            f"{first.occurrence.name} changes {self.name!r} at "
+            f"{self.violations.time(first.time)} with rank {rank}, where "
+            f"{listed(others, len(others))} read or change it with the same rank; "
+            "what comes later needs a higher rank",
+            [first.occurrence.entry.id, *others],
+            (first.time,),
+            carried=_all_past(parties.values()),
+        )
+
+
+def _all_past(accesses: Iterable[Access]) -> bool:
+    return all(access.happening.occurrence.past for access in accesses)
+
+
+def _others(holds: _Holds, value: Value) -> dict[int, Hold]:
+    """The holds of any other value."""
+    return {n: h for held, own in holds.items() if held != value for n, h in own.items()}
+
+
+def _drop(holds: _Holds, gone: dict[int, Hold]) -> None:
+    for number, hold in gone.items():
+        holds.get(hold.value, {}).pop(number, None)

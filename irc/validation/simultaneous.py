@@ -1,0 +1,314 @@
+"""Simultaneous happenings: those that touch one state variable at one instant, and so need ranks.
+
+Such a cluster is a small puzzle: put the writers in an order, and each read and each end of a hold
+in a slot between them. Slot i lies after the i-th writer; values[i] is the variable's value there
+(values[0] is what comes in). Most clusters have at most one writer and one answer, which is settled
+here at once; what is left over is handed to the search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Literal, NamedTuple
+
+from irc.model import StateGoal
+from irc.model.base import StateValue
+from irc.model.quantities import Number
+from irc.model.state_values import value_text
+from irc.validation.bound_schedule import BoundSchedule
+from irc.validation.happenings import (
+    Access,
+    Edge,
+    Edges,
+    Happening,
+    Hold,
+    Story,
+    Timeline,
+    Value,
+)
+from irc.validation.state_messages import (
+    add_broken,
+    add_contradiction,
+    add_unheld,
+    add_unmet,
+    add_unmet_goal,
+)
+from irc.validation.verdict import Violations
+
+
+class _Open(Enum):
+    """Stands for a value that depends on an order not yet found."""
+
+    VALUE = "open"
+
+
+OPEN = _Open.VALUE
+"""The value that comes into a cluster depends on the cluster before."""
+
+
+class Writer(NamedTuple):
+    """A happening that gives the variable `value`, and the values it needs just before."""
+
+    happening: Happening
+    value: StateValue
+    needs: tuple[StateValue, ...]
+
+
+class Item(NamedTuple):
+    """What must find a slot: a read, the opening or closing of a hold, or (`span`) both."""
+
+    kind: Literal["read", "open", "close", "span"]
+    value: StateValue
+    happening: Happening
+    hold: Hold | None = None
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """One variable at one instant. `previous` numbers the cluster whose last value comes in, where
+    `incoming` is open; `goals` are values it must have in the end."""
+
+    variable: str
+    time: Number
+    writers: tuple[Writer, ...]
+    items: tuple[Item, ...]
+    incoming: Value | Literal[_Open.VALUE]
+    previous: int | None = None
+    goals: tuple[StateValue, ...] = ()
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing in it is left to choose."""
+        return self.incoming is not OPEN and len(self.writers) <= 1 and not self.items
+
+    def happenings(self) -> Iterator[Happening]:
+        """All that have a part in it."""
+        for writer in self.writers:
+            yield writer.happening
+        for item in self.items:
+            yield item.happening
+            if item.kind == "span" and item.hold is not None:
+                yield item.hold.closing
+
+
+def slots(item: Item, order: Sequence[Writer], incoming: Value) -> list[Edges]:
+    """The ways to place `item` among writers of a known order; none if its value never fits.
+
+    A read shares its rank with no writer. A hold opens with the writer before it or later, and
+    closes with the writer after it or earlier, so there the outermost slot stands for all.
+    """
+    values: list[Value] = [incoming, *(writer.value for writer in order)]
+    nodes = [writer.happening.node for writer in order]
+    last = len(nodes)
+    if item.kind == "read":
+        return [
+            _after(nodes, i, item.happening.node, 1) + _before(nodes, i, item.happening.node, 1)
+            for i, value in enumerate(values)
+            if value == item.value
+        ]
+    runs = _runs(values, item.value)
+    if item.kind == "open":
+        return [_after(nodes, i, item.happening.node, 0) for i, j in runs if j == last]
+    if item.kind == "close":
+        # What comes in is vouched for by the opening, whatever it is.
+        reach = next((i for i in range(1, last + 1) if values[i] != item.value), last + 1)
+        return [_before(nodes, reach - 1, item.happening.node, 0)]
+    closing = item.hold.closing.node if item.hold is not None else item.happening.node
+    return [
+        _after(nodes, i, item.happening.node, 0) + _before(nodes, j, closing, 0) for i, j in runs
+    ]
+
+
+def _after(nodes: Sequence[int], slot: int, node: int, least: int) -> Edges:
+    return ((nodes[slot - 1], node, least),) if slot > 0 else ()
+
+
+def _before(nodes: Sequence[int], slot: int, node: int, least: int) -> Edges:
+    return ((node, nodes[slot], least),) if slot < len(nodes) else ()
+
+
+def _runs(values: Sequence[Value], wanted: StateValue) -> list[tuple[int, int]]:
+    """The longest stretches [i, j] of slots in which the value is `wanted`."""
+    runs: list[tuple[int, int]] = []
+    for i, value in enumerate(values):
+        if value != wanted:
+            continue
+        if runs and runs[-1][1] == i - 1:
+            runs[-1] = (runs[-1][0], i)
+        else:
+            runs.append((i, i))
+    return runs
+
+
+@dataclass
+class RankConstraints:
+    """What is settled of all clusters, as edges between ranks, and the clusters that are not."""
+
+    edges: list[Edge] = field(default_factory=list)
+    clusters: list[Cluster] = field(default_factory=list)
+
+
+def rank_constraints(bound: BoundSchedule, story: Story, violations: Violations) -> RankConstraints:
+    """Settles each cluster that has one answer: O(n log n). What no ranks can mend is reported."""
+    constraints = RankConstraints()
+    goals: dict[str, list[StateValue]] = {}
+    for goal in dict.fromkeys(bound.task.goals):
+        if isinstance(goal, StateGoal):
+            goals.setdefault(goal.var, []).append(goal.value)
+    for name, variable in bound.variables.items():
+        pass_over = _OneVariable(name, variable.start_value, constraints, violations)
+        pass_over.run(story.timelines[name], tuple(goals.get(name, ())))
+    return constraints
+
+
+@dataclass
+class _Instant:
+    writes: list[Access] = field(default_factory=list)
+    reads: list[Access] = field(default_factory=list)
+    opening: list[Hold] = field(default_factory=list)
+    closing: list[Hold] = field(default_factory=list)
+    spans: list[Hold] = field(default_factory=list)
+
+
+class _OneVariable:
+    """One variable, instant by instant."""
+
+    def __init__(
+        self, variable: str, initial: Value, constraints: RankConstraints, violations: Violations
+    ) -> None:
+        self.variable = variable
+        self.value: Value | Literal[_Open.VALUE] = initial
+        self.previous: int | None = None
+        self.constraints = constraints
+        self.violations = violations
+        self.covering: dict[StateValue, dict[int, Hold]] = {}
+
+    def run(self, timeline: Timeline, goals: tuple[StateValue, ...]) -> None:
+        instants = _instants(timeline)
+        for time in sorted(instants):
+            instant = instants[time]
+            for hold in instant.closing:
+                self.covering.get(hold.value, {}).pop(id(hold), None)
+            writers = self._writers(instant)
+            self._check_covered(writers)
+            self._settle(self._knot(time, writers, _items(instant, writers)))
+            self._take_over(writers)
+            for hold in instant.opening:
+                self.covering.setdefault(hold.value, {})[id(hold)] = hold
+        self._reach_goals(goals, max(instants, default=0))
+
+    def _writers(self, instant: _Instant) -> tuple[Writer, ...]:
+        needs: dict[int, list[StateValue]] = {}
+        for read in instant.reads:
+            needs.setdefault(read.happening.node, []).append(read.value)
+        writers: dict[int, Writer] = {}
+        for write in instant.writes:
+            node = write.happening.node
+            if node in writers and writers[node].value != write.value:
+                add_contradiction(self.variable, write, self.violations)
+            writers[node] = Writer(write.happening, write.value, tuple(needs.get(node, ())))
+        return tuple(writers.values())
+
+    def _check_covered(self, writers: tuple[Writer, ...]) -> None:
+        """No order helps against a change in the middle of a hold."""
+        for writer in writers:
+            broken = [
+                hold
+                for value, holds in self.covering.items()
+                if value != writer.value
+                for hold in holds.values()
+            ]
+            if broken:
+                access = Access(writer.happening, writer.value)
+                add_broken(self.variable, access, broken, self.violations)
+                self.covering = {v: h for v, h in self.covering.items() if v == writer.value}
+
+    def _settle(self, cluster: Cluster) -> None:
+        if self.value is OPEN or len(cluster.writers) > 1:
+            if len(cluster.writers) > 1 or cluster.items or any(w.needs for w in cluster.writers):
+                self.constraints.clusters.append(cluster)
+            return
+        for writer in cluster.writers:
+            for need in writer.needs:
+                if need != self.value:
+                    access = Access(writer.happening, need)
+                    add_unmet(self.variable, access, value_text(self.value), self.violations)
+        undecided = []
+        for item in cluster.items:
+            options = slots(item, cluster.writers, self.value)
+            if not options:
+                self._add_unplaceable(item, cluster.writers, self.value)
+            elif len(options) == 1:
+                self.constraints.edges.extend(options[0])
+            else:
+                undecided.append(item)
+        if undecided:
+            self.constraints.clusters.append(replace(cluster, items=tuple(undecided)))
+
+    def _take_over(self, writers: tuple[Writer, ...]) -> None:
+        given = {writer.value for writer in writers}
+        if len(given) == 1:
+            self.value = given.pop()
+        elif given:
+            self.value, self.previous = OPEN, len(self.constraints.clusters) - 1
+
+    def _reach_goals(self, goals: tuple[StateValue, ...], time: Number) -> None:
+        if self.value is OPEN:
+            if goals:
+                self.constraints.clusters.append(self._knot(time, (), (), goals))
+            return
+        for goal in goals:
+            if goal != self.value:
+                add_unmet_goal(self.variable, goal, self.value, self.violations)
+
+    def _knot(
+        self,
+        time: Number,
+        writers: tuple[Writer, ...],
+        items: tuple[Item, ...],
+        goals: tuple[StateValue, ...] = (),
+    ) -> Cluster:
+        previous = self.previous if self.value is OPEN else None
+        return Cluster(self.variable, time, writers, items, self.value, previous, goals)
+
+    def _add_unplaceable(self, item: Item, writers: tuple[Writer, ...], incoming: Value) -> None:
+        found = value_text(incoming)
+        later = [w.value for w in writers if w.happening.node != item.happening.node]
+        if later and later[0] != incoming:
+            found += f", and {value_text(later[0])} from then on"
+        if item.hold is not None:
+            add_unheld(self.variable, item.hold, found, self.violations)
+        else:
+            add_unmet(self.variable, Access(item.happening, item.value), found, self.violations)
+
+
+def _instants(timeline: Timeline) -> dict[Number, _Instant]:
+    instants: dict[Number, _Instant] = {}
+
+    def instant(happening: Happening) -> _Instant:
+        return instants.setdefault(happening.time, _Instant())
+
+    for write in timeline.writes:
+        instant(write.happening).writes.append(write)
+    for read in timeline.reads:
+        instant(read.happening).reads.append(read)
+    for hold in timeline.holds:
+        if hold.opening.time == hold.closing.time:
+            instant(hold.opening).spans.append(hold)
+        else:
+            instant(hold.opening).opening.append(hold)
+            instant(hold.closing).closing.append(hold)
+    return instants
+
+
+def _items(instant: _Instant, writers: tuple[Writer, ...]) -> tuple[Item, ...]:
+    own = {writer.happening.node for writer in writers}
+    items = [
+        Item("read", r.value, r.happening) for r in instant.reads if r.happening.node not in own
+    ]
+    items += [Item("open", h.value, h.opening, h) for h in instant.opening]
+    items += [Item("close", h.value, h.closing, h) for h in instant.closing]
+    items += [Item("span", h.value, h.opening, h) for h in instant.spans]
+    return tuple(items)

@@ -1,0 +1,88 @@
+"""Random tasks for hours: `python -m pytest tests/deep --seconds 3600`, one hour for each test.
+
+Each test prints the seeds that it has tried; the last one is where a test failed, and
+`--first-seed` begins with it again.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from crash_runs import MODES, Kitchen
+from irc.frontends.dsl.printer import print_task
+from irc.frontends.files import parse_task
+from laws import agree, answer_of, answered, faults_of_repairs, has_schedule, told_of
+from oracles.generators import big_capacity_task, contended_task, hostile_names, random_task
+from oracles.online_orders_play import play as play_orders
+from oracles.online_random import OPERATIONS
+from oracles.state_brute_force import TooLargeError, optimum
+from oracles.state_generators import match_cellar, state_task
+
+Seeds = Iterator[int]
+
+KINDS = (random_task, big_capacity_task, lambda rng: contended_task(rng, 7))
+ALLOWED = {
+    "ortools": {"optimal", "infeasible", "refused"},
+    "kairos": {"optimal", "feasible", "unknown", "refused", "beyond the target"},
+}
+
+
+@pytest.mark.parametrize(("target", "engine"), [("cpsat", "ortools"), ("pddl21", "kairos")])
+def test_engines_say_nothing_untrue_of_plain_tasks(seeds: Seeds, target: str, engine: str) -> None:
+    if engine == "kairos":
+        pytest.importorskip("kairos")
+    for seed in seeds:
+        task = KINDS[seed % len(KINDS)](random.Random(f"deep {seed}"))
+        assert answered(task, target, engine, 30.0) in ALLOWED[engine]
+
+
+@pytest.mark.parametrize("make", [state_task, match_cellar])
+def test_cpsat_finds_the_optimum_of_tasks_with_state(seeds: Seeds, make) -> None:
+    for seed in seeds:
+        task = make(seed)
+        try:
+            best = optimum(task, max_situations=200_000)
+        except TooLargeError:
+            continue
+        agree(task, answer_of(task), best)
+
+
+def test_no_task_with_a_schedule_is_called_impossible(seeds: Seeds) -> None:
+    for seed in seeds:
+        assert not (told_of(seed) and has_schedule(seed))
+
+
+@pytest.mark.parametrize("operation", [*OPERATIONS, None])
+def test_after_events_the_rest_is_repaired_as_well_as_can_be(
+    seeds: Seeds, operation: str | None
+) -> None:
+    for seed in seeds:
+        assert faults_of_repairs(seed, operation) == []
+
+
+def test_half_done_orders_are_finished_while_they_can_be(seeds: Seeds) -> None:
+    for seed in seeds:
+        for one in play_orders(seed):
+            assert one.judged.faults == []
+            assert one.judged.worse is None
+
+
+def test_what_is_printed_in_the_dsl_is_read_back(seeds: Seeds) -> None:
+    for seed in seeds:
+        rng = random.Random(f"deep {seed}")
+        task = state_task(seed) if seed % 2 else hostile_names(random_task(rng), rng)
+        assert parse_task(print_task(task), "task.irc").task == task
+
+
+def test_a_killed_session_forgets_nothing_that_it_acknowledged(
+    seeds: Seeds, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    for seed in seeds:
+        folder: Path = tmp_path_factory.mktemp("killed")
+        kitchen = Kitchen(folder, random.Random(f"deep {seed}"))
+        for k in range(5):
+            kitchen.crash(MODES[(seed + k) % len(MODES)])
