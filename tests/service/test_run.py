@@ -269,7 +269,7 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     assert "there is no engine 'abacus'" in errors
     code, answers, errors = run(Path("-"))
     assert (code, answers) == (2, [])
-    assert "standard input carries the requests" in errors
+    assert "standard input is for the requests" in errors
 
 
 @pytest.mark.slow
