@@ -93,9 +93,9 @@ class Portfolio(Engine):
         queue = self._lineup()
         fallback = [p for p in self.planners if p not in queue and p.missing() is None]
         while queue:
-            planner = queue.pop(0)
-            if budget.left < LEAST_SECONDS:
+            if budget.left < LEAST_SECONDS and (best or failure):
                 break
+            planner = queue.pop(0)
             share = self.first_share if queue or fallback else 1
             try:
                 outcome = planner.solve(program, options, budget.share(share))
