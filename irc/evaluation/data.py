@@ -1,0 +1,154 @@
+"""The data folder of the evaluation: gold instances and recorded answers, as they stand there."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from irc.diagnostics import Code, Findings, InputError, Report
+
+Record = Mapping[str, Any]
+"""One recorded answer: a line of a file of `recorded/answers`."""
+
+_GRAPHS = "asyncplan_xxl"
+_ANSWERS = Path("recorded", "answers")
+
+
+@dataclass(frozen=True)
+class StepInstance:
+    """An instance of AsyncPlan-XXL: gold durations and edges by the number of the step.
+
+    `by_order` are the same with steps numbered in Kahn's order of the nodes, which is what one
+    of the paper's scripts takes for the number of the step.
+    """
+
+    size: int
+    position: int
+    durations: Mapping[int, int]
+    edges: frozenset[tuple[int, int]]
+    makespan: int
+    texts: Mapping[int, str]
+    by_order: tuple[Mapping[int, int], frozenset[tuple[int, int]]]
+
+
+_STEP = re.compile(r"^\s*Step (\d+)\.\s*(.*?)\s*(?:\([^()]*\))?\s*$", re.MULTILINE)
+
+
+def step_instance(raw: Mapping[str, Any], size: int, position: int) -> StepInstance:
+    """The gold graph of an instance as it stands in the data."""
+    graph = raw["graph"]
+    node_of = {int(step): node for step, node in graph["step_to_node"].items()}
+    step_of = {node: step for step, node in node_of.items()}
+    durations, edges = graph["durations"], [(a, b) for a, b in graph["edges"]]
+    number = {node: k for k, node in enumerate(kahn_order(len(durations), edges), 1)}
+    return StepInstance(
+        size,
+        position,
+        {step: durations[node] for step, node in node_of.items()},
+        frozenset((step_of[a], step_of[b]) for a, b in edges),
+        raw["answer"],
+        {int(k): text for k, text in _STEP.findall(raw.get("question", ""))},
+        (
+            {number[node]: duration for node, duration in enumerate(durations)},
+            frozenset((number[a], number[b]) for a, b in edges),
+        ),
+    )
+
+
+def kahn_order(size: int, edges: list[tuple[int, int]]) -> list[int]:
+    """The nodes in the order of Kahn (1962): first in, first out, by number at the start."""
+    waiting = [0] * size
+    after: dict[int, list[int]] = {}
+    for a, b in edges:
+        waiting[b] += 1
+        after.setdefault(a, []).append(b)
+    order = [node for node in range(size) if not waiting[node]]
+    for node in order:
+        for following in after.get(node, ()):
+            waiting[following] -= 1
+            if not waiting[following]:
+                order.append(following)
+    return order
+
+
+@dataclass
+class Data:
+    """The folder, read where it is asked for.
+
+    `change`, where it is given, replaces the records of a file: (name, records) → records.
+    """
+
+    folder: Path
+    change: Callable[[str, list[Record]], list[Record]] | None = None
+    _graphs: dict[int, list[Any]] = field(default_factory=dict)
+    _steps: dict[tuple[int, int], StepInstance] = field(default_factory=dict)
+
+    def records(self, name: str) -> list[Record]:
+        """The recorded answers of a file, such as `xxl_planner`; none where it is absent."""
+        path = self.folder / _ANSWERS / f"{name}.jsonl.gz"
+        if not path.is_file():
+            return []
+        try:
+            with gzip.open(path, "rt", encoding="utf-8") as lines:
+                found: list[Record] = [json.loads(line) for line in lines]
+        except (OSError, EOFError, ValueError) as error:
+            raise unreadable(path, str(error)) from None
+        return found if self.change is None else self.change(name, found)
+
+    def steps(self, size: int, position: int) -> StepInstance:
+        """The gold instance of AsyncPlan-XXL at a 0-based position of a size's file."""
+        key = (size, position)
+        if key not in self._steps:
+            path = self.folder / _GRAPHS / f"nodes{size}.json"
+            if size not in self._graphs:
+                self._graphs[size] = _json(path)
+            if not 0 <= position < len(self._graphs[size]):
+                raise unreadable(path, f"there is no instance at position {position}")
+            self._steps[key] = step_instance(self._graphs[size][position], size, position)
+        return self._steps[key]
+
+    @cached_property
+    def asynchow(self) -> Mapping[int, Mapping[str, Any]]:
+        """The instances of AsyncHow by 0-based position, which is the `id` less one."""
+        files = sorted(self.folder.glob("asynchow*.json"))
+        return {item["id"] - 1: item for path in files for item in _json(path)}
+
+    @cached_property
+    def kitchens(self) -> Mapping[str, Mapping[str, Any]]:
+        """The instances of Robo Challenge by id."""
+        return {item["id"]: item for item in self._folder("robo_challenge")}
+
+    @cached_property
+    def episodes(self) -> Mapping[str, Mapping[str, Any]]:
+        """The episodes of Online Robo Challenge by id."""
+        return {item["id"]: item for item in self._folder("robo_online")}
+
+    def _folder(self, name: str) -> Iterator[Mapping[str, Any]]:
+        for path in sorted((self.folder / name).glob("*.json")):
+            yield _json(path)
+
+    def instance(self, kind: Mapping[str, Any], key: Any, folder: str) -> Any:
+        """An instance by its key. Raises `InputError` naming what is absent."""
+        if key not in kind:
+            raise unreadable(self.folder / folder, f"there is no instance {key!r}")
+        return kind[key]
+
+
+def _json(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise unreadable(path, str(error)) from None
+
+
+def unreadable(path: Path, reason: str) -> InputError:
+    """The error that says which file of the data cannot be used, and why."""
+    findings = Findings()
+    findings.add(Code.UNREADABLE, f"{path}: {reason}", hint="see docs/evaluation.md for the data")
+    return InputError(Report(tuple(findings.items)))
