@@ -75,11 +75,11 @@ def _solved(durations: Mapping[int, float], edges: Edges) -> Times:
     from ortools.sat.python import cp_model
 
     model = cp_model.CpModel()
-    horizon = int(sum(durations.values()))
+    horizon = sum(map(round, durations.values()))
     starts = {k: model.new_int_var(0, horizon, f"s{k}") for k in durations}
     ends = {k: model.new_int_var(0, horizon, f"e{k}") for k in durations}
     for k, duration in durations.items():
-        model.new_interval_var(starts[k], int(duration), ends[k], f"i{k}")
+        model.new_interval_var(starts[k], round(duration), ends[k], f"i{k}")
     for a, b in sorted(edges):
         model.add(starts[b] >= ends[a])
     makespan = model.new_int_var(0, horizon, "makespan")
