@@ -133,7 +133,7 @@ class Data:
         for path in sorted((self.folder / name).glob("*.json")):
             yield _json(path)
 
-    def instance(self, kind: Mapping[str, Any], key: Any, folder: str) -> Any:
+    def instance(self, kind: Mapping[Any, Any], key: str | int, folder: str) -> Any:
         """An instance by its key. Raises `InputError` naming what is absent."""
         if key not in kind:
             raise unreadable(self.folder / folder, f"there is no instance {key!r}")

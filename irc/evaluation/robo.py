@@ -61,4 +61,5 @@ def _missed_goal(kitchen: Mapping[str, Any], run: Run) -> str | None:
 def reward(kitchen: Mapping[str, Any], run: Run) -> float:
     """The rewards of the candidate goals that a run reached."""
     goals = kitchen["candidate_goals"]
-    return sum(goal["reward"] for goal in goals if run.states[goal["item"]] == goal["state"])
+    reached = (goal for goal in goals if run.states[goal["item"]] == goal["state"])
+    return float(sum(goal["reward"] for goal in reached))

@@ -1,7 +1,8 @@
 """Model-written PDDL as its actions, initial facts and goal, read however it is put together.
 
 It is not a PDDL reader: it neither checks nor refuses. Parentheses that are never closed end with
-the text, one too many is passed over, and a section may stand in parentheses of its own.
+the text, one too many is passed over, a section may stand in parentheses of its own, and of a
+section that stands there twice both hold.
 """
 
 from __future__ import annotations
@@ -95,24 +96,22 @@ def _sections(forms: Iterable[Form]) -> Iterator[Form]:
 
 def _schema(form: Form) -> Schema:
     name = form[1] if len(form) > 1 else ""
-    condition = _after(form, ":condition") or _after(form, ":precondition")
+    conditions = [*_after(form, ":condition"), *_after(form, ":precondition")]
     return Schema(
         name if isinstance(name, str) else "",
-        tuple(_positive(condition)),
-        tuple(_positive(_after(form, ":effect"))),
+        tuple(literal for item in conditions for literal in _positive(item)),
+        tuple(literal for item in _after(form, ":effect") for literal in _positive(item)),
         _last_number(_after(form, ":duration")),
     )
 
 
-def _after(form: Form, key: str) -> Form | str:
-    """What follows a keyword, be it in the list itself or in one of its own; else empty."""
-    for item, following in pairwise(form):
-        if item == key:
-            return following
-    for item in form:
-        if isinstance(item, list) and len(item) > 1 and item[0] == key:
-            return item[1]
-    return ""
+def _after(form: Form, key: str) -> Form:
+    """What follows each use of a keyword, be it in the list itself or in one of its own."""
+    plain = [following for item, following in pairwise(form) if item == key]
+    wrapped = [
+        item[1] for item in form if isinstance(item, list) and len(item) > 1 and item[0] == key
+    ]
+    return [*plain, *wrapped]
 
 
 def _positive(form: Form | str, negated: bool = False) -> Iterator[Literal]:
