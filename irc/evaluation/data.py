@@ -129,6 +129,13 @@ class Data:
         """The episodes of Online Robo Challenge by id."""
         return {item["id"]: item for item in self._folder("robo_online")}
 
+    @cached_property
+    def errata(self) -> list[dict[str, object]]:
+        """The instances of AsyncPlan-XXL whose gold is known to be wrong."""
+        path = self.folder / "errata.json"
+        found = _json(path).get(_GRAPHS, []) if path.is_file() else []
+        return [dict(item) for item in found]
+
     def _folder(self, name: str) -> Iterator[Mapping[str, Any]]:
         for path in sorted((self.folder / name).glob("*.json")):
             yield _json(path)
