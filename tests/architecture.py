@@ -34,6 +34,8 @@ ORDER = (
     "service",
     "lsp",
     "testing",
+    "methods",
+    "evaluation",
     "api",
     "cli",
     "__main__",

@@ -1,4 +1,4 @@
-"""What must come before what: the transitive closure of edges."""
+"""The transitive closure of edges: all pairs of which the first must come before the second."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ Pair = tuple[str, str]
 
 @dataclass(frozen=True)
 class Difference:
-    """What one task has and the other has not.
+    """The elements that one task has and the other has not.
 
     Order is compared by what must come before what, all edges taken together, so that an edge
     that follows from others is no difference. `reversed_order` are the edges of the first task

@@ -1,4 +1,4 @@
-"""What the paper prints that its own recorded answers do not give."""
+"""Places where the paper prints another figure than its own recorded answers give."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ NOTHING: Scores = {
     **dict.fromkeys(("plan", "plan_superset", "plan_valid", "exact"), 0),
     **dict.fromkeys(("missing_dep", "incomplete_goal", "wrong_dur"), 1),
 }
-"""What the paper gives where there is no graph: no share of anything, and every error."""
+"""The paper's scores where there is no graph: no share of anything, and every error."""
 
 
 def step_number(name: str) -> int | None:

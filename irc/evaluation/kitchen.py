@@ -37,7 +37,7 @@ def exact(value: float | int | str) -> Fraction:
 
 @dataclass(frozen=True)
 class Rules:
-    """What binds a plan besides stations, robots and the states of items."""
+    """The rules that bind a plan besides stations, robots and the states of items."""
 
     lags: bool = True
     durations: bool = True
@@ -48,7 +48,7 @@ ALL_RULES = Rules()
 
 @dataclass
 class Run:
-    """What a plan did, up to its end or its first fault."""
+    """The course of a plan, up to its end or its first fault."""
 
     fault: str | None = None
     states: dict[str, str] = field(default_factory=dict)

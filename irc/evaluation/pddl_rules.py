@@ -25,7 +25,7 @@ WORST: Scores = {
     **dict.fromkeys(("dep_prec", "dep_rec", "goal", "dur"), 0),
     **dict.fromkeys(("missing_dep", "incomplete_goal", "effect_mismatch", "wrong_dur"), 1),
 }
-"""What the paper gives where an answer does not name the action of each step."""
+"""The paper's scores where an answer does not name the action of each step."""
 
 PlanTimes = dict[int, tuple[float, float]]
 """(start, duration) by the number of the step."""
@@ -91,7 +91,7 @@ def _named_scores(answer: PddlAnswer, gold: StepInstance) -> Scores:
 
 @dataclass(frozen=True)
 class _NamedStep:
-    """What the paper's script finds in the action of one step."""
+    """The names and numbers that the paper's script finds in the action of one step."""
 
     effects: frozenset[str] = frozenset()
     conditions: frozenset[str] = frozenset()

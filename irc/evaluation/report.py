@@ -20,7 +20,7 @@ from irc.evaluation.tables import Rules, all_tables
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What the recorded answers of a data folder give."""
+    """All that the recorded answers of a data folder give."""
 
     tables: Mapping[str, Table]
     outcomes: Mapping[str, Table]

@@ -30,7 +30,7 @@ Reader = Callable[[str], Answer]
 StepKey = tuple[int, int]
 
 FATAL = frozenset({"parse_error", "llm_error", "solver_error", "spec_error"})
-"""What ends an online run before its last stage."""
+"""The errors that end an online run before its last stage."""
 
 
 @dataclass
@@ -262,7 +262,7 @@ def _asynchow_makespan(method: str, record: Record, gold: int) -> bool:
 
 
 def _robo_error(record: Record, answer: Answer) -> str:
-    """What kind of failure the paper's tables give a run whose plan is not valid."""
+    """The kind of failure that the paper's tables give a run whose plan is not valid."""
     if answer.plan is not None:
         return "eval_error"
     if "domain" in record:

@@ -1,4 +1,4 @@
-"""What a method made of a task: the state of its answer, the step graph or the plan in it."""
+"""The answer of a method: its state, and the step graph or the plan in it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Duration = int | float
 
 
 class AnswerState(StrEnum):
-    """What became of a model's answer."""
+    """The states in which a model's answer can be."""
 
     OK = "ok"
     EMPTY = "empty"

@@ -52,7 +52,7 @@ def is_ground(literal: Literal) -> bool:
 
 
 def read_pddl_task(domain: str, problem: str) -> PddlTask:
-    """What a domain and a problem hold."""
+    """The actions, facts and goals of a domain and a problem."""
     sections = list(_sections(_forms(domain)))
     schemas = (_schema(form) for form in sections if form[0] in (":durative-action", ":action"))
     return PddlTask(tuple(schemas), *_problem(_forms(problem)))
