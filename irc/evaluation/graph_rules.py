@@ -115,12 +115,12 @@ def planner_scores(answer: Answer, gold: StepInstance) -> Scores:
 def scheduled_scores(answer: Answer, recorded: float | None, gold: StepInstance) -> Scores:
     """The measures of an answer from which CP-SAT made a schedule of the recorded makespan.
 
-    The last answer counts as rejected where nothing is recorded, a duration is not positive, or
-    its edges go round in a circle.
+    The last answer counts as rejected where it cannot be read, nothing is recorded, a duration is
+    not positive, or its edges go round in a circle.
     """
     makespan = recorded is not None and recorded == gold.makespan
     if answer.graph is None:
-        return {**NOTHING, "makespan": makespan, "invalid": recorded is None}
+        return {**NOTHING, "makespan": makespan, "invalid": 1}
     graph = numbered(answer.graph)
     rejected = recorded is None or not graph.complete or own_makespan(graph) is None
     valid = not rejected and schedule_is_valid(graph, gold)

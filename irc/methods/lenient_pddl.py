@@ -106,7 +106,7 @@ def _schema(form: Form) -> Schema:
 
 
 def _after(form: Form, key: str) -> Form:
-    """What follows each use of a keyword, be it in the list itself or in one of its own."""
+    """The items that follow a keyword, be it in the list itself or in one of its own."""
     plain = [following for item, following in pairwise(form) if item == key]
     wrapped = [
         item[1] for item in form if isinstance(item, list) and len(item) > 1 and item[0] == key

@@ -44,7 +44,7 @@ class PlanLine:
 
     @property
     def item(self) -> str:
-        """What it is done to; empty where nothing stands there."""
+        """The item that it is done to; empty where none stands there."""
         return self.arguments[-1] if self.arguments else ""
 
 
