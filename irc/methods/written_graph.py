@@ -22,6 +22,8 @@ def read_graph(
     if not isinstance(written, list):
         findings.add(Code.MISSING_FIELD, "the answer has no list 'actions'")
         written = []
+    elif not written:
+        findings.add(Code.MISSING_FIELD, "the answer has no actions", ("actions",))
     found = (_action(item, k, findings) for k, item in enumerate(written))
     actions = tuple(action for action in found if action is not None)
     field = next((name for name in edges_in if name in content), edges_in[0])
@@ -100,9 +102,9 @@ def graph_answer(
     findings: Findings,
     stated_makespan: Duration | None = None,
 ) -> Answer:
-    """The answer with this graph: ok, or invalid where there are errors or no actions."""
+    """The answer with this graph: ok, or invalid where there are errors."""
     report = Report(tuple(findings.items), Source("answer", text))
-    if not report.ok or not graph.actions:
+    if not report.ok:
         return Answer(
             AnswerState.INVALID, text, graph, stated_makespan=stated_makespan, report=report
         )
