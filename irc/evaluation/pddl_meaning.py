@@ -88,10 +88,14 @@ class _Achievers:
 
     def __init__(self, task: PddlTask) -> None:
         self._initial = task.initial
-        self._adding: dict[tuple[str, int], list[tuple[int, Literal]]] = defaultdict(list)
+        self._adding: dict[Literal, set[int]] = defaultdict(set)
+        self._adding_any: dict[tuple[str, int], list[tuple[int, Literal]]] = defaultdict(list)
         for k, schema in enumerate(task.schemas):
             for literal in schema.adds:
-                self._adding[literal[0], len(literal)].append((k, literal))
+                if is_ground(literal):
+                    self._adding[literal].add(k)
+                else:
+                    self._adding_any[literal[0], len(literal)].append((k, literal))
         self._needed = {
             k: {j for c in schema.conditions if (j := self.only(c)) is not None and j != k}
             for k, schema in enumerate(task.schemas)
@@ -103,8 +107,12 @@ class _Achievers:
         """The one action that can make a literal true; None where it is true at the start."""
         if not is_ground(literal) or literal in self._initial:
             return None
-        adding = self._adding.get((literal[0], len(literal)), ())
-        found = {k for k, added in adding if _covers(added, literal)}
+        found = set(self._adding.get(literal, ()))
+        for k, added in self._adding_any.get((literal[0], len(literal)), ()):
+            if len(found) > 1:
+                return None
+            if _covers(added, literal):
+                found.add(k)
         return found.pop() if len(found) == 1 else None
 
     def _forced(self, goals: Sequence[Literal]) -> set[int]:
