@@ -10,6 +10,7 @@ from fractions import Fraction
 from irc.diagnostics import Code, Findings, Report
 from irc.diagnostics.source import Source
 from irc.methods.answer import Answer, AnswerState
+from irc.schedule import Entry, Schedule
 
 _NUMBER = r"(\d+(?:\.\d+)?)"
 _LINE = re.compile(rf"^\s*{_NUMBER}\s*:\s*\(([^()]*)\)\s*\[\s*{_NUMBER}\s*\]", re.MULTILINE)
@@ -85,22 +86,22 @@ def read_plan_answer(text: str) -> Answer:
     return Answer(state, text, report=Report(tuple(findings.items), Source("answer", text)))
 
 
-def plan_document(plan: tuple[PlanLine, ...]) -> dict[str, object]:
-    """The plan as a schedule document: ids `<action>_<item>`, resources station and robot."""
+def plan_schedule(plan: tuple[PlanLine, ...]) -> Schedule:
+    """The plan as a schedule: ids `<action>_<item>`, and what each line holds."""
     entries = [
-        {
-            "id": f"{line.action}_{line.item}",
-            "start": _number(line.start),
-            "end": _number(line.end),
-            "resources": {
+        Entry(
+            f"{line.action}_{line.item}",
+            _number(line.start),
+            _number(line.end),
+            {
                 **({STATION_OF[line.action]: 1} if line.action in STATION_OF else {}),
                 **dict.fromkeys(line.arguments[:-1], 1),
             },
-        }
+        )
         for line in plan
     ]
-    return {"irc_schedule": "1", "status": "feasible", "entries": entries}
+    return Schedule(tuple(entries))
 
 
-def _number(value: Fraction) -> int | float:
-    return int(value) if value.denominator == 1 else float(value)
+def _number(value: Fraction) -> int | Fraction:
+    return int(value) if value.denominator == 1 else value

@@ -18,7 +18,7 @@ from irc.methods import (
     read_schedule_spec,
 )
 from irc.methods.lenient_pddl import read_pddl_task
-from irc.methods.plan_lines import plan_document
+from irc.methods.plan_lines import plan_schedule
 
 PLANNER = {
     "actions": [{"id": "step1", "duration": 5}, {"id": "step2", "duration": 7}],
@@ -136,14 +136,9 @@ no line
     ]
     assert plan[1].end == Fraction("13.001")
     assert len(read_plan(text, with_waits=True)) == 3
-    entries = plan_document(plan)["entries"]
-    assert isinstance(entries, list)
-    assert entries[1] == {
-        "id": "grill_big_patty",
-        "start": 3.001,
-        "end": 13.001,
-        "resources": {"grill": 1, "robot2": 1},
-    }
+    entry = plan_schedule(plan).entries[1]
+    assert (entry.id, entry.start, entry.end) == ("grill_big_patty", Fraction("3.001"), plan[1].end)
+    assert entry.resources == {"grill": 1, "robot2": 1}
 
 
 def test_an_answer_without_a_line_of_a_plan_is_malformed() -> None:
