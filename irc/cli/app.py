@@ -59,7 +59,7 @@ def build_app(only: str | None = None) -> typer.Typer:
     if only not in commands:
         from irc.cli.eval import eval_app
 
-        app.add_typer(eval_app)
+        app.add_typer(eval_app, name="eval")
     return app
 
 
