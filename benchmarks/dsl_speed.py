@@ -35,8 +35,8 @@ def seconds(text: str, name: str, runs: int) -> float:
 def compare(kind: str, text: str, runs: int) -> None:
     """Prints one line."""
     task = parse_task(text, "task.irc").task
-    as_json = json.dumps(written_task(task), indent=2)
-    dsl, plain = seconds(text, "task.irc", runs), seconds(as_json, "task.json", runs)
+    to_dict = json.dumps(written_task(task), indent=2)
+    dsl, plain = seconds(text, "task.irc", runs), seconds(to_dict, "task.json", runs)
     print(
         f"{kind}: {len(task.actions):,} actions, {len(task.precedence):,} edges: "
         f"DSL {dsl:.2f} s ({len(text) / 1e6:.1f} MB), JSON {plain:.2f} s, × {dsl / plain:.2f}",

@@ -50,18 +50,18 @@ def planned(data: Path) -> Iterator[Instance]:
             graph = raw["graph"]
             step = {node: f"step{label}" for label, node in graph["step_to_node"].items()}
             key = (len(graph["durations"]), raw["id"])
-            edges = sorted({(step[a], step[b]) for a, b in graph["edges"]})
+            edges = sorted((step[a], step[b]) for a, b in graph["edges"])
             seconds = {step[node]: value for node, value in enumerate(graph["durations"])}
             yield Instance(key, raw["question"], edges, seconds, key in errata)
 
 
 def reading(task: Task) -> Reading:
-    """The edges and the durations in seconds of a task; only what the benchmarks can say."""
+    """The edges, each once, and the durations in seconds of a task as the benchmarks know them."""
     plain = all(p.type == "finish-start" and p.min_lag == 0 for p in task.precedence)
     bare = not task.resources and task.deadline is None
     if not plain or not bare or task.time_unit != "s":
         return [], {}
-    edges = sorted((p.before, p.after) for p in task.precedence)
+    edges = sorted({(p.before, p.after) for p in task.precedence})
     return edges, {a.id: task.number(a.duration) for a in task.actions}  # type: ignore[arg-type]
 
 
@@ -70,7 +70,7 @@ def judge_asyncplan(data: Path) -> Counter[str]:
     counts: Counter[str] = Counter()
     for instance in planned(data):
         try:
-            edges, seconds = reading(irc.loads(instance.text))
+            edges, seconds = reading(irc.loads(instance.text).ir)
         except irc.InputError as error:
             counts["refused"] += 1
             print(instance.key, error)
@@ -265,10 +265,10 @@ def judge_mutation(name: str, instance: Instance, rng: random.Random) -> str:
     text, meant = MUTATIONS[name](instance.text, before, rng)
     if name == "decimal":
         # "5.5 minutes" is a duration: what must not happen is that the old one is kept.
-        meant = reading(irc.loads(text))
+        meant = reading(irc.loads(text).ir)
         return "as meant" if meant[1] != before[1] else "WRONG"
     try:
-        found = reading(irc.loads(text))
+        found = reading(irc.loads(text).ir)
     except irc.InputError:
         return "refused"
     return "as meant" if found == meant else "WRONG"

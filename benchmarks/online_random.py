@@ -115,7 +115,8 @@ class Run:
                 events,
                 target=self.target,
                 engine=self.engine,
-                limits=self.limits,
+                time_limit=self.limits.seconds,
+                workers=self.limits.workers,
             )
 
     def execution(self, seed: int, operation: str, figures: Figures) -> None:
@@ -169,7 +170,8 @@ class Run:
             schedule=first.schedule,
             target=self.target,
             engine=self.engine,
-            limits=self.limits,
+            time_limit=self.limits.seconds,
+            workers=self.limits.workers,
         )
         plans = [step.schedule for step in done.steps[1:]]
         for k, one in enumerate(played):
@@ -195,11 +197,11 @@ class Run:
             "faults": list(faults),
             "at": json_number(at),
             "task": written_task(task),
-            "schedule": schedule.as_json(),
+            "schedule": schedule.to_dict(),
             "events": [
                 e.model_dump(mode="json", by_alias=True, exclude_unset=True) for e in events
             ],
-            "step": None if step is None else step.as_json(),
+            "step": None if step is None else step.to_dict(),
         }
         self.repros.mkdir(parents=True, exist_ok=True)
         (self.repros / f"{operation}_{seed}.json").write_text(dump_json(document), "utf-8")

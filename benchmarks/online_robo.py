@@ -100,8 +100,15 @@ def run(raw: dict[str, Any], task: Task, target: str, engine: str, limits: Limit
     def on_step(_: object) -> None:
         began.append(time.perf_counter())
 
-    done = simulate(task, target=target, engine=engine, limits=limits, on_step=on_step)
-    document = json.loads(json.dumps(done.as_json()), parse_float=Fraction)
+    done = simulate(
+        task,
+        target=target,
+        engine=engine,
+        on_step=on_step,
+        time_limit=limits.seconds,
+        workers=limits.workers,
+    )
+    document = json.loads(json.dumps(done.to_dict()), parse_float=Fraction)
     seconds = tuple(later - earlier for earlier, later in pairwise(began))
     return Episode(str(task.name), document, judge(raw, document), seconds)
 

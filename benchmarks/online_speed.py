@@ -24,7 +24,6 @@ from irc.execution import Execution
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.schedule import Schedule
-from irc.targets import Limits
 
 
 def task_of(rng: random.Random, actions: int, resources: int, even: bool) -> Task:
@@ -75,7 +74,7 @@ def failure(rng: random.Random, task: Task, makespan: Fraction | int) -> Event:
 
 def repaired(task: Task, plan: Schedule, event: Event, seconds: float) -> tuple[Step, float]:
     """The step and how long it took, from the event to the judged schedule."""
-    execution = Execution(task, plan, limits=Limits(seconds, workers=2))
+    execution = Execution(task, plan, time_limit=seconds, workers=2)
     began = time.perf_counter()
     execution.apply(event)
     step = execution.replan()

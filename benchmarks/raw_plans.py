@@ -24,11 +24,12 @@ def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0)
     from irc_pddl21.planners.optic import OpticPlanner
     from irc_pddl21.planners.planner import PlannerInput, PlanRequest
 
-    planner = {"optic": OpticPlanner()}.get(engine, KairosPlanner())
+    planners = {"auto": KairosPlanner(), "kairos": KairosPlanner(), "optic": OpticPlanner()}
+    planner = planners[engine]
     for name, text in program.files.items():
         (folder / name).write_text(text, encoding="utf-8")
     given = PlannerInput(
-        PlanRequest(program.problem, first_plan=True, enough=program.problem.bound.value),
+        PlanRequest(program.problem, first_plan=True, enough=program.problem.bounds.makespan.value),
         program,
         program.names,
         folder / "domain.pddl",

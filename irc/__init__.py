@@ -1,10 +1,15 @@
 """irc: a solver-neutral compiler for asynchronous tasks.
 
 >>> import irc
->>> task = irc.Task(actions=[{"id": "boil", "duration": "4 min"}, {"id": "eat", "duration": 60}],
-...                 precedence=[["boil", "eat"]])
->>> irc.solve(task).makespan
-300
+>>> task = irc.Task("breakfast", time_unit="min")
+>>> stove = task.resource("stove")
+>>> boil = task.action("boil", "4 min").uses(stove)
+>>> fry = task.action("fry", irc.between(5, 8)).uses(stove)
+>>> eat = task.action("eat", 10)
+>>> [boil, fry] >> eat
+Action('eat')
+>>> irc.solve(task)["eat"].start
+9
 
 Importing this package is cheap: what a call needs is loaded when it is called.
 """
@@ -17,54 +22,127 @@ from typing import TYPE_CHECKING, Any
 from irc._version import __version__
 
 if TYPE_CHECKING:
-    from irc.api import check, compile, explain, extract, load, loads, solve, validate
-    from irc.diagnostics import Diagnostic, InputError, Report
+    from irc.api import (
+        Action,
+        Between,
+        Event,
+        Group,
+        Mode,
+        Resource,
+        StateVariable,
+        Task,
+        between,
+        check,
+        compile,
+        explain,
+        extract,
+        load,
+        loads,
+        replan,
+        simulate,
+        solve,
+        validate,
+    )
+    from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
+    from irc.errors import IrcError, LibraryMissing, NameNotFound, OptionError
+    from irc.events.apply import apply
+    from irc.execution import Execution, ExecutionState, Simulation, Step, state_at
     from irc.explanation import Explanation
-    from irc.model import Task
-    from irc.schedule import Schedule, Status
+    from irc.model.quantities import TimeError
+    from irc.problem.decisions import AnswerError
+    from irc.schedule import Entry, ObjectiveValue, Schedule, Status
+    from irc.targets import (
+        EngineFailed,
+        EngineMissing,
+        Program,
+        Progress,
+        Refusal,
+        SolveOptions,
+        UnknownTarget,
+    )
+    from irc.validation import Verdict, Violation
 
 _HOMES = {
-    "check": "irc.api",
-    "compile": "irc.api",
-    "explain": "irc.api",
-    "extract": "irc.api",
-    "load": "irc.api",
-    "loads": "irc.api",
-    "solve": "irc.api",
-    "validate": "irc.api",
-    "Diagnostic": "irc.diagnostics",
-    "Explanation": "irc.explanation",
-    "InputError": "irc.diagnostics",
-    "Report": "irc.diagnostics",
-    "Task": "irc.model",
-    "Schedule": "irc.schedule",
-    "Status": "irc.schedule",
+    "irc.api.calls": "check compile explain extract replan simulate solve validate",
+    "irc.api.elements": "Action Group Mode Resource StateVariable",
+    "irc.api.event": "Event",
+    "irc.api.task": "Task load loads",
+    "irc.api.values": "Between between",
+    "irc.targets": (
+        "EngineFailed EngineMissing Program Progress Refusal SolveOptions UnknownTarget"
+    ),
+    "irc.diagnostics": "Code Diagnostic InputError Report Severity",
+    "irc.errors": "IrcError LibraryMissing NameNotFound OptionError",
+    "irc.explanation": "Explanation",
+    "irc.events": "apply",
+    "irc.execution": "Execution ExecutionState Simulation Step state_at",
+    "irc.problem.decisions": "AnswerError",
+    "irc.schedule": "Entry ObjectiveValue Schedule Status",
+    "irc.model.quantities": "TimeError",
+    "irc.validation": "Verdict Violation",
 }
+"""Where each public name is loaded from."""
 
 __all__ = [
+    "Action",
+    "AnswerError",
+    "Between",
+    "Code",
     "Diagnostic",
+    "EngineFailed",
+    "EngineMissing",
+    "Entry",
+    "Event",
+    "Execution",
+    "ExecutionState",
     "Explanation",
+    "Group",
     "InputError",
+    "IrcError",
+    "LibraryMissing",
+    "Mode",
+    "NameNotFound",
+    "ObjectiveValue",
+    "OptionError",
+    "Program",
+    "Progress",
+    "Refusal",
     "Report",
+    "Resource",
     "Schedule",
+    "Severity",
+    "Simulation",
+    "SolveOptions",
+    "StateVariable",
     "Status",
+    "Step",
     "Task",
+    "TimeError",
+    "UnknownTarget",
+    "Verdict",
+    "Violation",
     "__version__",
+    "apply",
+    "between",
     "check",
     "compile",
     "explain",
     "extract",
     "load",
     "loads",
+    "replan",
+    "simulate",
     "solve",
+    "state_at",
     "validate",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'irc' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    for module, names in _HOMES.items():
+        if name in names.split():
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'irc' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

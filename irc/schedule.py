@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from enum import StrEnum
 from fractions import Fraction
-from types import MappingProxyType
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
+from irc.errors import NameNotFound
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
 
 SCHEDULE_VERSION = "1"
-
-_NOTHING: Mapping[str, int] = MappingProxyType({})
 
 CANCELLED = "cancelled"
 """The status of an entry that was ended before it was done."""
@@ -44,7 +42,7 @@ class Entry:
     id: str
     start: Number
     end: Number
-    resources: Mapping[str, int] = field(default_factory=lambda: _NOTHING)
+    resources: Mapping[str, int] = field(default_factory=dict)
     mode: str | None = None
     occurrence: int = 1
     rank: int = 0
@@ -56,6 +54,12 @@ class Entry:
         """The rank of its end: where none is given, that of its start."""
         return self.rank if self.end_rank is None else self.end_rank
 
+    @property
+    def duration(self) -> Number:
+        """The time from its start to its end."""
+        length = self.end - self.start
+        return length if isinstance(length, int) else exact(length)
+
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveValue:
@@ -66,9 +70,30 @@ class ObjectiveValue:
     bound: Number | None = None
 
 
+COLUMNS = (
+    "action",
+    "occurrence",
+    "start",
+    "end",
+    "duration",
+    "mode",
+    "resources",
+    "status",
+)
+"""What a row of a schedule has."""
+
+
+def _by_time(entry: Entry) -> tuple[Number, int, Number, str, int]:
+    return entry.start, entry.rank, entry.end, entry.id, entry.occurrence
+
+
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """An answer: entries by start time, and what is known about them."""
+    """An answer: entries by start time, and what is known about them.
+
+    `schedule["eat"]` is the entry of an action, `schedule["eat", 2]` that of its second occurrence.
+    Iterating gives all entries in order of time.
+    """
 
     entries: tuple[Entry, ...]
     status: Status = Status.FEASIBLE
@@ -78,6 +103,50 @@ class Schedule:
     target: str | None = None
     engine: str | None = None
     seconds: float | None = None
+    time_unit: str | None = None
+    _index: dict[tuple[str, int], Entry] | None = field(
+        default=None, init=False, repr=False, compare=False
+    )
+
+    def __iter__(self) -> Iterator[Entry]:
+        """The entries in order of time."""
+        return iter(sorted(self.entries, key=_by_time))
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __bool__(self) -> bool:
+        """True: a schedule without entries is an answer too (see `answered`)."""
+        return True
+
+    def __contains__(self, key: object) -> bool:
+        """Whether an action (its id, or its id and occurrence) happens in it."""
+        if isinstance(key, Entry):
+            return key in self.entries
+        return ((key, 1) if isinstance(key, str) else key) in self._by_key()
+
+    def __getitem__(self, key: str | tuple[str, int]) -> Entry:
+        """The entry of an action. Raises `irc.NameNotFound` (a `KeyError`) where there is none."""
+        name, occurrence = (key, 1) if isinstance(key, str) else key
+        found = self._by_key().get((name, occurrence))
+        if found is not None:
+            return found
+        times = sum(entry.id == name for entry in self.entries)
+        if times:
+            raise NameNotFound(
+                f"{name!r} has no occurrence {occurrence} in the schedule: it happens {times}"
+                f" time{'s' if times > 1 else ''}"
+            )
+        hint = did_you_mean(name, {entry.id for entry in self.entries})
+        said = hint or "it may be optional, or of another task"
+        raise NameNotFound(f"{name!r} is not in the schedule; {said}")
+
+    def _by_key(self) -> dict[tuple[str, int], Entry]:
+        if self._index is None:
+            index = {(entry.id, entry.occurrence): entry for entry in self.entries}
+            object.__setattr__(self, "_index", index)
+            return index
+        return self._index
 
     @property
     def makespan(self) -> Number:
@@ -91,24 +160,86 @@ class Schedule:
 
     def __str__(self) -> str:
         """A line on the whole, and one aligned line for each entry."""
-        head = f"{self.task or 'schedule'}: {self.status}, makespan {format_number(self.makespan)}"
         rows = [
-            (e.id, format_number(e.start), format_number(e.end), ", ".join(sorted(e.resources)))
-            for e in self.entries
+            (e.id, format_number(e.start), format_number(e.end), _held(e)) for e in self.entries
         ]
-        widths = [max((len(row[k]) for row in rows), default=0) for k in range(3)]
+        name, start, end = (max((len(row[k]) for row in rows), default=0) for k in range(3))
         lines = [
-            f"  {name:{widths[0]}}  {start:>{widths[1]}} – {end:>{widths[2]}}  {held}".rstrip()
-            for name, start, end, held in rows
+            f"  {n:{name}}  {s:>{start}} – {e:>{end}}{self._unit}  {held}".rstrip()
+            for n, s, e, held in rows
         ]
-        return "\n".join([head, *lines])
+        return "\n".join([self._headline(), *lines])
 
-    def as_json(self) -> dict[str, Any]:
+    @property
+    def _unit(self) -> str:
+        return f" {self.time_unit}" if self.time_unit else ""
+
+    def _headline(self) -> str:
+        """What came of it, in a line."""
+        head = f"{self.task or 'schedule'}: {self.status}"
+        if not self.answered:
+            return head
+        return f"{head}, makespan {format_number(self.makespan)}{self._unit}"
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for notebooks."""
+        from irc.display.html import heading, table
+
+        unit = f" ({self.time_unit})" if self.time_unit else ""
+        columns = ("action", "occurrence", f"start{unit}", f"end{unit}", "mode", "resources", "")
+        rows = [
+            (
+                e.id,
+                str(e.occurrence) if e.occurrence > 1 else "",
+                format_number(e.start),
+                format_number(e.end),
+                e.mode or "",
+                _held(e),
+                e.status or "",
+            )
+            for e in self
+        ]
+        return heading(self._headline()) + (table(columns, rows) if rows else "")
+
+    def to_rows(self) -> list[dict[str, Any]]:
+        """A dictionary for each entry, in order of time, with exact times in the task's unit."""
+        return [
+            {
+                "action": e.id,
+                "occurrence": e.occurrence,
+                "start": e.start,
+                "end": e.end,
+                "duration": e.duration,
+                "mode": e.mode,
+                "resources": dict(e.resources),
+                "status": e.status,
+            }
+            for e in self
+        ]
+
+    def to_dataframe(self, library: str | None = None) -> Any:
+        """A data frame of pandas or polars with the columns of `to_rows`.
+
+        Without `library`, the one that is imported already, or else installed. Resources are a
+        text; times are floats where any is a fraction. Raises `irc.LibraryMissing`.
+        """
+        from irc.display.frames import to_frame
+
+        rows = [{**row, "resources": _held(e)} for row, e in zip(self.to_rows(), self, strict=True)]
+        return to_frame(COLUMNS, rows, library)
+
+    @classmethod
+    def from_dict(cls, document: Mapping[str, Any]) -> Schedule:
+        """The schedule that a document holds. Raises `InputError` with every fault."""
+        return schedule_from_json(document)
+
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc solve --format json` prints."""
         return {
             "irc_schedule": SCHEDULE_VERSION,
             "task": self.task,
             "task_sha256": self.task_sha256,
+            **({} if self.time_unit is None else {"time_unit": self.time_unit}),
             "status": str(self.status),
             "makespan": json_number(self.makespan) if self.answered else None,
             "objective": [
@@ -124,6 +255,14 @@ class Schedule:
             "engine": self.engine,
             "seconds": self.seconds,
         }
+
+
+def _held(entry: Entry) -> str:
+    """What an entry holds: "board ×2, grill"."""
+    return ", ".join(
+        name if amount == 1 else f"{name} ×{amount}"
+        for name, amount in sorted(entry.resources.items())
+    )
 
 
 def _entry_json(entry: Entry) -> dict[str, Any]:
@@ -159,6 +298,7 @@ _SCHEDULE_FIELDS = frozenset(
         "target",
         "engine",
         "seconds",
+        "time_unit",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -221,6 +361,7 @@ class _Reader:
             self._text(raw, "target"),
             self._text(raw, "engine"),
             self._seconds(raw),
+            self._text(raw, "time_unit"),
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -317,11 +458,11 @@ class _Reader:
 
     def _resources(self, raw: Any, pointer: Pointer) -> Mapping[str, int]:
         if raw is None:
-            return _NOTHING
+            return {}
         if isinstance(raw, dict) and all(type(v) is int for v in raw.values()):
             return dict(raw)
         self._fault("'resources' must map names to whole amounts", pointer)
-        return _NOTHING
+        return {}
 
     def time(self, raw: Any, pointer: Pointer) -> Number:
         """A number of the task's unit; 0 after a fault has been told."""

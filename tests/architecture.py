@@ -16,6 +16,7 @@ from pathlib import Path
 ORDER = (
     "_version",
     "errors",
+    "display",
     "diagnostics",
     "model",
     "schedule",
@@ -45,7 +46,7 @@ ORDER = (
 BACKENDS_SEE = ORDER[: ORDER.index("targets") + 1]
 """The stages that a backend may import."""
 
-VALIDATION_SEES = frozenset({"errors", "diagnostics", "model", "schedule", "validation"})
+VALIDATION_SEES = frozenset({"errors", "display", "diagnostics", "model", "schedule", "validation"})
 """The validator knows the task and the schedule, and nothing of how schedules are made."""
 
 NEVER_SEE_VALIDATION = frozenset({"problem", "lowering", "passes", "retiming"})

@@ -94,7 +94,7 @@ class Kitchen:
         task = Task.model_validate(TASK)
         limits = Limits(30.0, None, 1, 0)
         first = solve_task(task, limits=limits).schedule
-        self.uninterrupted = Session.start(Execution(task, first, limits=limits))
+        self.uninterrupted = Session.start(Execution(task, first, time_limit=30.0, workers=1))
 
     def start(self) -> subprocess.Popen[bytes]:
         """A new process on the same journal."""

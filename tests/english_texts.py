@@ -51,7 +51,7 @@ def durations(task: Task) -> str:
 def first_error(text: str) -> tuple[str, int | None, int | None]:
     """Code, line and column of the first error that a text is told."""
     try:
-        task = irc.loads(text)
+        task = irc.loads(text).ir
     except InputError as error:
         first = error.report.located().diagnostics[0]
         return first.code.id, first.line, first.column

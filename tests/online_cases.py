@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from irc.execution import replan
-from irc.execution.executed import ticks_of
 from irc.execution.freeze import Frozen, freeze
 from irc.execution.history import History
 from irc.execution.step import Step
@@ -15,9 +14,10 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits
+from irc.targets import Limits, SolveOptions
 
 LIMITS = Limits(20, workers=1)
+OPTIONS = SolveOptions(time_limit=20, workers=1)
 
 
 def action(name: str, duration: Any, *resources: str, **fields: Any) -> dict[str, Any]:
@@ -43,12 +43,12 @@ def repaired(
 ) -> Step:
     """The step after one event (or none) at a time."""
     events = [event(at, *changes)] if changes else []
-    return replan(whole, schedule, at, events, **{"limits": LIMITS, **means})
+    return replan(whole, schedule, at, events, **{"options": OPTIONS, **means})
 
 
 def replanned(task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
     """The step after events: what `oracles.online_random.play` asks for."""
-    return replan(task, schedule, at, events, limits=LIMITS)
+    return replan(task, schedule, at, events, options=OPTIONS)
 
 
 def starts(schedule: Schedule) -> dict[str, Number]:
@@ -63,4 +63,4 @@ def frozen_at(whole: Task, entries: Sequence[Entry], at: Number) -> Frozen:
     """The frozen problem of a task and a plan, without events."""
     instants = [at, *(t for e in entries for t in (e.start, e.end))]
     problem = merge_pools(lower(whole, instants))
-    return freeze(problem, History.of(Schedule(tuple(entries))), at, ticks_of(problem, at))
+    return freeze(problem, History.of(Schedule(tuple(entries))), at, problem.whole_ticks(at))

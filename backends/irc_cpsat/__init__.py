@@ -1,7 +1,7 @@
 """The CP-SAT backend: interval variables for ortools, or for any other CP-SAT.
 
-`encoding` writes a problem as a model, `solving` finds answers, `engines` are those who answer,
-`decode` reads an answer as a schedule.
+`encoding` writes a problem as a model, `solving` finds answers, `engines` runs ortools, `decode`
+reads an answer as a schedule.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class CpSat(Backend):
     )
 
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
-        """`model.pbtxt`, a `CpModelProto` in text form; `names` say what its variables mean."""
+        """`model.pbtxt`, a `CpModelProto` in text form; `names` explain its variables."""
         from irc_cpsat.encoding.encode import encode_files
 
         return encode_files(problem)

@@ -89,14 +89,14 @@ def _chosen(
 ) -> tuple[int | None, ...]:
     """The resource of each use, as far as the response says which."""
     chosen: list[int | None] = [None] * len(activity.uses)
-    for claim in activity.claims:
-        shared: int | None = claim.alternatives[0]
-        if str(claim.use) in choices:
-            options = {problem.shared[r].id: r for r in claim.alternatives}
-            taken = _true_name(choices[str(claim.use)], value)
-            if taken is None and activity.details.use_mode(claim.use) is None:
+    for demand in activity.open_demands:
+        pool: int | None = demand.alternatives[0]
+        if str(demand.use) in choices:
+            options = {problem.contention.pools[r].id: r for r in demand.alternatives}
+            taken = _true_name(choices[str(demand.use)], value)
+            if taken is None and activity.details.use_mode(demand.use) is None:
                 raise AnswerError("the response takes none of the alternatives of a use")
-            shared = None if taken is None else options[taken]
-        members = () if shared is None else problem.shared[shared].members
-        chosen[claim.use] = members[0] if len(members) == 1 else None
+            pool = None if taken is None else options[taken]
+        members = () if pool is None else problem.contention.pools[pool].members
+        chosen[demand.use] = members[0] if len(members) == 1 else None
     return tuple(chosen)

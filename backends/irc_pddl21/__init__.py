@@ -1,7 +1,7 @@
 """The PDDL2.1 backend: a domain and a problem that any temporal planner can read.
 
-`encoding` writes a problem as PDDL, `search` finds answers with `planners`, `engines` are those who
-answer, `decoding` reads a plan as a schedule.
+`encoding` writes a problem as PDDL, `search` finds answers with `planners`, `engines` runs them,
+`decoding` reads a plan as a schedule.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Pddl21(Backend):
     )
 
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
-        """`domain.pddl` and `problem.pddl`; `names` say what their names and numbers mean."""
+        """`domain.pddl` and `problem.pddl`; `names` explain their names and numbers."""
         from irc_pddl21.encoding.encode import encode_files
 
         return encode_files(problem)

@@ -46,7 +46,7 @@ def run_checks(
     complete = complete and not any(d.code in _DROPS for d in findings.items[before:])
     problem = lower(task)
     # What cannot hold of the part that every schedule contains cannot hold at all.
-    core = mandatory_part(problem)
+    core, _ = mandatory_part(problem)
     check_temporal(core, findings)
     if complete and core is not problem:
         _check_choices(task, problem, findings)

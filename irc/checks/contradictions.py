@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from irc.checks.facts import ShownFact, fact_places, goal_places, shown_value
+from irc.checks.facts import ShownFact, fact_places, goal_places
 from irc.diagnostics import Code, Findings
 from irc.diagnostics.source import Pointer
 from irc.model import Task
+from irc.model.state_values import value_text
 from irc.problem import Activity, Problem
 
 
@@ -38,7 +39,7 @@ def _check_effects(task: Task, activity: Activity, findings: Findings) -> None:
         findings.add(
             Code.AT_ODDS,
             f"action {activity.id!r} gives {first.var!r} two values at {when}: "
-            f"{shown_value(first.value)} and {shown_value(second.value)}",
+            f"{value_text(first.value)} and {value_text(second.value)}",
             second.pointer,
             hint="keep one of the two effects"
             if whole
@@ -82,8 +83,8 @@ def _check_beginning(
         if effect is not None and effect.key != fact.key:
             findings.add(
                 Code.AT_ODDS,
-                f"action {activity.id!r} needs {fact.var!r} to be {shown_value(fact.value)} "
-                f"throughout, but makes it {shown_value(effect.value)} itself at its start",
+                f"action {activity.id!r} needs {fact.var!r} to be {value_text(fact.value)} "
+                f"throughout, but makes it {value_text(effect.value)} itself at its start",
                 fact.pointer,
                 hint='let the condition be "at": "start", or correct one of the two values',
             )
@@ -96,8 +97,8 @@ def _tell_conditions(
 ) -> None:
     findings.add(
         Code.AT_ODDS,
-        f"action {activity.id!r} needs {first.var!r} to be {shown_value(first.value)} "
-        f"{_WHEN[first.at]} and {shown_value(second.value)} {_WHEN[second.at]}",
+        f"action {activity.id!r} needs {first.var!r} to be {value_text(first.value)} "
+        f"{_WHEN[first.at]} and {value_text(second.value)} {_WHEN[second.at]}",
         second.pointer,
         hint="keep one of the two conditions, or correct one of them",
     )
@@ -111,7 +112,7 @@ def _check_goals(task: Task, findings: Findings) -> None:
         findings.add(
             Code.AT_ODDS,
             f"the goals ask for two values of {first.var!r}: "
-            f"{shown_value(first.value)} and {shown_value(second.value)}",
+            f"{value_text(first.value)} and {value_text(second.value)}",
             second.pointer,
             hint="keep one of the two goals",
         )

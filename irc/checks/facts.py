@@ -43,8 +43,3 @@ def goal_places(task: Task) -> list[ShownFact]:
         for k, goal in enumerate(task.goals)
         if not isinstance(goal, str)
     ]
-
-
-def shown_value(value: bool | str) -> str:
-    """A value in a message: true and false as JSON writes them, text in quotes."""
-    return str(value).lower() if isinstance(value, bool) else repr(value)

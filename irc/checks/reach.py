@@ -11,10 +11,11 @@ from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from irc.checks.facts import ShownFact, fact_places, goal_places, shown_value
+from irc.checks.facts import ShownFact, fact_places, goal_places
 from irc.checks.required import is_ruled_out
 from irc.diagnostics import Code, Findings
 from irc.model import Task
+from irc.model.state_values import value_text
 from irc.problem import Activity, Problem
 
 Fact = tuple[int, int]
@@ -170,7 +171,7 @@ class _Telling:
         more = f" (and so for {_other_actions(others)})" if others else ""
         self.findings.add(
             Code.UNREACHABLE,
-            f"action {activity.id!r} needs {place.var!r} to be {shown_value(place.value)} "
+            f"action {activity.id!r} needs {place.var!r} to be {value_text(place.value)} "
             f"{_WHEN[place.at]}{more}, but {self._initially(fact)} and no effect makes it so",
             place.pointer,
             hint=self._hint(fact),
@@ -181,7 +182,7 @@ class _Telling:
         place = self._place(activity, fact)
         self.findings.add(
             Code.UNREACHABLE,
-            f"action {activity.id!r} needs {place.var!r} to be {shown_value(place.value)} "
+            f"action {activity.id!r} needs {place.var!r} to be {value_text(place.value)} "
             f"{_WHEN[place.at]}, but {self._initially(fact)} and {self._chain(fact)}",
             place.pointer,
             hint="let one of these actions do without what it needs, or start from another value",
@@ -197,7 +198,7 @@ class _Telling:
             return
         self.findings.add(
             Code.UNREACHABLE,
-            f"the goal that {goal.var!r} be {shown_value(goal.value)} cannot be reached: "
+            f"the goal that {goal.var!r} be {value_text(goal.value)} cannot be reached: "
             f"{self._initially(fact)} and {why}",
             goal.pointer,
             hint=hint,
@@ -210,16 +211,16 @@ class _Telling:
 
     def _initially(self, fact: Fact) -> str:
         variable = self.problem.variables[fact[0]]
-        return f"it is {shown_value(variable.values[variable.initial])} at first"
+        return f"it is {value_text(variable.values[variable.initial])} at first"
 
     def _hint(self, fact: Fact) -> str:
         variable = self.problem.variables[fact[0]]
         can_be = [
-            shown_value(value)
+            value_text(value)
             for k, value in enumerate(variable.values)
             if (fact[0], k) in self.reach.facts
         ]
-        wanted = shown_value(variable.values[fact[1]])
+        wanted = value_text(variable.values[fact[1]])
         listed = f"{', '.join(can_be[:5])}{', …' if len(can_be) > 5 else ''}"
         return f"let an action's effect make it {wanted}; so far it can be {listed}"
 
@@ -239,7 +240,7 @@ class _Telling:
                 return ", ".join([*told, "which may not occur"])
             fact = missing[0]
             variable = self.problem.variables[fact[0]]
-            needs = f"to be {shown_value(variable.values[fact[1]])}"
+            needs = f"to be {value_text(variable.values[fact[1]])}"
             told.append(f"and {name!r} needs {variable.id!r} {needs}")
         return ", ".join([*told, "and so on in a circle" if fact in seen else "and so on"])
 
@@ -281,9 +282,9 @@ def _check_lost_goals(
         breaker = problem.activities[ended_by[v]]
         findings.add(
             Code.UNREACHABLE,
-            f"the goal that {goal.var!r} be {shown_value(goal.value)} cannot hold at the end: "
+            f"the goal that {goal.var!r} be {value_text(goal.value)} cannot hold at the end: "
             f"action {breaker.id!r} changes it, and no effect makes it so again",
             goal.pointer,
-            hint=f"let an action's effect make it {shown_value(goal.value)} again, "
+            hint=f"let an action's effect make it {value_text(goal.value)} again, "
             "or change the goal",
         )

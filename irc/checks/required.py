@@ -30,7 +30,7 @@ def is_ruled_out(activity: Activity) -> bool:
 def required_activities(problem: Problem) -> frozenset[int]:
     """Those that occur by themselves, by a goal, or because others of their group do."""
     found = {i for i, a in enumerate(problem.activities) if least_occurrences(a)}
-    found.update(problem.wanted)
+    found.update(problem.required)
     groups: dict[int, list[int]] = defaultdict(list)
     for g, group in enumerate(problem.groups):
         for member in group.members:
@@ -61,7 +61,7 @@ def check_required(problem: Problem, required: frozenset[int], findings: Finding
 
 
 def _who_wants(problem: Problem, i: int) -> str:
-    if i in problem.wanted:
+    if i in problem.required:
         return "a goal requires it"
     for group in problem.groups:
         if i in group.members:

@@ -11,6 +11,7 @@ from irc.diagnostics.source import Pointer
 from irc.model import Action, DurationRange, Resource, Task, Use
 from irc.model.base import write_time
 from irc.model.quantities import Number, TimeError
+from irc.model.state_values import value_text
 from irc.model.times import Clock, Instant
 
 if TYPE_CHECKING:
@@ -313,27 +314,27 @@ def _tell_value(
 ) -> None:
     from irc.checks.unknown_names import value_meant
 
-    texts = [_value_text(v) for v in variable.values]
-    shown = _value_text(value) if isinstance(value, bool) else repr(value)
+    texts = [_as_typed(v) for v in variable.values]
     meant = value_meant(value, variable.values)
     hint = f"its values are {_some(texts)}"
     fix: Fix = ()
     if meant is not None:
         from irc.diagnostics.fix import replaced
 
-        hint, fix = f"did you mean `{_value_text(meant)}`?", replaced(at, meant)
+        hint, fix = f"did you mean `{_as_typed(meant)}`?", replaced(at, meant)
         if str(meant) != meant:
-            hint = f"write {_value_text(meant)} without quotes"
+            hint = f"write {_as_typed(meant)} without quotes"
     findings.add(
         Code.UNKNOWN_VALUE,
-        f"state variable {variable.id!r} has no value {shown}",
+        f"state variable {variable.id!r} has no value {value_text(value)}",
         at,
         hint=hint if meant is not None else did_you_mean(str(value), texts) or hint,
         fix=fix,
     )
 
 
-def _value_text(value: bool | str) -> str:
+def _as_typed(value: bool | str) -> str:
+    """A value without quotes, as a hint tells what to write."""
     return str(value).lower() if isinstance(value, bool) else value
 
 

@@ -9,7 +9,7 @@ from collections import Counter
 
 from irc.diagnostics import Code, Findings
 from irc.diagnostics.source import Pointer
-from irc.problem import Activity, Arc, Problem
+from irc.problem import Activity, Problem
 from irc.problem.temporal_network import Times, earliest
 from irc.problem.time_points import DURATION, TimingNetwork, timing_network
 
@@ -68,22 +68,11 @@ def _step(problem: Problem, timing: TimingNetwork, edge: int) -> str:
         limit = activity.duration_max if is_max else activity.duration_min
         word = "at most" if is_max else "at least"
         return f"{activity.id!r} takes {word} {problem.time_text(limit)}"
-    return _arc_in_words(problem, problem.arcs[label], is_max)
+    # (Loaded for a message only.)
+    from irc.problem.arc_text import arc_in_words
+    from irc.problem.statements import Side
 
-
-def _arc_in_words(problem: Problem, arc: Arc, is_max: bool) -> str:
-    before, after = problem.activities[arc.before], problem.activities[arc.after]
-    from_point = "end" if arc.from_end else "start"
-    to_point = "end" if arc.to_end else "start"
-    if is_max and arc.max_lag is not None:
-        return (
-            f"{after.id!r} {to_point}s at most {problem.time_text(arc.max_lag)} "
-            f"after the {from_point} of {before.id!r}"
-        )
-    if arc.from_end and not arc.to_end and arc.min_lag == 0:
-        return f"{before.id!r} precedes {after.id!r}"
-    lag = f"{problem.time_text(arc.min_lag)} after" if arc.min_lag else "after"
-    return f"{after.id!r} {to_point}s at least {lag} the {from_point} of {before.id!r}"
+    return arc_in_words(problem, problem.arcs[label], Side.MOST if is_max else Side.LEAST)
 
 
 def _origin(problem: Problem, timing: TimingNetwork, edge: int) -> Pointer:

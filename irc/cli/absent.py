@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from irc.diagnostics.listing import and_more
 from irc.problem import Problem
 from irc.schedule import Schedule, Status
 
@@ -29,6 +30,4 @@ def left_out(problem: Problem, schedule: Schedule) -> list[str]:
 
 def in_words(names: list[str], visible: Callable[[str], str]) -> str:
     """A line for people: "left out: order2, nap"."""
-    listed = ", ".join(visible(name) for name in names[:NAMES_SHOWN])
-    more = len(names) - NAMES_SHOWN
-    return f"left out: {listed}" + (f" and {more:,} more" if more > 0 else "")
+    return f"left out: {and_more([*map(visible, names[:NAMES_SHOWN])], len(names))}"

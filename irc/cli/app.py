@@ -221,9 +221,9 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     if output is not None:
         from irc.driver.files import write_whole
 
-        write_whole(output, dump_json(schedule.as_json()))
+        write_whole(output, dump_json(schedule.to_dict()))
     if format is Format.json:
-        put_json(schedule.as_json())
+        put_json(schedule.to_dict())
     else:
         from irc.cli.page import answer_console
         from irc.cli.render import print_answer
@@ -287,7 +287,7 @@ def validate(
         moment = None if at is None else moment_of(reading.task, at, format)
         verdict = validate_schedule(reading.task, answer, document.source, at=moment)
         if format is Format.json:
-            put_json(verdict.as_json())
+            put_json(verdict.to_dict())
         else:
             put(str(verdict))
         if not verdict.valid:

@@ -14,10 +14,9 @@ from irc.cli.output import (
     fail,
     put,
     put_json,
-    report_json,
     summary,
 )
-from irc.diagnostics import InputError, Report
+from irc.diagnostics import DIAGNOSTICS_VERSION, InputError, Report
 
 
 def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
@@ -64,15 +63,15 @@ def _as_json(checked: Sequence[tuple[str, Report, Report | None]]) -> dict[str, 
         ((_, report, fixed),) = checked
         return _one_as_json(report, fixed)
     return {
-        "irc_diagnostics": report_json(Report())["irc_diagnostics"],
+        "irc_diagnostics": DIAGNOSTICS_VERSION,
         "ok": all(report.ok for _, report, _ in checked),
         "files": [{"file": file, **_one_as_json(report, fixed)} for file, report, fixed in checked],
     }
 
 
 def _one_as_json(report: Report, fixed: Report | None) -> dict[str, Any]:
-    shown = report_json(report)
-    return shown if fixed is None else {**shown, "fixed": fixed.as_json()}
+    shown = report.to_dict()
+    return shown if fixed is None else {**shown, "fixed": fixed.to_list()}
 
 
 def _print(file: str, report: Report, fixed: Report | None, *, many: bool) -> None:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
+from irc.diagnostics.listing import and_more
 from irc.model import Event, Task
 from irc.model.base import write_time
 from irc.model.events import (
@@ -29,6 +30,7 @@ from irc.model.events import (
     SetRelease,
     SetState,
 )
+from irc.model.state_values import value_text
 from irc.model.times import Clock, Instant, format_number
 
 NAMES_SHOWN = 8
@@ -53,8 +55,7 @@ def changes_in_words(event: Event, task: Task) -> Iterator[str]:
 def listed(names: Iterable[str]) -> str:
     """ "a, b, c and 7 more"."""
     found = list(names)
-    more = len(found) - NAMES_SHOWN
-    return ", ".join(found[:NAMES_SHOWN]) + (f" and {more:,} more" if more > 0 else "")
+    return and_more(found[:NAMES_SHOWN], len(found))
 
 
 def _time(value: Any, unit: _Unit) -> str:
@@ -94,12 +95,8 @@ def _add_groups(change: AddGroups, _unit: _Unit) -> str:
 
 
 def _set_goals(change: SetGoals, _unit: _Unit) -> str:
-    goals = [g if isinstance(g, str) else f"{g.var} = {_value(g.value)}" for g in change.goals]
+    goals = [g if isinstance(g, str) else f"{g.var} = {value_text(g.value)}" for g in change.goals]
     return f"the goals are now {listed(goals)}" if goals else "there are no goals any more"
-
-
-def _value(value: bool | str) -> str:
-    return value if isinstance(value, str) else str(value).lower()
 
 
 def _pairs(edges: Iterable[Any]) -> str:
@@ -133,7 +130,7 @@ _WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(
         AddGroups: _add_groups,
         CancelGroups: lambda change, _: f"taken back: {listed(change.groups)}",
         SetGoals: _set_goals,
-        SetState: lambda change, _: f"{change.var} has become {_value(change.value)}",
+        SetState: lambda change, _: f"{change.var} has become {value_text(change.value)}",
         AddState: lambda change, _: f"new state variables: {_ids(change.state)}",
         SetObjective: lambda change, _: (
             f"the objective is now {', then '.join(change.objective).replace('_', ' ')}"

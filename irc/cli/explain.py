@@ -30,7 +30,7 @@ def hint_for(file: str) -> str:
 def put_explanation(explanation: Explanation, format: Format) -> None:
     """Prints an explanation and ends with the status of what it found."""
     if format is Format.json:
-        put_json(explanation.as_json())
+        put_json(explanation.to_dict())
     else:
         put("\n".join(_lines(explanation)))
     if explanation.status is Status.INFEASIBLE:

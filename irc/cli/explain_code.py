@@ -27,7 +27,7 @@ def put_code(code: str, format: Format) -> None:
         )
         fail(EXIT_USE, f"there is no diagnostic {code!r}; {hint}", format)
     if format is Format.json:
-        put_json(entries[id].as_json())
+        put_json(entries[id].to_dict())
     else:
         put(_in_words(entries[id]))
 
@@ -35,7 +35,7 @@ def put_code(code: str, format: Format) -> None:
 def put_codes(format: Format) -> None:
     """Shows all codes: a line on each."""
     if format is Format.json:
-        entries = [entry.as_json() for entry in load_catalogue().values()]
+        entries = [entry.to_dict() for entry in load_catalogue().values()]
         put_json({"irc_codes": CODES_VERSION, "codes": entries})
         return
     blocks = []

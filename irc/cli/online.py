@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
@@ -43,7 +44,7 @@ def replan(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
-    stability: StabilityOption = 0.0,
+    stability: StabilityOption = Fraction(0),
     output: OutOption = None,
     task_output: Annotated[
         Path | None,
@@ -71,7 +72,7 @@ def simulate(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
-    stability: StabilityOption = 0.0,
+    stability: StabilityOption = Fraction(0),
     output: OutOption = None,
     steps: Annotated[
         Path | None, typer.Option("--steps", help="A folder for the document of each step.")
@@ -105,7 +106,7 @@ def run(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
-    stability: StabilityOption = 0.0,
+    stability: StabilityOption = Fraction(0),
 ) -> None:
     """Hold a running task open: a JSON request on each line in, an answer on each line out."""
     from irc.cli.planning import Planning

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
@@ -31,12 +32,23 @@ WorkersOption = Annotated[
 StepTimeLimitOption = Annotated[
     float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for each planning.")
 ]
+
+
+def _share(text: str | Fraction) -> Fraction:
+    from irc.errors import OptionError
+    from irc.targets import read_share
+
+    try:
+        return read_share(text)
+    except OptionError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
 StabilityOption = Annotated[
-    float,
+    Fraction,
     typer.Option(
-        min=0.0,
-        max=1e6,
-        metavar="PERCENT",
-        help="How much worse the objective may get so that less moves.",
+        parser=_share,
+        metavar="FRACTION",
+        help="How much worse the objective may get so that less moves: 0.05 or 5%.",
     ),
 ]

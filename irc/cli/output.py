@@ -10,10 +10,8 @@ from enum import StrEnum
 from typing import Any, NoReturn
 
 from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
-from irc.diagnostics import Diagnostic, InputError, Report, Severity
+from irc.diagnostics import DIAGNOSTICS_VERSION, Diagnostic, InputError, Report, Severity
 from irc.diagnostics.source import Source
-
-DIAGNOSTICS_VERSION = "1"
 
 
 class Format(StrEnum):
@@ -53,15 +51,6 @@ def put_json(document: Any) -> None:
     put(json.dumps(document, indent=2, ensure_ascii=encoding != "utf8", allow_nan=False))
 
 
-def report_json(report: Report) -> dict[str, Any]:
-    """A report as the document that `irc check --format json` prints."""
-    return {
-        "irc_diagnostics": DIAGNOSTICS_VERSION,
-        "ok": report.ok,
-        "diagnostics": report.as_json(),
-    }
-
-
 def summary(report: Report) -> str:
     """ "2 errors, 1 warning" in words; empty where there is nothing."""
     counts = {s: sum(d.severity is s for d in report) for s in Severity}
@@ -96,7 +85,7 @@ def errors_told(format: Format) -> Iterator[None]:
         yield
     except InputError as error:
         if format is Format.json:
-            put_json(report_json(error.report))
+            put_json(error.report.to_dict())
         else:
             say(error.report.render())
             say(summary(error.report))

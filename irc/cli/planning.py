@@ -19,7 +19,7 @@ from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
 from irc.schedule import Schedule, Status, schedule_from_json
-from irc.targets import Limits, get_backend
+from irc.targets import SolveOptions, get_backend
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,20 @@ class Planning:
     memory_limit: int | None
     seed: int
     workers: int | None
-    stability: float
+    stability: Fraction
 
     @property
-    def limits(self) -> Limits:
-        """Those of one planning."""
-        return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
+    def options(self) -> SolveOptions:
+        """The same for the library."""
+        return SolveOptions(
+            self.target,
+            self.engine,
+            self.time_limit,
+            self.memory_limit,
+            self.workers,
+            self.seed,
+            stability=self.stability,
+        )
 
     def require_engine(self) -> None:
         """Raises `UnknownTarget` where there is no such target or engine, before it is needed."""
@@ -51,21 +59,13 @@ class Planning:
         Raises `InputError` where the schedule does not fit the task.
         """
         try:
-            return Execution(
-                task,
-                schedule,
-                at,
-                target=self.target,
-                engine=self.engine,
-                limits=self.limits,
-                stability=Fraction(str(self.stability)),
-            )
+            return Execution(task, schedule, at, options=self.options)
         except InputError as error:
             raise InputError(Report(error.report.diagnostics, source)) from None
 
     def first_schedule(self, task: Task) -> Schedule:
         """The best schedule of a task of which nothing has run yet, and no event is known."""
-        return solve_task(task, self.target, self.engine, self.limits).schedule
+        return solve_task(task, self.target, self.engine, self.options.limits).schedule
 
 
 def one_standard_input(format: Format, *names: str | None) -> None:

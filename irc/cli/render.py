@@ -43,7 +43,7 @@ from irc.cli.table import (
 from irc.model.quantities import Number, exact
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
-from irc.retiming.slack import slacks, to_ticks
+from irc.retiming.slack import slacks
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 
 if TYPE_CHECKING:
@@ -144,15 +144,19 @@ def _objective_line(page: Page, problem: Problem, schedule: Schedule, value: Obj
     makespan = f"makespan {time_in_words(page, value.value, problem.time_unit)}"
     if value.bound is None:
         return makespan
-    if value.bound == problem.to_units(problem.bound.value):
-        reason = page.visible(problem.bound.reason)
+    if value.bound == problem.to_units(problem.bounds.makespan.value):
+        reason = page.visible(problem.bounds.makespan.reason)
     else:
         reason = page.visible(f"proved by {schedule.engine or 'the engine'}")
     return f"{makespan}, bound {with_unit(value.bound, problem.time_unit)}: {reason}"
 
 
 def _why_nothing(problem: Problem, status: Status) -> str:
-    least, unit, reason = problem.bound.value, problem.time_unit, problem.bound.reason
+    least, unit, reason = (
+        problem.bounds.makespan.value,
+        problem.time_unit,
+        problem.bounds.makespan.reason,
+    )
     needed = f"; at least {with_unit(problem.to_units(least), unit)} are needed: {reason}"
     if status is Status.UNKNOWN:
         return f"no schedule was found within the limits{needed if least else ''}"
@@ -247,7 +251,7 @@ def _chart(
     if free:
         titles.append("no resource" if names else "")
     gutter = max(map(cell_len, titles)) + 1 if names else 0
-    axis = _axis(page, problem, to_ticks(problem, schedule.makespan), page.width - gutter)
+    axis = _axis(page, problem, problem.to_ticks(schedule.makespan), page.width - gutter)
     if free:
         rows_left = CHART_ROWS - sum(map(len, blocks))
         blocks.append(_lanes_with_labels(page, free, axis, rows_left))
@@ -278,7 +282,7 @@ def _bars(
     for entry in schedule.entries:
         critical = None if slack is None else slack[entry.id] == 0
         title = entry_title(page, entry)
-        start, end = to_ticks(problem, entry.start), to_ticks(problem, entry.end)
+        start, end = problem.to_ticks(entry.start), problem.to_ticks(entry.end)
         bar = _Bar(start, end, (title,), critical)
         if not entry.resources or entry.start == entry.end:
             free.append(bar)

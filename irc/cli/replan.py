@@ -55,7 +55,7 @@ def replan_file(
         step = _step(_running(task, before, source, moment, planning), events)
         _write(step, output, task_output)
         if format is Format.json:
-            put_json({"irc_step": STEP_VERSION, **step.as_json()})
+            put_json({"irc_step": STEP_VERSION, **step.to_dict()})
         else:
             from irc.cli.page import answer_console
             from irc.cli.step_text import print_history, print_step
@@ -171,6 +171,6 @@ def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:
     """Writes the schedule, where there is one, and the task in force."""
     if output is not None and step.schedule.answered:
-        write_whole(output, dump_json(step.schedule.as_json()))
+        write_whole(output, dump_json(step.schedule.to_dict()))
     if task_output is not None:
         write_whole(task_output, written_as(task_output, step.task))

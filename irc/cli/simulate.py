@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
@@ -42,18 +41,15 @@ def simulate_file(
         simulation = simulate(
             task,
             schedule=given,
-            target=planning.target,
-            engine=planning.engine,
-            limits=planning.limits,
-            stability=Fraction(str(planning.stability)),
             on_step=told.tell,
+            options=planning.options,
         )
         if output is not None and simulation.final.answered:
-            write_whole(output, dump_json(simulation.final.as_json()))
+            write_whole(output, dump_json(simulation.final.to_dict()))
         verdict = _verdict(simulation)
         if format is Format.json:
-            judged = None if verdict is None else verdict.as_json()
-            put_json({**simulation.as_json(), "verdict": judged})
+            judged = None if verdict is None else verdict.to_dict()
+            put_json({**simulation.to_dict(), "verdict": judged})
         elif verdict is not None:
             _print_end(simulation)
             before = "" if simulation.final.answered else "before the last event: "
@@ -77,7 +73,7 @@ class _Steps:
     def tell(self, step: Step) -> None:
         """Shows a step to people, and writes its document where that is wanted."""
         if self.folder is not None:
-            document = {"irc_step": STEP_VERSION, **step.as_json()}
+            document = {"irc_step": STEP_VERSION, **step.to_dict()}
             write_folder(self.folder, {f"step_{self.count:03}.json": dump_json(document)})
         if self.format is Format.text:
             from irc.cli.page import answer_console

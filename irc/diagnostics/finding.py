@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from irc.diagnostics.fix import Fix
 
 
+DIAGNOSTICS_VERSION = "1"
+
+
 class Severity(StrEnum):
     """How bad it is; only an error stops a compilation."""
 
@@ -148,8 +151,8 @@ class Diagnostic:
         """The severity of its code."""
         return self.code.severity
 
-    def as_json(self) -> dict[str, Any]:
-        """The machine-readable form; "file" only for an included one."""
+    def to_dict(self) -> dict[str, Any]:
+        """The machine-readable form (design: "Diagnostics"); "file" only for an included one."""
         found = {
             "code": self.code.id,
             "severity": str(self.severity),
@@ -158,6 +161,12 @@ class Diagnostic:
             "line": self.line,
             "column": self.column,
             "hint": self.hint,
-            "fix": [operation.as_json() for operation in self.fix] or None,
+            "fix": [operation.to_dict() for operation in self.fix] or None,
         }
         return found if self.within is None else {**found, "file": self.within.name}
+
+
+def _row(d: Diagnostic) -> tuple[str, ...]:
+    """A located finding as a row of a table."""
+    place = pointer_text(d.pointer) if d.line is None else f"{d.line}:{d.column}"
+    return str(d.severity), d.code.id, d.message, place, d.hint or ""

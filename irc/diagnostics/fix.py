@@ -22,7 +22,7 @@ class Operation:
         """The element of the document, as it is, that the operation changes."""
         return self.path if self.origin is None else self.origin
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The operation as RFC 6902 writes it."""
         shown: dict[str, Any] = {"op": self.op}
         if self.origin is not None:

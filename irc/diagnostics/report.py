@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics.source import Pointer, Source
+from irc.errors import IrcError
 
 if TYPE_CHECKING:
     from irc.diagnostics.fix import Fix
     from irc.diagnostics.source import Range
-from irc.diagnostics.finding import Code, Diagnostic, Severity
+from irc.diagnostics.finding import DIAGNOSTICS_VERSION, Code, Diagnostic, Severity, _row
 
 _ORDER = {Severity.ERROR: 0, Severity.WARNING: 1, Severity.NOTE: 2}
 
@@ -54,9 +55,30 @@ class Report:
         placed.sort(key=_reading_order)
         return Report(tuple(placed), self.source)
 
-    def as_json(self) -> list[dict[str, Any]]:
+    def __str__(self) -> str:
+        """The findings as text, or that there are none."""
+        return self.render() or "no problems found"
+
+    def _repr_html_(self) -> str:
+        """The findings as a table, for notebooks."""
+        from irc.display.html import heading, table
+
+        if not self.diagnostics:
+            return heading("no problems found")
+        columns = ("", "code", "message", "place", "hint")
+        return table(columns, [_row(d) for d in self.located()])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that `irc check --format json` prints."""
+        return {
+            "irc_diagnostics": DIAGNOSTICS_VERSION,
+            "ok": self.ok,
+            "diagnostics": self.to_list(),
+        }
+
+    def to_list(self) -> list[dict[str, Any]]:
         """Every diagnostic, located."""
-        return [d.as_json() for d in self.located()]
+        return [d.to_dict() for d in self.located()]
 
     def render(self, *, notes: bool = True) -> str:
         """The text a person reads: each finding with the source line under a caret."""
@@ -97,7 +119,7 @@ def _placed(d: Diagnostic, source: Source, place: Range | None) -> Diagnostic:
     return replace(d, line=line, column=column, offset=offset, end=end, within=within)
 
 
-class InputError(Exception):
+class InputError(IrcError):
     """The input is at fault; `report` says how, each finding with its place."""
 
     def __init__(self, report: Report) -> None:

@@ -32,18 +32,19 @@ def pointer_text(pointer: Pointer) -> str:
     return "".join(f"/{str(part).replace('~', '~0').replace('/', '~1')}" for part in pointer)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Source:
     """A named text and the way to find an element in it.
 
-    Positions are looked up only when a diagnostic needs them, so a good task pays nothing.
+    Positions are looked up only when a diagnostic needs them, so a good task pays nothing. The
+    locator must be one that can be pickled: a module's function, or an object of a class.
     """
 
     name: str
     text: str
-    locator: Locator | None = None
-    _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False)
-    _counted: list[int] = field(default_factory=lambda: [0, 0, 0], repr=False)
+    locator: Locator | None = field(default=None, compare=False, repr=False)
+    _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False, compare=False)
+    _counted: list[int] = field(default_factory=lambda: [0, 0, 0], repr=False, compare=False)
     """An offset that was asked for, how many lines end before it, and where its line begins."""
 
     def line_and_column(self, offset: int) -> tuple[int, int]:

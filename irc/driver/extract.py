@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.driver.compile import later_events, lower_for
+from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.problem.decisions import AnswerError
@@ -20,10 +21,6 @@ from irc.targets import (
     Outcome,
     get_backend,
 )
-
-if TYPE_CHECKING:
-    pass
-from irc.driver.judge import Answer, _approved, finish
 
 
 def extract_answer(

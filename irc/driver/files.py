@@ -8,8 +8,10 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
+from irc.errors import IrcError
 
-class WriteError(Exception):
+
+class WriteError(IrcError):
     """A file or folder that cannot be written; the text says which and why."""
 
 

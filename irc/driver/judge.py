@@ -90,6 +90,7 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
         target=target,
         engine=outcome.engine,
         seconds=round(seconds, 3),
+        time_unit=task.time_unit,
     )
 
 
@@ -100,7 +101,7 @@ def _judged(
     values = worth(problem, schedule)
     known = {level.name: level.bound for level in outcome.levels}
     if problem.objectives[0] == "makespan":
-        ours = problem.to_units(max(outcome.bound, problem.bound.value))
+        ours = problem.to_units(max(outcome.bound, problem.bounds.makespan.value))
         known["makespan"] = max(ours, known.get("makespan") or 0)
     if outcome.status is Status.OPTIMAL:
         known.update((name, values[name]) for name in problem.objectives)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.compile import later_events, lower_for, refusals_told
@@ -21,9 +20,6 @@ from irc.targets import (
     Program,
     get_backend,
 )
-
-if TYPE_CHECKING:
-    pass
 
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""
@@ -50,8 +46,8 @@ def solve_task(
     problem = lower_for(task, backend)
     if shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
-        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
-    elif problem.deadline is not None and problem.bound.value > problem.deadline:
+        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
+    elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     else:
         reason = runner.missing()
@@ -67,8 +63,8 @@ def _too_short(problem: Problem) -> Diagnostic:
     """Why no schedule meets the task's deadline, where a bound of ours says so."""
     return Diagnostic(
         Code.TOO_LATE,
-        f"no schedule ends before {problem.time_text(problem.bound.value)} "
-        f"({problem.bound.reason})",
+        f"no schedule ends before {problem.time_text(problem.bounds.makespan.value)} "
+        f"({problem.bounds.makespan.reason})",
         ("deadline",),
         "a later deadline or more capacity would be needed",
     )

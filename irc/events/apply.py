@@ -12,6 +12,7 @@ from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
 from irc.events.world import world_change
 from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
+from irc.model.built import Built, event_of, task_of
 from irc.model.cancellation import ended
 from irc.model.events import (
     AddActions,
@@ -37,8 +38,8 @@ _UNKNOWN: Mapping[str, Number] = MappingProxyType({})
 
 
 def apply(
-    task: Task,
-    event: Event,
+    task: Task | Built[Task],
+    event: Event | Built[Event],
     starts: Mapping[str, Number] = _UNKNOWN,
     *,
     source: Source | None = None,
@@ -50,21 +51,23 @@ def apply(
     The task must have no faults of its own (`irc.check`): only the event is judged here.
     Raises `InputError` where the event does not fit the task: nothing of it is applied then.
 
-    >>> task = Task(actions=[{"id": "boil", "duration": 4}])
-    >>> change = {"op": "set_duration", "action": "boil", "duration": 6}
-    >>> apply(task, Event(at=1, changes=[change])).actions[0].duration
+    >>> import irc
+    >>> task = irc.Task()
+    >>> boil = task.action("boil", 4)
+    >>> apply(task, irc.Event(1).set_duration(boil, 6)).actions[0].duration
     6
     """
+    task, event = task_of(task), event_of(event)
     report = check_event(task, event, source=source)
     if not report.ok:
         raise InputError(report)
-    draft = _Draft(task, task.number(event.at), starts)
+    editor = _TaskEditor(task, task.number(event.at), starts)
     for i, change in enumerate(event.changes):
         try:
-            _OPERATIONS[type(change)](draft, change)
+            _OPERATIONS[type(change)](editor, change)
         except _NoStart as error:
             raise InputError(_no_start(error.action, i, source)) from None
-    return draft.revised(event)
+    return editor.revised(event)
 
 
 class _NoStart(Exception):
@@ -86,7 +89,7 @@ def _no_start(action: str, change: int, source: Source | None) -> Report:
     return Report(tuple(findings.items), source)
 
 
-class _Draft:
+class _TaskEditor:
     """A task that is being revised. Elements keep their order; new ones come last."""
 
     def __init__(self, task: Task, at: Number, starts: Mapping[str, Number]) -> None:
@@ -144,98 +147,98 @@ def _add(table: dict[str, Any], elements: Iterable[Any]) -> None:
     table.update((element.id, element) for element in elements)
 
 
-def _cancel_groups(draft: _Draft, change: CancelGroups) -> None:
+def _cancel_groups(editor: _TaskEditor, change: CancelGroups) -> None:
     """Members go with their order, unless another one that stays wants them."""
-    taken_back = [draft.groups.pop(name) for name in dict.fromkeys(change.groups)]
-    wanted = {action for group in draft.groups.values() for action in group.actions}
-    draft.cancel({a for group in taken_back for a in group.actions} - wanted)
+    taken_back = [editor.groups.pop(name) for name in dict.fromkeys(change.groups)]
+    wanted = {action for group in editor.groups.values() for action in group.actions}
+    editor.cancel({a for group in taken_back for a in group.actions} - wanted)
 
 
-def _remove_precedence(draft: _Draft, change: RemovePrecedence) -> None:
+def _remove_precedence(editor: _TaskEditor, change: RemovePrecedence) -> None:
     removed = {(edge.before, edge.after) for edge in change.precedence}
-    draft.precedence = [e for e in draft.precedence if (e.before, e.after) not in removed]
+    editor.precedence = [e for e in editor.precedence if (e.before, e.after) not in removed]
 
 
-def _set_capacity(draft: _Draft, change: SetCapacity) -> None:
-    clock = draft.clock
-    start = draft.at if change.from_ is None else max(draft.at, clock.number(change.from_))
+def _set_capacity(editor: _TaskEditor, change: SetCapacity) -> None:
+    clock = editor.clock
+    start = editor.at if change.from_ is None else max(editor.at, clock.number(change.from_))
     end = None if change.to is None else clock.number(change.to)
-    resource = draft.resources[change.resource]
-    draft.resources[resource.id] = with_capacity(resource, change.capacity, start, end, clock)
+    resource = editor.resources[change.resource]
+    editor.resources[resource.id] = with_capacity(resource, change.capacity, start, end, clock)
 
 
-def _set_deadline(draft: _Draft, change: SetDeadline) -> None:
+def _set_deadline(editor: _TaskEditor, change: SetDeadline) -> None:
     if change.action is not None:
-        draft.change_action(change.action, deadline=change.deadline)
+        editor.change_action(change.action, deadline=change.deadline)
     elif change.group is not None:
-        group = draft.groups[change.group]
-        draft.groups[group.id] = group.model_copy(update={"deadline": change.deadline})
+        group = editor.groups[change.group]
+        editor.groups[group.id] = group.model_copy(update={"deadline": change.deadline})
     else:
-        draft.whole["deadline"] = change.deadline
+        editor.whole["deadline"] = change.deadline
 
 
-def _set_state(draft: _Draft, change: SetState) -> None:
-    fact, order = world_change(change.var, change.value, draft.at, draft.actions, draft.clock)
-    draft.actions[fact.id] = fact
-    draft.precedence += [] if order is None else [order]
+def _set_state(editor: _TaskEditor, change: SetState) -> None:
+    fact, order = world_change(change.var, change.value, editor.at, editor.actions, editor.clock)
+    editor.actions[fact.id] = fact
+    editor.precedence += [] if order is None else [order]
 
 
-def _observe(draft: _Draft, change: Observe) -> None:
+def _observe(editor: _TaskEditor, change: Observe) -> None:
     """What happened is what the task says from now on: a fixed start, an exact duration.
 
     Of one of several occurrences a task cannot say that: the history alone has it.
     """
-    name, clock = change.action, draft.clock
-    action = draft.actions[name]
+    name, clock = change.action, editor.clock
+    action = editor.actions[name]
     if action.may_repeat:
         return
     if change.started is not None:
         started = clock.number(change.started)
-        draft.change_action(name, start=started)
+        editor.change_action(name, start=started)
         if clock.number(action.release) > started:  # It did start, whatever it should have done.
-            draft.change_action(name, release=started)
+            editor.change_action(name, release=started)
     if change.finished is not None:
-        _end_at(draft, name, clock.number(change.finished))
+        _end_at(editor, name, clock.number(change.finished))
 
 
-def _end_at(draft: _Draft, name: str, finished: Number) -> None:
-    action = draft.actions[name]
-    started = draft.starts.get(name)
+def _end_at(editor: _TaskEditor, name: str, finished: Number) -> None:
+    action = editor.actions[name]
+    started = editor.starts.get(name)
     if action.start is not None:
-        started = draft.clock.number(action.start)
+        started = editor.clock.number(action.start)
     if started is None or started > finished:
         raise _NoStart(name)
     length = finished - started
     if action.modes:
         modes = tuple(mode.model_copy(update={"duration": length}) for mode in action.modes)
-        draft.change_action(name, modes=modes)
+        editor.change_action(name, modes=modes)
     else:
-        draft.change_action(name, duration=length)
+        editor.change_action(name, duration=length)
 
 
-def _replace(field: str) -> Callable[[_Draft, Any], None]:
-    def replace(draft: _Draft, change: Any) -> None:
-        draft.whole[field] = getattr(change, field)
+def _replace(field: str) -> Callable[[_TaskEditor, Any], None]:
+    def replace(editor: _TaskEditor, change: Any) -> None:
+        editor.whole[field] = getattr(change, field)
 
     return replace
 
 
-_OPERATIONS: Mapping[type, Callable[[_Draft, Any], None]] = MappingProxyType(
+_OPERATIONS: Mapping[type, Callable[[_TaskEditor, Any], None]] = MappingProxyType(
     {
-        AddActions: lambda draft, change: _add(draft.actions, change.actions),
-        CancelActions: lambda draft, change: draft.cancel(change.actions),
-        SetDuration: lambda draft, c: draft.change_action(c.action, duration=c.duration),
-        AddPrecedence: lambda draft, change: draft.precedence.extend(change.precedence),
+        AddActions: lambda editor, change: _add(editor.actions, change.actions),
+        CancelActions: lambda editor, change: editor.cancel(change.actions),
+        SetDuration: lambda editor, c: editor.change_action(c.action, duration=c.duration),
+        AddPrecedence: lambda editor, change: editor.precedence.extend(change.precedence),
         RemovePrecedence: _remove_precedence,
-        AddResources: lambda draft, change: _add(draft.resources, change.resources),
+        AddResources: lambda editor, change: _add(editor.resources, change.resources),
         SetCapacity: _set_capacity,
         SetDeadline: _set_deadline,
-        SetRelease: lambda draft, c: draft.change_action(c.action, release=c.release),
-        AddGroups: lambda draft, change: _add(draft.groups, change.groups),
+        SetRelease: lambda editor, c: editor.change_action(c.action, release=c.release),
+        AddGroups: lambda editor, change: _add(editor.groups, change.groups),
         CancelGroups: _cancel_groups,
         SetGoals: _replace("goals"),
         SetState: _set_state,
-        AddState: lambda draft, change: _add(draft.state, change.state),
+        AddState: lambda editor, change: _add(editor.state, change.state),
         SetObjective: _replace("objective"),
         Observe: _observe,
     }

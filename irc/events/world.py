@@ -10,7 +10,8 @@ from collections.abc import Mapping
 
 from irc.model import Action, Precedence
 from irc.model.quantities import Number
-from irc.model.times import Clock, format_number
+from irc.model.times import Clock
+from irc.model.world_changes import is_world_change, world_change_id
 
 
 def world_change(
@@ -21,7 +22,7 @@ def world_change(
     Its id is "`var` at `at`", with a number where that is taken. It comes after an earlier
     change of the same variable at the same instant: events of one instant keep their order.
     """
-    name = stem = f"{var} at {format_number(at)}"
+    name = stem = world_change_id(var, at)
     number, earlier = 1, None
     while name in actions:
         if _is_change(actions[name], var, at, clock):
@@ -38,8 +39,7 @@ def world_change(
 
 
 def _is_change(action: Action, var: str, at: Number, clock: Clock) -> bool:
-    """Whether the action does nothing but change `var` at this instant."""
-    if action.model_fields_set != {"id", "duration", "start", "effects"} or action.start is None:
+    """Whether the action is a change of `var` at this instant."""
+    if not is_world_change(action, clock) or action.start is None:
         return False
-    (effect, *more) = action.effects
-    return not more and effect.var == var and clock.number(action.start) == at
+    return action.effects[0].var == var and clock.number(action.start) == at

@@ -11,42 +11,42 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from irc.execution.executed import Fact
+from irc.execution.executed import ExecutedActivity
 from irc.execution.state_conflicts import without_broken_conditions
 from irc.execution.stock_conflicts import with_stock_lent
-from irc.lowering.elements import shared_of
+from irc.lowering.elements import pool_of
 from irc.problem import Activity, Arc, Problem, Renewable, Window
 from irc.schedule import Entry
 
 
 def relaxed(
-    problem: Problem, facts: Mapping[int, Fact], now: int
-) -> tuple[Problem, dict[int, Fact]]:
-    """The problem without what its facts (by activity) contradict, and its facts.
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> tuple[Problem, dict[int, ExecutedActivity]]:
+    """The problem without what its executed activities contradict, and those activities.
 
-    Where a condition of what is running breaks later on, a helper behind all other activities, a
-    fact too, holds it until then.
+    Where a condition of what is running breaks later on, a helper behind all other activities holds
+    it until then. The helper counts as executed.
     """
-    if not facts:
+    if not executed:
         return problem, {}
-    problem = _without_late_deadline(problem, facts)
+    problem = _without_late_deadline(problem, executed)
     problem = replace(
-        problem, arcs=tuple(a for a in problem.arcs if not _is_broken(problem, a, facts))
+        problem, arcs=tuple(a for a in problem.arcs if not _is_broken(problem, a, executed))
     )
-    problem = _with_room(problem, facts)
+    problem = _with_room(problem, executed)
     if problem.reservoirs:
-        problem = with_stock_lent(problem, facts, now)
+        problem = with_stock_lent(problem, executed, now)
     if problem.variables:
-        return without_broken_conditions(problem, facts, now)
-    return problem, dict(facts)
+        return without_broken_conditions(problem, executed, now)
+    return problem, dict(executed)
 
 
-def _without_late_deadline(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
-    """Where a fact must end behind the task's deadline, it binds all others one by one."""
+def _without_late_deadline(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
+    """Where what runs must end after the task's deadline, it binds all others one by one."""
     deadline = problem.deadline
     if deadline is None:
         return problem
-    late = {i for i, fact in facts.items() if _ends(problem, i, fact)[0] > deadline}
+    late = {i for i, past in executed.items() if _ends(problem, i, past)[0] > deadline}
     if not late:
         return problem
 
@@ -60,19 +60,19 @@ def _without_late_deadline(problem: Problem, facts: Mapping[int, Fact]) -> Probl
     return replace(problem, activities=activities, deadline=None)
 
 
-def _ends(problem: Problem, i: int, fact: Fact) -> tuple[int, int]:
-    """The least and the greatest time at which a fact can end."""
-    if not fact.running:
-        return fact.end, fact.end
+def _ends(problem: Problem, i: int, past: ExecutedActivity) -> tuple[int, int]:
+    """The least and the greatest time at which an executed activity can end."""
+    if not past.running:
+        return past.end, past.end
     activity = problem.activities[i]
-    return fact.start + activity.duration_min, fact.start + activity.duration_max
+    return past.start + activity.duration_min, past.start + activity.duration_max
 
 
-def _is_broken(problem: Problem, arc: Arc, facts: Mapping[int, Fact]) -> bool:
-    """Whether two facts contradict a precedence, however long they take."""
-    if arc.before not in facts or arc.after not in facts:
+def _is_broken(problem: Problem, arc: Arc, executed: Mapping[int, ExecutedActivity]) -> bool:
+    """Whether two executed activities contradict a precedence, however long they take."""
+    if arc.before not in executed or arc.after not in executed:
         return False
-    before, after = facts[arc.before], facts[arc.after]
+    before, after = executed[arc.before], executed[arc.after]
     if before.cancelled or after.cancelled:
         return True
     from_least, from_most = before.start, before.start
@@ -99,17 +99,17 @@ def overloaded(problem: Problem, running: Sequence[Entry]) -> set[int]:
     }
 
 
-def _with_room(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
-    """Resources have as much as the facts hold, at every instant."""
+def _with_room(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
+    """Resources have as much as executed activities hold, at every instant."""
     loads: dict[int, list[tuple[int, int]]] = {}
-    for i, fact in facts.items():
+    for i, past in executed.items():
         activity = problem.activities[i]
-        if fact.resources is None or (fact.mode is None and activity.details.modes):
+        if past.resources is None or (past.mode is None and activity.details.modes):
             continue
-        end = _ends(problem, i, fact)[0]
-        for use in activity.uses if end > fact.start else ():
+        end = _ends(problem, i, past)[0]
+        for use in activity.uses if end > past.start else ():
             load = loads.setdefault(use.alternatives[0], [])
-            load += [(fact.start, use.amount), (end, -use.amount)]
+            load += [(past.start, use.amount), (end, -use.amount)]
     changed = {
         r: windows
         for r, load in loads.items()
@@ -125,11 +125,14 @@ def _with_room(problem: Problem, facts: Mapping[int, Fact]) -> Problem:
         problem,
         resources=resources,
         # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
-        shared=tuple(
-            shared_of(resources[s.members[0]], s.members[0])
-            if len(s.members) == 1 and s.members[0] in changed
-            else s
-            for s in problem.shared
+        contention=replace(
+            problem.contention,
+            pools=tuple(
+                pool_of(resources[p.members[0]], p.members[0])
+                if len(p.members) == 1 and p.members[0] in changed
+                else p
+                for p in problem.contention.pools
+            ),
         ),
     )
 

@@ -14,18 +14,18 @@ from irc.diagnostics import Code, Diagnostic
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import Frozen, with_groups
 from irc.execution.history import History
-from irc.execution.residual import PastError, rebase
-from irc.execution.stabilise import settled
+from irc.execution.residual import PastError, ResidualProblem, residual_problem
+from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
 from irc.execution.step import Means
-from irc.execution.warm_start import repaired
+from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.quantities import Number
 from irc.passes import order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.grid import bound_on_grid
-from irc.passes.mandatory import mandatory_places
+from irc.passes.mandatory import least_occurrences
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
@@ -88,7 +88,7 @@ class Remainder:
         whole, impossible = _passed(frozen)
         if impossible is not None:
             return impossible, whole
-        if not whole.has_contention and not any(whole.earlier):
+        if not whole.has_contention and not any(whole.previous.places):
             return _by_critical_path(whole), whole
         missing = self.engine.missing()
         if missing is not None:
@@ -96,8 +96,8 @@ class Remainder:
         if self.backend.begins_now:
             return self._from_now(frozen, whole, given_up), whole
         if not whole.is_plain and self.means.limits.hints:
-            found = repaired(whole, self.frozen.facts, self.history.plan)
-            whole = replace(whole, start_from=found)
+            found = warm_start(whole, self.frozen.executed, self.history.plan)
+            whole = replace(whole, previous=replace(whole.previous, warm_start=found))
         return self._solved(whole), whole
 
     def tried(self, problem: Problem, seconds: float) -> Outcome:
@@ -135,7 +135,7 @@ class Remainder:
             limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
         return self.engine.solve(program, limits, self.means.on_progress)
 
-    def _judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
+    def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """What the validator has against a whole history; None: nothing."""
         from irc.validation import validate
 
@@ -146,39 +146,50 @@ class Remainder:
         """The outcome of what is left, with the history before it."""
         now = self.frozen.now
         try:
-            rebased = rebase(frozen, self.frozen.facts, now)
+            residual = residual_problem(frozen, self.frozen.executed, now)
         except PastError as error:
             return _impossible(str(error))
-        left, impossible = _passed(rebased.problem, now)
+        left, impossible = _passed(residual.problem, now)
         if impossible is not None:
             return impossible
-        if whole.bound.value - now > left.bound.value:
-            left = replace(left, bound=replace(whole.bound, value=whole.bound.value - now))
+        if whole.bounds.makespan.value - now > left.bounds.makespan.value:
+            bound = whole.bounds.makespan
+            left = left.with_bound(bound.value - now, bound.reason)
 
-        def judge(schedule: Schedule) -> str | None:
-            """What the validator says of a plan with the history before it."""
-            try:
-                merged = rebased.merged(whole, schedule)
-            except AnswerError as error:
-                return str(error)
-            return self._judged(merged, given_up)
-
+        judge = _WithHistory(self, residual, whole, given_up)
         found = self._solved(left, judge) if left.has_contention else _by_critical_path(left, now)
         if found.schedule is None:
             return found
         try:
-            merged = rebased.merged(whole, found.schedule)
+            merged = residual.merged(whole, found.schedule)
         except AnswerError as error:
             raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
-        kept = settled(
+        kept = stabilised(
             whole,
             merged,
             self.history.entries.values(),
             self.means.stability,
-            lambda schedule: self._judged(schedule, given_up) is None,
+            lambda schedule: self.judged(schedule, given_up) is None,
         )
-        return _settled(outcome, whole, kept)
+        return _stabilised(outcome, whole, kept)
+
+
+@dataclass(frozen=True, slots=True)
+class _WithHistory:
+    """What the validator says of a plan with the history before it; None: nothing."""
+
+    remainder: Remainder
+    residual: ResidualProblem
+    whole: Problem
+    given_up: Sequence[int]
+
+    def __call__(self, schedule: Schedule) -> str | None:
+        try:
+            merged = self.residual.merged(self.whole, schedule)
+        except AnswerError as error:
+            return str(error)
+        return self.remainder.judged(merged, self.given_up)
 
 
 def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
@@ -190,11 +201,15 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
         problem = run_passes(problem, _PASSES)
     except ValueError:
         return problem, _impossible("what has begun and the lags of the task contradict each other")
-    if problem.deadline is not None and problem.bound.value > problem.deadline:
-        bound = f"no continuation ends before {problem.time_text(since + problem.bound.value)}"
-        return problem, _impossible(f"{bound} ({problem.bound.reason})")
-    for i in mandatory_places(problem):
-        head, activity = problem.heads[i], problem.activities[i]
+    bound = problem.bounds.makespan
+    if problem.deadline is not None and bound.value > problem.deadline:
+        least = f"no continuation ends before {problem.time_text(since + bound.value)}"
+        return problem, _impossible(f"{least} ({bound.reason})")
+    for i, (activity, head) in enumerate(
+        zip(problem.activities, problem.bounds.heads, strict=True)
+    ):
+        if not least_occurrences(activity):
+            continue
         too_late = _too_late(problem, i, head, head + activity.duration_min, since)
         if too_late is not None:
             return problem, _impossible(too_late)
@@ -229,7 +244,7 @@ def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
         if too_late is not None:
             return _impossible(too_late)
     schedule = schedule_of(problem, placed)
-    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bound.value)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 
 
 def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, now: int) -> Outcome:
@@ -248,12 +263,12 @@ def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, n
     return replace(found, schedule=merged, bound=bound_now, levels=tuple(levels))
 
 
-def _settled(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
+def _stabilised(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
     """The outcome once less of it moves: the bounds are as before, the values may not be."""
     values = worth(whole, schedule)
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
     status = outcome.status
-    if status is Status.OPTIMAL and whole.stability:
+    if status is Status.OPTIMAL and whole.previous.stability:
         status = Status.FEASIBLE
     return replace(outcome, status=status, schedule=schedule, levels=levels)
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable
-from fractions import Fraction
+from typing import Unpack
 
 from irc.checks.events import check_event
 from irc.diagnostics import Code, Findings, InputError, Report
@@ -15,27 +14,25 @@ from irc.execution.replanning import solve_step
 from irc.execution.state import ExecutionState
 from irc.execution.step import Means, Step
 from irc.model import Event, Task
+from irc.model.built import Built, event_of, task_of
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
-from irc.targets import Limits, OnProgress
-
-DEFAULT_SECONDS = 60.0
+from irc.targets import SolveKeywords, SolveOptions
 
 
 class Execution:
     """A task in force, the schedule that is being carried out, and the time.
 
-    `stability` says by how much, in percent, the last objective may get worse to move fewer
-    actions; among equals fewer are moved anyway. Not for several threads at once.
+    The options are those of `irc.SolveOptions`, for each replanning. Not for several threads at
+    once.
 
     >>> import irc
-    >>> task = irc.Task(
-    ...     resources=[{"id": "van"}],
-    ...     actions=[{"id": n, "duration": 10, "uses": [{"resource": "van"}]} for n in "ab"],
-    ... )
+    >>> task = irc.Task()
+    >>> van = task.resource("van")
+    >>> a, b = task.action("a", 10).uses(van), task.action("b", 10).uses(van)
     >>> run = Execution(task, irc.solve(task))
-    >>> run.apply(Event(at=4, changes=[{"op": "set_duration", "action": "a", "duration": 12}])).ok
+    >>> run.apply(irc.Event(4).set_duration(a, 12)).ok
     True
     >>> run.replan().schedule.makespan
     22
@@ -43,37 +40,35 @@ class Execution:
 
     def __init__(
         self,
-        task: Task,
+        task: Task | Built[Task],
         schedule: Schedule,
         at: Number = 0,
         *,
-        target: str = "cpsat",
-        engine: str = "auto",
-        limits: Limits | None = None,
-        stability: float | Fraction = 0,
-        on_progress: OnProgress | None = None,
+        options: SolveOptions | None = None,
+        **more: Unpack[SolveKeywords],
     ) -> None:
         """Raises `InputError` where the schedule says what the task does not have."""
-        _require_known(task, schedule)
-        self.task = task
+        self.task = task_of(task)
+        _require_known(self.task, schedule)
         self.now: Number = at
-        self.means = Means(
-            target,
-            engine,
-            Limits(DEFAULT_SECONDS) if limits is None else limits,
-            Fraction(stability) / 100,
-            on_progress,
-        )
+        self.options = SolveOptions.of(options, more)
         self._schedule = schedule
         self._history = History.of(schedule)
         self._events: list[Event] = []
 
     def copy(self) -> Execution:
         """Another execution that stands where this one does; neither sees what the other does."""
-        other = copy.copy(self)
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
         other._history = self._history.copy()
         other._events = list(self._events)
         return other
+
+    __copy__ = copy
+
+    def __eq__(self, other: object) -> bool:
+        """Equal where they stand at the same point of the same task, and plan alike."""
+        return self.__dict__ == other.__dict__ if isinstance(other, Execution) else NotImplemented
 
     @property
     def schedule(self) -> Schedule:
@@ -122,12 +117,13 @@ class Execution:
         }
         return self.apply(Event.model_validate({"at": self.now, "changes": [change]}))
 
-    def apply(self, event: Event, *, source: Source | None = None) -> Report:
+    def apply(self, event: Event | Built[Event], *, source: Source | None = None) -> Report:
         """Revises the task by an event, now or later: time passes until then.
 
         Raises `InputError` where the event is at fault, and then nothing of it is applied;
         `source` is the text that it was read from. The plan is not repaired before `replan`.
         """
+        event = event_of(event)
         report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
@@ -152,7 +148,9 @@ class Execution:
         Where no continuation exists the step says so, and the old schedule stays. Raises
         `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
         """
-        step = solve_step(self.task, self._history, self.now, self.means, tuple(self._events))
+        step = solve_step(
+            self.task, self._history, self.now, Means.of(self.options), tuple(self._events)
+        )
         if step.schedule.answered:
             self.adopt(step.schedule)
         return step
@@ -167,31 +165,19 @@ class Execution:
 
 
 def replan(
-    task: Task,
+    task: Task | Built[Task],
     schedule: Schedule,
     at: Number,
-    events: Iterable[Event] = (),
+    events: Iterable[Event | Built[Event]] = (),
     *,
-    target: str = "cpsat",
-    engine: str = "auto",
-    limits: Limits | None = None,
-    stability: float | Fraction = 0,
-    on_progress: OnProgress | None = None,
+    options: SolveOptions | None = None,
+    **more: Unpack[SolveKeywords],
 ) -> Step:
     """The schedule of a running task repaired at `at`, after events of that instant.
 
     Raises what `Execution.apply` and `Execution.replan` raise.
     """
-    execution = Execution(
-        task,
-        schedule,
-        at,
-        target=target,
-        engine=engine,
-        limits=limits,
-        stability=stability,
-        on_progress=on_progress,
-    )
+    execution = Execution(task, schedule, at, options=options, **more)
     for event in events:
         execution.apply(event)
     return execution.replan()

@@ -13,24 +13,29 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 
 from irc.execution.conflicts import relaxed
-from irc.execution.executed import Fact, as_fact, earlier_of, fact_of
+from irc.execution.executed import (
+    ExecutedActivity,
+    as_executed,
+    executed_activity,
+    previous_place_of,
+)
 from irc.execution.history import History
-from irc.lowering.choices import NEVER
+from irc.execution.past import known_ranks, past_first
 from irc.model.quantities import Number
-from irc.problem import Activity, Earlier, Group, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
 
 
 @dataclass(frozen=True, slots=True)
 class Frozen:
-    """A problem whose history is fixed. `facts` are by activity; `now` is in ticks.
+    """A problem whose history is fixed. `executed` are by activity; `now` is in ticks.
 
     `helpers` are ids of activities that only say what must hold for a while.
     """
 
     problem: Problem
     now: int
-    facts: Mapping[int, Fact]
+    executed: Mapping[int, ExecutedActivity]
     helpers: frozenset[str] = frozenset()
 
     def half_done(self) -> tuple[int, ...]:
@@ -38,70 +43,106 @@ class Frozen:
         return tuple(k for k, group in enumerate(self.problem.groups) if self._is_half_done(group))
 
     def _is_half_done(self, group: Group) -> bool:
-        begun = [i in self.facts for i in group.members]
+        begun = [i in self.executed for i in group.members]
         return not group.required and any(begun) and not all(begun)
 
 
-def freeze(problem: Problem, history: History, now: Number, ticks: int) -> Frozen:
+def freeze(
+    problem: Problem,
+    history: History,
+    now: Number,
+    ticks: int,
+    world_changes: Collection[str] = (),
+) -> Frozen:
     """The problem of a revised task as of `now` (`ticks` in ticks), given its history.
 
-    Optional groups are as they were: `with_groups` says which of them must be finished. Raises
-    `UnexplainedError` where an entry that has begun says what its action cannot have.
+    `world_changes` are ids of actions that say how the world has changed by itself: what is due has
+    happened. Optional groups are as they were: `with_groups` says which of them must be finished.
+    Raises `UnexplainedError` where an entry that has begun says what its action cannot have.
     """
     state = history.state(now)
     completed, running = _by_action(state.completed), _by_action(state.running)
     planned = _by_action(state.open)
     activities: list[Activity] = []
     further: list[Activity] = []
-    facts: dict[int, Fact] = {}
-    earlier: list[Earlier | None] = []
-    recurring: dict[int, tuple[Earlier, ...]] = {}
+    executed: dict[int, ExecutedActivity] = {}
+    earlier: list[PreviousPlace | None] = []
+    recurring: dict[int, tuple[PreviousPlace, ...]] = {}
     for i, activity in enumerate(problem.activities):
         begun = [(e, False) for e in completed.get(activity.id, ())]
         begun += [(e, True) for e in running.get(activity.id, ())]
-        found = [fact_of(problem, activity, e, running=r) for e, r in begun]
+        by_itself = activity.id in world_changes
+        found = [
+            replace(executed_activity(problem, activity, e, running=r), by_itself=by_itself)
+            for e, r in begun
+        ]
         if activity.details.repeats is not None:
             in_order = sorted(found, key=lambda f: (f.start, f.end))
             first = len(problem.activities)
-            for k, fact in enumerate(in_order, 1):
-                facts[first + len(further)] = fact
-                further.append(_occurrence(as_fact(problem, activity, fact, ticks), k))
+            for k, past in enumerate(in_order, 1):
+                executed[first + len(further)] = past
+                ranks = known_ranks(problem, history, activity, past)
+                further.append(_occurrence(as_executed(problem, activity, past, ticks, ranks), k))
             rest = _rest(activity, in_order)
             if found:
                 previous = first + len(further) - 1
-                rest = replace(rest, details=replace(rest.details, previous=previous))
+                rest = replace(rest, details=replace(rest.details, previous_occurrence=previous))
             activities.append(_open(rest, ticks, activity.id in history.cancelled))
             its = sorted(planned.get(activity.id, ()), key=lambda e: e.occurrence)
-            places = [earlier_of(problem, activity, e) for e in its]
+            places = [previous_place_of(problem, activity, e) for e in its]
             # (Without all of the first ones known, nobody could say which is which.)
             known = [*takewhile(lambda place: place is not None, places)]
             earlier.append(known[0] if known else None)
             recurring[i] = tuple(place for place in known[1:] if place is not None)
         elif found:
-            facts[i] = found[0]
-            activities.append(as_fact(problem, activity, found[0], ticks))
+            executed[i] = found[0]
+            ranks = known_ranks(problem, history, activity, found[0])
+            activities.append(as_executed(problem, activity, found[0], ticks, ranks))
+            earlier.append(None)
+        elif by_itself and _is_due(activity, ticks):
+            executed[i] = _happened(problem, activity)
+            activities.append(activity)
             earlier.append(None)
         else:
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
             entries = planned.get(activity.id)
-            earlier.append(earlier_of(problem, activity, entries[0]) if entries else None)
+            earlier.append(previous_place_of(problem, activity, entries[0]) if entries else None)
     frozen = replace(
         problem,
         activities=(*activities, *_chained(further, len(activities))),
-        earlier=(*earlier, *(None for _ in further)) if any(earlier) else (),
-        recurring=recurring,
+        previous=replace(
+            problem.previous,
+            places=(*earlier, *(None for _ in further)) if any(earlier) else (),
+            recurring=recurring,
+        ),
     )
-    frozen = replace(frozen, wanted=_still_wanted(frozen, facts))
+    frozen = replace(frozen, required=_still_required(frozen, executed))
+    if frozen.variables:
+        frozen, executed = past_first(frozen, executed, ticks)
     count = len(frozen.activities)
-    frozen, facts = relaxed(frozen, facts, ticks)
+    frozen, executed = relaxed(frozen, executed, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
-    return Frozen(frozen, ticks, facts, helpers)
+    return Frozen(frozen, ticks, executed, helpers)
 
 
-def _still_wanted(problem: Problem, facts: Mapping[int, Fact]) -> tuple[int, ...]:
+def _is_due(activity: Activity, now: int) -> bool:
+    return activity.start is not None and activity.start <= now
+
+
+def _happened(problem: Problem, activity: Activity) -> ExecutedActivity:
+    """A change of the world that nobody has planned: it takes place when it does."""
+    assert activity.start is not None
+    time = problem.to_units(activity.start)
+    entry = Entry(activity.id, time, time)
+    return ExecutedActivity(
+        entry, activity.start, activity.start, None, (), running=False, by_itself=True
+    )
+
+
+def _still_required(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> tuple[int, ...]:
     """A goal is reached when one occurrence of its action has begun."""
-    begun = {problem.activities[i].id for i, fact in facts.items() if not fact.cancelled}
-    return tuple(i for i in problem.wanted if problem.activities[i].id not in begun)
+    begun = {problem.activities[i].id for i, past in executed.items() if not past.cancelled}
+    return tuple(i for i in problem.required if problem.activities[i].id not in begun)
 
 
 def _by_action(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
@@ -111,18 +152,18 @@ def _by_action(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
     return found
 
 
-def _rest(activity: Activity, begun: Sequence[Fact]) -> Activity:
+def _rest(activity: Activity, begun: Sequence[ExecutedActivity]) -> Activity:
     """The occurrences that are left of an action that may repeat."""
     assert activity.details.repeats is not None
     least, greatest = activity.details.repeats
-    count = sum(1 for fact in begun if not fact.cancelled)
+    count = sum(1 for past in begun if not past.cancelled)
     least = max(0, least - count)
     greatest = None if greatest is None else max(0, greatest - len(begun))
     details = replace(activity.details, occurrence=len(begun) + 1)
     if greatest is None or greatest > 1:
         return replace(activity, details=replace(details, repeats=(least, greatest)))
     details = replace(details, repeats=None, optional=least == 0)
-    deadline = NEVER if greatest == 0 else activity.deadline
+    deadline = IMPOSSIBLE_DEADLINE if greatest == 0 else activity.deadline
     return replace(activity, deadline=deadline, details=details)
 
 
@@ -135,7 +176,7 @@ def _chained(further: Sequence[Activity], first: int) -> list[Activity]:
     return [
         a
         if a.details.occurrence == 1
-        else replace(a, details=replace(a.details, previous=first + k - 1))
+        else replace(a, details=replace(a.details, previous_occurrence=first + k - 1))
         for k, a in enumerate(further)
     ]
 
@@ -145,7 +186,7 @@ def _open(activity: Activity, now: int, cancelled: bool) -> Activity:
     if not cancelled:
         return replace(activity, release=max(activity.release, now))
     details = replace(activity.details, optional=True, repeats=None)
-    return replace(activity, deadline=NEVER, details=details)
+    return replace(activity, deadline=IMPOSSIBLE_DEADLINE, details=details)
 
 
 def with_groups(frozen: Frozen, given_up: Collection[int]) -> Problem:
@@ -155,16 +196,16 @@ def with_groups(frozen: Frozen, given_up: Collection[int]) -> Problem:
     """
     problem = frozen.problem
     required = {
-        k for k, g in enumerate(problem.groups) if any(i in frozen.facts for i in g.members)
+        k for k, g in enumerate(problem.groups) if any(i in frozen.executed for i in g.members)
     } - set(given_up)
     needed = {i for k in required for i in problem.groups[k].members}
     needed |= {i for g in problem.groups if g.required for i in g.members}
-    gone = {i for k in given_up for i in problem.groups[k].members} - needed - set(frozen.facts)
+    gone = {i for k in given_up for i in problem.groups[k].members} - needed - set(frozen.executed)
     activities = list(problem.activities)
     for i in needed:
         activities[i] = _mandatory(activities[i])
     for i in gone:
-        activities[i] = replace(activities[i], deadline=NEVER)
+        activities[i] = replace(activities[i], deadline=IMPOSSIBLE_DEADLINE)
     return replace(
         problem,
         activities=tuple(activities),

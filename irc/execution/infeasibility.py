@@ -6,7 +6,6 @@ sort of limit is tried for itself, with CP-SAT and for a short time only.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,9 +16,9 @@ from irc.diagnostics import Code, Diagnostic
 from irc.execution.continuation import PROVER, Remainder
 from irc.execution.freeze import with_groups
 from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
-from irc.lowering.choices import NEVER
+from irc.model.state_values import value_text
 from irc.passes import order_from_state
-from irc.problem import Activity, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, PreviousPlan, Problem
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, Status
 from irc.targets import EngineFailed, Refusal, get_backend
@@ -42,13 +41,13 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
     frozen, left = remainder.frozen, remainder.left
     until = time.perf_counter() + (PATIENCE if left is None else min(PATIENCE, left))
     problem = order_from_state(with_groups(frozen, frozen.half_done()))
-    problem = replace(problem, earlier=(), recurring={})
+    problem = replace(problem, previous=PreviousPlan(stability=problem.previous.stability))
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
     backend = get_backend(PROVER)
     prover = replace(remainder, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None:
         return ()
-    search = _Search(problem, helpers.union(frozen.facts), prover, until)
+    search = _Search(problem, helpers.union(frozen.executed), prover, until)
     for sort in _SORTS:
         found = [*sort(search)]
         if found:
@@ -83,7 +82,7 @@ class _Search:
         return [
             (i, a)
             for i, a in enumerate(self.problem.activities)
-            if i not in self.begun and a.deadline != NEVER
+            if i not in self.begun and a.deadline != IMPOSSIBLE_DEADLINE
         ]
 
     def tried(self, relaxed: Problem) -> tuple[Schedule, bool] | None:
@@ -184,7 +183,7 @@ def _goals(search: _Search) -> Iterator[_Reason]:
         rest = problem.goals[:k] + problem.goals[k + 1 :]
         if search.is_possible(replace(problem, goals=rest)):
             variable = problem.variables[v]
-            what = f"{variable.id!r} = {_value(variable.values[value])}"
+            what = f"{variable.id!r} = {value_text(variable.values[value])}"
             yield f"the goal {what} cannot be reached any more", "other goals would help"
 
 
@@ -194,7 +193,7 @@ def _state(search: _Search) -> Iterator[_Reason]:
     for v, variable in enumerate(problem.variables):
         needed = sorted(
             {
-                (a.id, _value(variable.values[c.value]))
+                (a.id, value_text(variable.values[c.value]))
                 for _, a in search.open
                 for c in a.details.conditions
                 if c.var == v
@@ -238,21 +237,21 @@ def _capacities(search: _Search) -> Iterator[_Reason]:
 def _with_plenty(problem: Problem, resource: int, capacity: int) -> Problem:
     """The problem where a resource always has so much."""
     larger = replace(problem.resources[resource], capacity=capacity, windows=())
-    shared = tuple(
-        replace(s, capacity=max(capacity, s.capacity), base=None, windows=())
-        if resource in s.members
-        else s
-        for s in problem.shared
+    pools = tuple(
+        replace(p, capacity=max(capacity, p.capacity), base=None, windows=())
+        if resource in p.members
+        else p
+        for p in problem.contention.pools
     )
-    return replace(problem, resources=_put(problem.resources, resource, larger), shared=shared)
+    return replace(
+        problem,
+        resources=_put(problem.resources, resource, larger),
+        contention=replace(problem.contention, pools=pools),
+    )
 
 
 def _put(items: Sequence[_Item], index: int, item: _Item) -> tuple[_Item, ...]:
     return (*items[:index], item, *items[index + 1 :])
-
-
-def _value(value: bool | str) -> str:
-    return json.dumps(value, ensure_ascii=False)
 
 
 _SORTS: tuple[Callable[[_Search], Iterator[_Reason]], ...] = (

@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
-from irc.execution.executed import Fact
+from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
-from irc.lowering.choices import NEVER
-from irc.problem import Activity, Arc, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Arc, Problem
 
 _NOW = "now"
 """What the instant is called that lags to the past are counted from."""
@@ -21,36 +20,32 @@ class Lags:
 
     def __init__(
         self,
-        facts: Mapping[int, Fact],
+        executed: Mapping[int, ExecutedActivity],
         now: int,
         places: Mapping[int, int],
         activities: list[Activity],
         names: Counter[str],
     ) -> None:
-        self.facts, self.now, self.places = facts, now, places
+        self.executed, self.now, self.places = executed, now, places
         self.activities, self.names = activities, names
         self.arcs: list[Arc] = []
         self.anchor: int | None = None
 
-    def add(self, arc: Arc, *, keep: bool) -> None:
-        """Adds an arc of the frozen problem.
+    def add(self, arc: Arc, renumbered: Arc | None, *, keep: bool) -> None:
+        """Adds an arc of the frozen problem; `renumbered` is the same in what is left, if there.
 
         With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
         """
         left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
             arc.after, arc.to_end
         )
-        if keep and left:
-            self.arcs.append(
-                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
-            )
+        if renumbered is not None and keep and left:
+            self.arcs.append(renumbered)
             return
         before = self._known(arc.before, at_end=arc.from_end)
         after = self._known(arc.after, at_end=arc.to_end)
-        if before is None and after is None:
-            self.arcs.append(
-                arc._replace(before=self.places[arc.before], after=self.places[arc.after])
-            )
+        if renumbered is not None and before is None and after is None:
+            self.arcs.append(renumbered)
         elif before is not None and after is None:
             least = before + arc.min_lag
             most = None if arc.max_lag is None else before + arc.max_lag
@@ -61,19 +56,19 @@ class Lags:
 
     def _is_to_come(self, i: int, at_end: bool) -> bool:
         """Whether a point of an activity is one of what is left."""
-        fact = self.facts.get(i)
-        return fact is None or (i in self.places and (at_end or fact.start == self.now))
+        past = self.executed.get(i)
+        return past is None or (i in self.places and (at_end or past.start == self.now))
 
     def _known(self, i: int, *, at_end: bool) -> int | None:
-        """When a point of a fact is, from now on; None where it is still to be decided."""
-        fact = self.facts.get(i)
-        if fact is None:
+        """When a point of what has begun is, from now on; None where it is still to be decided."""
+        past = self.executed.get(i)
+        if past is None:
             return None
         if not at_end:
-            return fact.start - self.now
+            return past.start - self.now
         if i in self.places and not self.activities[self.places[i]].is_fixed:
             return None
-        return fact.end - self.now
+        return past.end - self.now
 
     def _between(self, i: int, at_end: bool, least: int | None, most: int | None) -> None:
         """A point of activity i lies between two instants."""
@@ -82,7 +77,7 @@ class Lags:
             release = least - activity.duration_min if at_end else least
             activity, least = replace(activity, release=max(activity.release, release)), None
         if most is not None and (activity.is_fixed or at_end):
-            deadline = max(NEVER, most if at_end else most + activity.duration_min)
+            deadline = max(IMPOSSIBLE_DEADLINE, most if at_end else most + activity.duration_min)
             if activity.deadline is None or deadline < activity.deadline:
                 activity = replace(activity, deadline=deadline)
             most = None
@@ -101,16 +96,18 @@ class Lags:
         return self.anchor
 
 
-def twins(problem: Problem, facts: Mapping[int, Fact], places: Mapping[int, int]) -> Iterator[Arc]:
+def twins(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], places: Mapping[int, int]
+) -> Iterator[Arc]:
     """Of what began together and ends together, the ends come in the order of the starts.
 
     (With a fixed duration both have the same rank.)
     """
     alike: dict[tuple[int, int], list[int]] = {}
     for i in sorted(places):
-        if i in facts and problem.activities[i].is_fixed:
-            alike.setdefault((facts[i].start, facts[i].end), []).append(i)
+        if i in executed and problem.activities[i].is_fixed:
+            alike.setdefault((executed[i].start, executed[i].end), []).append(i)
     for its in alike.values():
-        for i, j in pairwise(sorted(its, key=lambda i: facts[i].rank)):
-            if facts[i].rank < facts[j].rank:
+        for i, j in pairwise(sorted(its, key=lambda i: executed[i].rank)):
+            if executed[i].rank < executed[j].rank:
                 yield Arc(places[i], places[j], to_end=True, origin=-1)

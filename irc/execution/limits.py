@@ -7,8 +7,9 @@ from dataclasses import replace
 from enum import Enum
 from typing import NamedTuple
 
-from irc.lowering.choices import NEVER
-from irc.problem import Arc, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Arc, Problem
+from irc.problem.arc_text import arc_in_words
+from irc.problem.statements import Side
 from irc.schedule import Schedule
 
 
@@ -33,7 +34,7 @@ def time_limits(problem: Problem, begun: Collection[int]) -> Iterator[Limit]:
     if problem.deadline is not None:
         yield Limit(Sort.ALL)
     for i, activity in enumerate(problem.activities):
-        if i in begun or activity.deadline == NEVER:
+        if i in begun or activity.deadline == IMPOSSIBLE_DEADLINE:
             continue
         if activity.deadline is not None:
             yield Limit(Sort.DEADLINE, i)
@@ -98,7 +99,7 @@ def _times(problem: Problem, schedule: Schedule, at_end: bool) -> dict[int, int]
     for i, activity in enumerate(problem.activities):
         entry = entries.get((activity.id, activity.details.occurrence))
         if entry is not None:
-            times[i] = int((entry.end if at_end else entry.start) / problem.tick)
+            times[i] = problem.whole_ticks(entry.end if at_end else entry.start)
     return times
 
 
@@ -111,13 +112,8 @@ def in_words(problem: Problem, limit: Limit, needed: str, only: bool) -> str:
         limited = text(problem.deadline or 0)
         return f"everything must end by {limited}, {could} {needed}"
     if sort is Sort.LAG:
-        arc = problem.arcs[i]
-        after, before = problem.activities[arc.after].id, problem.activities[arc.before].id
-        most = text(arc.max_lag or 0)
-        return (
-            f"{after!r} must {'end' if arc.to_end else 'start'} at most {most} after {before!r} "
-            f"{'ends' if arc.from_end else 'starts'}, and the best plan found has {needed}"
-        )
+        lag = arc_in_words(problem, problem.arcs[i], Side.MOST, must=True)
+        return f"{lag}, and the best plan found has {needed}"
     activity = problem.activities[i]
     if sort is Sort.DEADLINE:
         return f"{activity.id!r} must end by {text(activity.deadline or 0)}, {could} {needed}"

@@ -11,7 +11,6 @@ from irc.driver.judge import finish
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
 from irc.execution.continuation import Remainder
-from irc.execution.executed import UnexplainedError, ticks_of
 from irc.execution.freeze import Frozen, freeze
 from irc.execution.history import History, ids
 from irc.execution.infeasibility import what_is_in_the_way
@@ -19,8 +18,10 @@ from irc.execution.step import Means, Step, moved
 from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.model.quantities import Number
+from irc.model.world_changes import is_world_change
 from irc.passes.contention import merge_pools
 from irc.problem import Problem
+from irc.problem.choices import UnexplainedError
 from irc.schedule import Schedule, Status
 from irc.targets import EngineFailed, get_backend, require_support
 
@@ -45,7 +46,9 @@ def solve_step(
     engine = backend.engine(means.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
-    problem = replace(lower(task, instants), stability=means.stability)
+    problem = lower(task, instants)
+    previous = replace(problem.previous, stability=means.stability)
+    problem = replace(problem, previous=previous)
     if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
         problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
@@ -79,14 +82,15 @@ def _choices(problem: Problem) -> int:
     return sum(
         len(claim.alternatives)
         for activity in problem.activities
-        for claim in activity.claims
+        for claim in activity.open_demands
         if len(claim.alternatives) > 1
     )
 
 
 def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Frozen:
     try:
-        return freeze(problem, history, at, ticks_of(problem, at))
+        changes = {a.id for a in task.actions if is_world_change(a, task.clock)}
+        return freeze(problem, history, at, problem.whole_ticks(at), changes)
     except UnexplainedError as error:
         entry = error.entry
         findings = Findings()

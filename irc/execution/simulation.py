@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import groupby
-from typing import Any
+from typing import Any, Unpack
 
 from irc.driver.solve import solve_task
-from irc.execution.execution import DEFAULT_SECONDS, Execution
+from irc.execution.execution import Execution
 from irc.execution.step import Step
 from irc.model import Event, Task
+from irc.model.built import Built, task_of
 from irc.model.times import json_number
 from irc.schedule import Schedule
-from irc.targets import Limits
+from irc.targets import SolveKeywords, SolveOptions
 
 SIMULATION_VERSION = "1"
 
@@ -41,37 +41,43 @@ class Simulation:
         """How often a planned action was moved, over all steps."""
         return sum(step.moved for step in self.steps)
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc simulate --format json` prints."""
         final = self.final
         return {
             "irc_simulation": SIMULATION_VERSION,
             "task": self.task,
-            "steps": [step.as_json() for step in self.steps],
-            "final": final.as_json(),
+            "steps": [step.to_dict() for step in self.steps],
+            "final": final.to_dict(),
             "makespan": json_number(final.makespan) if final.answered else None,
             "moved": self.moved,
         }
 
 
 def simulate(
-    task: Task,
+    task: Task | Built[Task],
     *,
     schedule: Schedule | None = None,
-    target: str = "cpsat",
-    engine: str = "auto",
-    limits: Limits | None = None,
-    stability: float | Fraction = 0,
     on_step: OnStep | None = None,
+    options: SolveOptions | None = None,
+    **more: Unpack[SolveKeywords],
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
-    Events of one instant make one step, in their order. `limits` hold for each step. Raises what
-    `irc.solve` and `Execution` raise, after `on_step` has been told of all steps before.
+    Events of one instant make one step, in their order. The options are those of `SolveOptions`;
+    limits hold for each step. Raises what `irc.solve` and `Execution` raise, after `on_step` has
+    been called for all steps before.
     """
-    limits = Limits(DEFAULT_SECONDS) if limits is None else limits
+    chosen, task = SolveOptions.of(options, more), task_of(task)
     if schedule is None:
-        answer = solve_task(task, target, engine, limits)
+        answer = solve_task(
+            task,
+            chosen.target,
+            chosen.engine,
+            chosen.limits,
+            shortcut=chosen.shortcut,
+            on_progress=chosen.on_progress,
+        )
         schedule, notes = answer.schedule, answer.notes
     else:
         notes = ()
@@ -80,9 +86,7 @@ def simulate(
         on_step(steps[0])
     if not schedule.answered:
         return Simulation(task.name, tuple(steps))
-    execution = Execution(
-        task, schedule, target=target, engine=engine, limits=limits, stability=stability
-    )
+    execution = Execution(task, schedule, options=chosen)
     for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
         for event in same:
             execution.apply(event)

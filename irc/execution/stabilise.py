@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from irc.execution.executed import UnexplainedError, choices_of, ticks_of
 from irc.execution.state import key_of
 from irc.model.quantities import Number
-from irc.problem import Activity, Problem
+from irc.problem import PreviousPlan, Problem
+from irc.problem.choices import UnexplainedError, decision_of
 from irc.problem.decisions import ABSENT, AnswerError, Decision, Moment
 from irc.problem.objective_values import costs
 from irc.retiming.retime import retime
@@ -27,7 +27,7 @@ PATIENCE = 1.0
 """Seconds."""
 
 
-def settled(
+def stabilised(
     problem: Problem,
     schedule: Schedule,
     old: Iterable[Entry],
@@ -40,7 +40,7 @@ def settled(
     one as a whole is the best of all if `is_valid` finds nothing against it. With occurrences of
     actions that repeat there is nothing between that and the schedule as it is.
     """
-    if not any(problem.earlier):
+    if not any(problem.previous.places):
         return schedule
     limits = _limits(problem, schedule, stability)
     whole = Schedule(tuple(sorted(old, key=lambda e: (e.start, e.end, e.id))))
@@ -51,13 +51,13 @@ def settled(
     before, now = _decisions(problem, whole.entries), _decisions(problem, schedule.entries)
     can_stay = [
         i
-        for i, earlier in enumerate(problem.earlier)
-        if earlier is not None
+        for i, place in enumerate(problem.previous.places)
+        if place is not None
         and before[i].present
         and now[i].present
         and _place(before[i]) != _place(now[i])
     ]
-    search = _Settling(problem, before, now, limits, schedule)
+    search = _Stabilising(problem, before, now, limits, schedule)
     search.keep_most_of(sorted(can_stay, key=lambda i: before[i].start))
     return search.best if is_valid(search.best) else schedule
 
@@ -73,22 +73,10 @@ def _decisions(problem: Problem, entries: Iterable[Entry]) -> list[Decision]:
     for activity in problem.activities:
         entry = known.get((activity.id, activity.details.occurrence))
         try:
-            decisions.append(ABSENT if entry is None else _decision(problem, activity, entry))
+            decisions.append(ABSENT if entry is None else decision_of(problem, activity, entry))
         except UnexplainedError:  # An event has taken away the mode or the resource.
             decisions.append(ABSENT)
     return decisions
-
-
-def _decision(problem: Problem, activity: Activity, entry: Entry) -> Decision:
-    mode, chosen = choices_of(problem, activity, entry)
-    return Decision(
-        ticks_of(problem, entry.start),
-        ticks_of(problem, entry.end),
-        chosen or (),
-        mode=mode,
-        rank=entry.rank,
-        end_rank=entry.last_rank,
-    )
 
 
 def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[str, Number]:
@@ -111,7 +99,7 @@ def _is_within(limits: dict[str, Number], costs: dict[str, Number]) -> bool:
 
 
 @dataclass
-class _Settling:
+class _Stabilising:
     problem: Problem
     before: Sequence[Decision]
     now: Sequence[Decision]
@@ -135,17 +123,19 @@ class _Settling:
         activities = list(self.problem.activities)
         there = list(self.now)
         for i in candidates:
-            activities[i] = replace(activities[i], start=int(self.before[i].start))
+            place = self.problem.previous.places[i]
+            assert place is not None
+            activities[i] = replace(activities[i], start=place.start)
             length = self._length(i)
             there[i] = replace(self.before[i], end=self.before[i].start + length)
-        problem = replace(self.problem, activities=tuple(activities), earlier=())
+        problem = replace(self.problem, activities=tuple(activities), previous=PreviousPlan())
         same_choices = all(
             (self.before[i].mode, self.before[i].chosen) == (self.now[i].mode, self.now[i].chosen)
             for i in candidates
         )
         for decisions in (there, self.now) if same_choices else (there,):
             if self._can_be(problem, decisions):
-                self.problem = replace(problem, earlier=self.problem.earlier)
+                self.problem = replace(problem, previous=self.problem.previous)
                 self.now = decisions
                 return True
         return False

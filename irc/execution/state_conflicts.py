@@ -2,61 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from irc.execution.executed import Fact
+from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
 from irc.problem import Activity, Condition, Details, Problem
 from irc.schedule import Entry
 
-Write = tuple[int, int, int]
-"""(time, value, activity)."""
+Write = tuple[int, int, int, int]
+"""(time, stage, value, activity). At an instant at which the past comes first, stage 0 is what
+ended then, 1 a change of the world, 2 what starts then; at any other instant all is one stage."""
 
 
 def without_broken_conditions(
-    problem: Problem, facts: Mapping[int, Fact], now: int
-) -> tuple[Problem, dict[int, Fact]]:
-    """Conditions of facts that no order of the facts' own effects makes true are dropped."""
-    written = _writes(problem, facts)
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> tuple[Problem, dict[int, ExecutedActivity]]:
+    """Drops conditions of executed activities that no order of their own effects makes true."""
+    staged = {now, *(f.start for f in executed.values() if f.by_itself)}
+    written = _writes(problem, executed, staged)
     open_values = {
         (e.var, e.value)
         for i, a in enumerate(problem.activities)
-        if i not in facts
+        if i not in executed
         for e in a.details.effects
     }
     activities = list(problem.activities)
-    helpers: list[tuple[Activity, Fact]] = []
-    for i, fact in facts.items():
+    helpers: list[tuple[Activity, ExecutedActivity]] = []
+    for i, past in executed.items():
         details = activities[i].details
         if not details.conditions:
             continue
         kept = []
         for c in details.conditions:
             writes = written.get(c.var, [])
-            if _can_hold(problem, writes, c, i, fact, open_values):
+            if _can_hold(problem, writes, c, i, past, open_values, staged):
                 kept.append(c)
-            elif fact.running and c.at == "all":
-                helpers += _held_until_broken(problem, writes, c, i, fact, now)
+            elif past.running and c.at == "all":
+                helpers += _held_until_broken(problem, writes, c, i, past, now)
         if len(kept) < len(details.conditions):
             conditions = tuple(kept)
             activities[i] = replace(activities[i], details=replace(details, conditions=conditions))
     changed = replace(
         problem,
         activities=(*activities, *(a for a, _ in helpers)),
-        earlier=problem.earlier and (*problem.earlier, *(None for _ in helpers)),
+        previous=replace(
+            problem.previous,
+            places=problem.previous.places and (*problem.previous.places, *(None for _ in helpers)),
+        ),
     )
-    return changed, {**facts, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
+    return changed, {**executed, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
 
 
 def _held_until_broken(
-    problem: Problem, writes: list[Write], condition: Condition, i: int, fact: Fact, now: int
-) -> list[tuple[Activity, Fact]]:
-    """A helper that holds a condition from now until a fact breaks it; none where it is broken."""
+    problem: Problem,
+    writes: list[Write],
+    condition: Condition,
+    i: int,
+    past: ExecutedActivity,
+    now: int,
+) -> list[tuple[Activity, ExecutedActivity]]:
+    """A helper that holds a condition until an executed activity breaks it; none if broken now."""
     initial = problem.variables[condition.var].initial
     if condition.value not in _values_at(now, writes, initial):
         return []
-    breaks = [t for t, v, j in writes if j != i and now < t < fact.end and v != condition.value]
+    breaks = [t for t, _, v, j in writes if j != i and now < t < past.end and v != condition.value]
     if not breaks:
         return []
     who, var = problem.activities[i].id, problem.variables[condition.var].id
@@ -65,23 +75,28 @@ def _held_until_broken(
     details = Details(conditions=(condition,))
     helper = Activity(name, length, length, release=now, start=now, details=details)
     entry = Entry(name, problem.to_units(now), problem.to_units(breaks[0]))
-    return [(helper, Fact(entry, now, breaks[0], None, (), running=True))]
+    return [(helper, ExecutedActivity(entry, now, breaks[0], None, (), running=True))]
 
 
-def _writes(problem: Problem, facts: Mapping[int, Fact]) -> dict[int, list[Write]]:
-    """What facts, and changes of the world that are due, do to each variable, by time."""
+def _writes(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], staged: Collection[int]
+) -> dict[int, list[Write]]:
+    """What executed activities, and world changes that are due, do to each variable, by time."""
     written: dict[int, list[Write]] = {}
     for i, activity in enumerate(problem.activities):
-        fact = facts.get(i)
-        if fact is not None:
-            start, end = fact.start, fact.end
+        past = executed.get(i)
+        if past is not None:
+            start, end = past.start, past.end
         elif activity.start is not None and not activity.details.optional and activity.is_fixed:
             start, end = activity.start, activity.start + activity.duration_min
         else:
             continue
         for effect in activity.details.effects:
             time = end if effect.at_end else start
-            written.setdefault(effect.var, []).append((time, effect.value, i))
+            stage = 2
+            if time in staged and past is not None:
+                stage = 1 if past.by_itself else 0 if past.start < time else 2
+            written.setdefault(effect.var, []).append((time, stage, effect.value, i))
     for writes in written.values():
         writes.sort()
     return written
@@ -92,30 +107,34 @@ def _can_hold(
     writes: list[Write],
     condition: Condition,
     i: int,
-    fact: Fact,
+    past: ExecutedActivity,
     open_values: set[tuple[int, int]],
+    staged: Collection[int],
 ) -> bool:
-    others = [w for w in writes if w[2] != i]
+    others = [w for w in writes if w[3] != i]
     initial = problem.variables[condition.var].initial
     if condition.at == "all":
-        if fact.end <= fact.start:
+        if past.end <= past.start:
             instant = problem.activities[i].is_fixed
-            return not instant or condition.value in _values_at(fact.start, others, initial)
-        breaks = any(fact.start < t < fact.end and v != condition.value for t, v, _ in others)
-        return not breaks and condition.value in _values_at(fact.start, writes, initial)
-    time = fact.end if condition.at == "end" else fact.start
-    if condition.value in _values_at(time, writes if condition.at == "end" else others, initial):
+            return not instant or condition.value in _values_at(past.start, others, initial)
+        breaks = any(past.start < t < past.end and v != condition.value for t, _, v, _ in others)
+        return not breaks and condition.value in _values_at(past.start, writes, initial)
+    time = past.end if condition.at == "end" else past.start
+    stage = 0 if time in staged and past.start < time else 2
+    if condition.value in _values_at(
+        time, writes if condition.at == "end" else others, initial, stage
+    ):
         return True
     return (
-        fact.running and condition.at == "end" and ((condition.var, condition.value) in open_values)
+        past.running and condition.at == "end" and ((condition.var, condition.value) in open_values)
     )
 
 
-def _values_at(time: int, writes: list[Write], initial: int) -> set[int]:
-    """What a variable can be at an instant, in whichever order the writes of it come."""
-    before = [w for w in writes if w[0] < time]
-    values = {v for t, v, _ in writes if t == time}
+def _values_at(time: int, writes: list[Write], initial: int, stage: int = 2) -> set[int]:
+    """What a variable can be at a stage of an instant, in whichever order its writes come."""
+    here = {v for t, s, v, _ in writes if (t, s) == (time, stage)}
+    before = [w for w in writes if w[:2] < (time, stage)]
     if not before:
-        return values | {initial}
-    last = before[-1][0]
-    return values | {v for t, v, _ in before if t == last}
+        return here | {initial}
+    last = before[-1][:2]
+    return here | {v for t, s, v, _ in before if (t, s) == last}

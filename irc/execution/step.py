@@ -14,7 +14,7 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits, OnProgress
+from irc.targets import Limits, OnProgress, SolveOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +26,13 @@ class Means:
     limits: Limits = field(default_factory=Limits)
     stability: Fraction = Fraction(0)
     on_progress: OnProgress | None = None
+
+    @classmethod
+    def of(cls, options: SolveOptions) -> Means:
+        """Those that options name."""
+        return cls(
+            options.target, options.engine, options.limits, options.share, options.on_progress
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +54,7 @@ class Step:
     notes: tuple[Diagnostic, ...] = ()
     abandoned: tuple[str, ...] = ()
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The step as `irc simulate --format json` has it."""
         return {
             "at": json_number(self.at),
@@ -56,8 +63,8 @@ class Step:
             "running": list(self.running),
             "moved": self.moved,
             "abandoned": list(self.abandoned),
-            "notes": [note.as_json() for note in self.notes],
-            "schedule": self.schedule.as_json(),
+            "notes": [note.to_dict() for note in self.notes],
+            "schedule": self.schedule.to_dict(),
         }
 
 

@@ -14,19 +14,19 @@ from dataclasses import replace
 from itertools import groupby
 from typing import NamedTuple
 
-from irc.execution.executed import Fact
+from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
 from irc.problem import Activity, Problem, StockChange
 
 _Loans = list[int]
-"""What is lent after each of the changes that facts make."""
+"""What is lent after each of the changes that executed activities make."""
 
 _NO_LEAST = -(1 << 50)
 """Where a reservoir has no least level: sums with it still fit 64 bits."""
 
 
 class _Happened(NamedTuple):
-    """A change of a reservoir that a fact makes."""
+    """A change of a reservoir that an executed activity makes."""
 
     time: int
     activity: int
@@ -34,14 +34,16 @@ class _Happened(NamedTuple):
     amount: int
 
 
-def with_stock_lent(problem: Problem, facts: Mapping[int, Fact], now: int) -> Problem:
+def with_stock_lent(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> Problem:
     """The problem in which history keeps the bounds of every reservoir.
 
     What it would break only after `now` is lent as far as nothing open can make it good.
     """
     for k in range(len(problem.reservoirs)):
-        happened = sorted(_happened(problem, facts, k))
-        supply, demand = _open_changes(problem, facts, k)
+        happened = sorted(_happened(problem, executed, k))
+        supply, demand = _open_changes(problem, executed, k)
         reservoir = problem.reservoirs[k]
         lent = _loans(happened, reservoir.initial - reservoir.least, now, supply)
         excess = [0 for _ in lent]
@@ -52,27 +54,29 @@ def with_stock_lent(problem: Problem, facts: Mapping[int, Fact], now: int) -> Pr
             continue
         if reservoir.greatest is not None:
             problem, twin = _with_twin(problem, k)
-            problem = _lend(problem, facts, twin, happened, [-loan for loan in excess])
-        problem = _lend(problem, facts, k, happened, lent)
+            problem = _lend(problem, executed, twin, happened, [-loan for loan in excess])
+        problem = _lend(problem, executed, k, happened, lent)
     return problem
 
 
-def _happened(problem: Problem, facts: Mapping[int, Fact], k: int) -> Iterator[_Happened]:
-    for i, fact in facts.items():
+def _happened(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], k: int
+) -> Iterator[_Happened]:
+    for i, past in executed.items():
         for change in problem.activities[i].details.stock:
             if change.reservoir == k:
-                time = fact.end if change.at_end else fact.start
+                time = past.end if change.at_end else past.start
                 yield _Happened(time, i, change.at_end, change.amount)
 
 
 def _open_changes(
-    problem: Problem, facts: Mapping[int, Fact], k: int
+    problem: Problem, executed: Mapping[int, ExecutedActivity], k: int
 ) -> tuple[int | None, int | None]:
     """How much what is open can put in and take out at most; None: no limit."""
     changes = [
         (change.amount, activity.details.repeats)
         for i, activity in enumerate(problem.activities)
-        if i not in facts and not _is_too_late(activity)
+        if i not in executed and not _is_too_late(activity)
         for change in activity.details.stock
         if change.reservoir == k
     ]
@@ -137,12 +141,12 @@ def _with_twin(problem: Problem, k: int) -> tuple[Problem, int]:
 
 def _lend(
     problem: Problem,
-    facts: Mapping[int, Fact],
+    executed: Mapping[int, ExecutedActivity],
     k: int,
     happened: Sequence[_Happened],
     loans: _Loans,
 ) -> Problem:
-    """The problem in which the changes that facts make to reservoir k also lend and take back."""
+    """The problem in which what has begun also lends of reservoir k, and takes back."""
     activities = list(problem.activities)
     extra: dict[tuple[int, bool], int] = {}
     for change, before, after in zip(happened, (0, *loans), loans, strict=False):
@@ -153,16 +157,18 @@ def _lend(
             lent = StockChange(k, amount, at_end)
             activities[i] = _with_stock(activities[i], (*activities[i].details.stock, lent))
     if loans[-1:] != [0]:
-        _pay_back(activities, facts, k, loans[-1])
+        _pay_back(activities, executed, k, loans[-1])
     return replace(problem, activities=tuple(activities))
 
 
-def _pay_back(activities: list[Activity], facts: Mapping[int, Fact], k: int, loan: int) -> None:
+def _pay_back(
+    activities: list[Activity], executed: Mapping[int, ExecutedActivity], k: int, loan: int
+) -> None:
     """What history never makes up for comes out of what the only open supplier brings."""
     suppliers = {
         i
         for i, activity in enumerate(activities)
-        if i not in facts
+        if i not in executed
         for change in activity.details.stock
         if change.reservoir == k and change.amount * loan > 0
     }

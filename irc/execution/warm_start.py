@@ -10,22 +10,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from irc.execution.executed import Fact, UnexplainedError, choices_of
+from irc.execution.executed import ExecutedActivity, frozen_choices
 from irc.execution.state import Key
-from irc.model.quantities import exact
 from irc.passes.critical_path import heads_and_tails
-from irc.passes.resource_profile import NEVER
+from irc.passes.resource_profile import UNREACHABLE_TIME
 from irc.passes.serial_sgs import list_schedule
-from irc.problem import PLAIN, Arc, Problem
-from irc.problem.decisions import ABSENT, AnswerError, Decision, Placed
+from irc.problem import PLAIN, Arc, PreviousPlan, Problem
+from irc.problem.choices import UnexplainedError, decision_of, members_taken
+from irc.problem.decisions import ABSENT, AnswerError, Decision, Placed, as_decision
 from irc.retiming.retime import retime
 from irc.retiming.selection import Selection, select
 from irc.retiming.state import Order, state_orders
 from irc.schedule import Entry
 
 
-def repaired(
-    problem: Problem, facts: Mapping[int, Fact], plan: Mapping[Key, Entry]
+def warm_start(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], plan: Mapping[Key, Entry]
 ) -> tuple[Placed, ...]:
     """A place for each activity of a frozen problem, after the passes; nothing where none is found.
 
@@ -34,39 +34,38 @@ def repaired(
     """
     if any(a.details.repeats is not None for a in problem.activities):
         return ()
-    before = [_before(problem, i, facts.get(i), plan) for i in range(len(problem.activities))]
+    before = [_before(problem, i, executed.get(i), plan) for i in range(len(problem.activities))]
     if not _keeps_groups(problem, before):
         return ()
     try:
         selection = select(problem, before)
         orders = state_orders(selection.problem, selection.decisions, 0)
         found = _list_scheduled(problem, selection, orders)
-        return () if found is None else retime(replace(problem, earlier=()), found)
+        return () if found is None else retime(replace(problem, previous=PreviousPlan()), found)
     except (AnswerError, UnexplainedError, ValueError):  # The old order does not survive.
         return ()
 
 
-def _before(problem: Problem, i: int, fact: Fact | None, plan: Mapping[Key, Entry]) -> Decision:
+def _before(
+    problem: Problem, i: int, past: ExecutedActivity | None, plan: Mapping[Key, Entry]
+) -> Decision:
     """Where an activity was planned; what is new and must be there is last."""
     activity = problem.activities[i]
     entry = plan.get((activity.id, activity.details.occurrence))
-    if entry is None and fact is not None:
-        entry = fact.entry
+    if entry is None and past is not None:
+        entry = past.entry
     possible = activity.deadline is None or activity.deadline >= activity.release
     if entry is None or not possible:
         if activity.details.optional:
             return ABSENT
         mode = 0 if activity.details.modes else None
-        return Decision(NEVER, NEVER + activity.duration_min, (), mode=mode)
-    if fact is not None:
-        mode = 0 if activity.details.modes else None
-        chosen: tuple[int | None, ...] = tuple(use.alternatives[0] for use in activity.uses)
-    else:
-        mode, resources = choices_of(problem, activity, entry)
-        chosen = resources or ()
+        return Decision(UNREACHABLE_TIME, UNREACHABLE_TIME + activity.duration_min, (), mode=mode)
+    if past is None:
+        return decision_of(problem, activity, entry)
+    mode, chosen = frozen_choices(activity)
     return Decision(
-        exact(entry.start / problem.tick),
-        exact(entry.end / problem.tick),
+        problem.to_ticks(entry.start),
+        problem.to_ticks(entry.end),
         chosen,
         mode=mode,
         rank=entry.rank,
@@ -80,7 +79,7 @@ def _keeps_groups(problem: Problem, decisions: Sequence[Decision]) -> bool:
         there = [decisions[i].present for i in group.members]
         if not all(there) and (group.required or any(there)):
             return False
-    return all(decisions[i].present for i in problem.wanted)
+    return all(decisions[i].present for i in problem.required)
 
 
 def _list_scheduled(
@@ -88,13 +87,7 @@ def _list_scheduled(
 ) -> list[Decision] | None:
     """Decisions about the whole problem, from a list schedule of what is there."""
     chosen = selection.problem
-    activities = []
-    for k, i in enumerate(selection.kept):
-        place = {u: n for n, u in enumerate(selection.uses[k])}
-        claims = tuple(
-            c._replace(use=place[c.use]) for c in problem.activities[i].claims if c.use in place
-        )
-        activities.append(replace(chosen.activities[k], claims=claims, details=PLAIN))
+    activities = [replace(a, details=PLAIN) for a in chosen.activities]
     arcs = [
         Arc(o.before.activity, o.after.activity, o.before.at_end, o.after.at_end, 0, None, -1)
         for o in orders
@@ -106,17 +99,18 @@ def _list_scheduled(
         variables=(),
         goals=(),
         groups=(),
-        wanted=(),
+        required=(),
         reservoirs=(),
-        sequel=(),
-        earlier=(),
+        state_precedences=(),
+        previous=PreviousPlan(),
     )
     plain = heads_and_tails(plain)
     starts = [int(d.start) for d in selection.decisions]
     order = [
-        s - NEVER if a.start is not None else s for s, a in zip(starts, activities, strict=True)
+        s - UNREACHABLE_TIME if a.start is not None else s
+        for s, a in zip(starts, activities, strict=True)
     ]
-    floors = [0 if start >= NEVER else start for start in starts]
+    floors = [0 if start >= UNREACHABLE_TIME else start for start in starts]
     found = [f for f in (list_schedule(plain, order, floors), list_schedule(plain, order)) if f]
     if not found:
         return None
@@ -139,21 +133,10 @@ def _spread(
         [Placed(int(d.start), int(d.end), ()) for d in decisions],
         orders,
     )
-    spread = [ABSENT] * len(problem.activities)
-    for k, i in enumerate(selection.kept):
-        activity = problem.activities[i]
-        taken: list[int | None] = [None] * len(activity.uses)
-        kept = [c for c in activity.claims if c.use in selection.uses[k]]
-        for claim, r in zip(kept, choices[k], strict=True):
-            members = problem.shared[r].members
-            taken[claim.use] = members[0] if len(members) == 1 else None
-        place = placed[k]
-        spread[i] = Decision(
-            place.start,
-            place.end,
-            tuple(taken),
-            mode=selection.decisions[k].mode,
-            rank=place.rank,
-            end_rank=place.end_rank,
+    with_resources = [
+        replace(place, resources=members_taken(selection.problem, activity, taken))
+        for place, activity, taken in zip(
+            placed, selection.problem.activities, choices, strict=True
         )
-    return spread
+    ]
+    return [as_decision(place) for place in selection.spread(problem, with_resources)]

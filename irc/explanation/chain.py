@@ -29,7 +29,6 @@ from irc.problem.statements import (
     start_point,
 )
 from irc.retiming.resources import resource_orders
-from irc.retiming.slack import to_ticks
 from irc.schedule import Schedule
 
 
@@ -128,7 +127,7 @@ def _times(problem: Problem, schedule: Schedule) -> list[int] | None:
     times = [0]
     for activity in problem.activities:
         entry = by_id[activity.id]
-        for moment in (to_ticks(problem, entry.start), to_ticks(problem, entry.end)):
+        for moment in (problem.to_ticks(entry.start), problem.to_ticks(entry.end)):
             if not isinstance(moment, int):
                 return None
             times.append(moment)

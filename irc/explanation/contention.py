@@ -17,7 +17,7 @@ from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.energy import energy_bound
 from irc.passes.serial_sgs import list_schedule
-from irc.problem import Activity, Claim, Problem
+from irc.problem import Activity, OpenDemand, Problem
 from irc.problem.horizon import safe_horizon
 from irc.problem.statements import (
     Kind,
@@ -140,7 +140,9 @@ class _Search:
         A conflict of all statements is one of these too: such a resource never decides anything.
         """
         settled = drop_uncontended(merge_pools(self.problem))
-        uses = {(i, claim.use) for i, a in enumerate(settled.activities) for claim in a.claims}
+        uses = {
+            (i, demand.use) for i, a in enumerate(settled.activities) for demand in a.open_demands
+        }
         resources = {r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives}
         return [
             s
@@ -151,14 +153,14 @@ class _Search:
 
     def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
         uses = {(s.of, s.use): s for s in sorted(statements) if s.kind is Kind.USE}
-        claims: dict[int, list[Claim]] = {}
+        demands: dict[int, list[OpenDemand]] = {}
         for i, u in uses:
             of = self.problem.activities[i].uses[u]
-            claims.setdefault(i, []).append(Claim(u, of.alternatives, of.amount))
+            demands.setdefault(i, []).append(OpenDemand(u, of.alternatives, of.amount))
         bare = replace(
             self.problem,
             activities=tuple(
-                Activity(a.id, 0, self.horizon, uses=a.uses, claims=tuple(claims.get(i, ())))
+                Activity(a.id, 0, self.horizon, uses=a.uses, open_demands=tuple(demands.get(i, ())))
                 for i, a in enumerate(self.problem.activities)
             ),
             arcs=(),
@@ -228,7 +230,7 @@ class _Search:
 
 
 def _refuted_by_energy(part: Problem) -> bool:
-    return part.deadline is not None and energy_bound(part).bound.value > part.deadline
+    return part.deadline is not None and energy_bound(part).bounds.makespan.value > part.deadline
 
 
 def _refuted_by_cases(part: Problem) -> bool:
@@ -237,4 +239,4 @@ def _refuted_by_cases(part: Problem) -> bool:
         return False
     from irc.passes.destructive import destructive_bound
 
-    return destructive_bound(energy_bound(part)).bound.value > part.deadline
+    return destructive_bound(energy_bound(part)).bounds.makespan.value > part.deadline

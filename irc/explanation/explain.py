@@ -55,7 +55,7 @@ def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
     # (What cannot hold of the part that every schedule contains cannot hold at all.)
-    problem = mandatory_part(checked.problem)
+    problem, _ = mandatory_part(checked.problem)
     if not checked.report.ok:
         explanation = _without_solver(task, problem, until)
         if explanation is None:
@@ -174,7 +174,7 @@ def _reason(problem: Problem, conflict: Conflict) -> str | None:
     part = problem_of(problem, conflict.statements, horizon_without_limits(problem))
     if part.deadline is None:
         return None
-    bound = run_passes(part).bound
+    bound = run_passes(part).bounds.makespan
     if bound.value <= part.deadline:
         return None
     return f"at least {problem.time_text(bound.value)} are needed: {bound.reason}"
@@ -241,13 +241,14 @@ def _proof(answer: Answer, links: tuple[Link, ...] | None) -> str:
     schedule, problem = answer.schedule, answer.problem
     if links is not None and not any(link.hand_over for link in links):
         return "nothing is shorter: the chain needs no resource, so every schedule has to keep it"
-    least = problem.time_text(problem.bound.value)
+    least = problem.time_text(problem.bounds.makespan.value)
     if _reaches(schedule, problem):
-        return f"no other order is better: {problem.bound.reason}"
+        return f"no other order is better: {problem.bounds.makespan.reason}"
     if schedule.status is Status.OPTIMAL:
         return f"no other order is better: proved by {schedule.engine}"
-    return f"another order may be better: at least {least} are needed ({problem.bound.reason})"
+    reason = problem.bounds.makespan.reason
+    return f"another order may be better: at least {least} are needed ({reason})"
 
 
 def _reaches(schedule: Schedule, problem: Problem) -> bool:
-    return schedule.makespan == problem.to_units(problem.bound.value)
+    return schedule.makespan == problem.to_units(problem.bounds.makespan.value)

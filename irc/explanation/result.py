@@ -30,7 +30,7 @@ class Told:
     column: int | None = None
     offset: int | None = None
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The object in `conflict`."""
         shown: dict[str, Any] = {
             "kind": self.kind,
@@ -54,10 +54,10 @@ class Step:
     start: Number
     end: Number
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The object in `chain`."""
         return {
-            **self.told.as_json(),
+            **self.told.to_dict(),
             "from": json_number(self.start),
             "to": json_number(self.end),
             "length": json_number(self.end - self.start),
@@ -98,7 +98,7 @@ class Explanation:
             return None
         return self.status is not Status.INFEASIBLE
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc explain --format json` prints."""
         shown: dict[str, Any] = {
             "irc_explanation": EXPLANATION_VERSION,
@@ -108,7 +108,7 @@ class Explanation:
         }
         if self.status is Status.INFEASIBLE:
             shown |= {
-                "conflict": [told.as_json() for told in self.conflict],
+                "conflict": [told.to_dict() for told in self.conflict],
                 "minimal": self.minimal,
                 "by": self.by,
                 "reason": self.reason,
@@ -118,10 +118,17 @@ class Explanation:
                 "makespan": json_number(self.schedule.makespan),
                 "bound": None if self.bound is None else json_number(self.bound),
                 "proof": self.proof,
-                "chain": None if self.chain is None else [step.as_json() for step in self.chain],
+                "chain": None if self.chain is None else [step.to_dict() for step in self.chain],
                 "slack": {name: json_number(value) for name, value in self.slack.items()},
             }
         return {**shown, "seconds": self.seconds}
+
+    def _repr_html_(self) -> str:
+        """The same for notebooks."""
+        from irc.display.html import heading, items
+
+        head, *lines = str(self).split("\n")
+        return heading(head) + (items(line.strip() for line in lines) if lines else "")
 
     def __str__(self) -> str:
         """The headline and one line for each statement or link."""
@@ -130,9 +137,16 @@ class Explanation:
             return "\n".join([head, *(f"  {told.text}" for told in self.conflict)])
         if self.schedule is None:
             return f"{self.task or 'task'}: unknown"
-        head = f"{self.task or 'task'}: makespan {format_number(self.schedule.makespan)}"
+        makespan = format_number(self.schedule.makespan)
+        head = f"{self.task or 'task'}: makespan {makespan} {self.time_unit}"
         return "\n".join(
-            [head, *(f"  {format_number(s.start)}  {s.told.text}" for s in self.chain or ())]
+            [
+                head,
+                *(
+                    f"  {format_number(s.start)} {self.time_unit}  {s.told.text}"
+                    for s in self.chain or ()
+                ),
+            ]
         )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.files import write_folder, write_whole
+from irc.errors import IrcError
 from irc.frontends.files import read_task, read_text
 from irc.model import Task
 from irc.model.canonical import written_task
@@ -37,7 +38,7 @@ DSL_SUFFIX = ".irc"
 _UNSAFE = re.compile(r"[^\w.-]+")
 
 
-class ConversionUseError(Exception):
+class ConversionUseError(IrcError):
     """The options do not fit the format; the text says what to do."""
 
 

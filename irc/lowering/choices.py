@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from irc.lowering.elements import (
     ToTicks,
-    claims_of,
     natural_order,
+    open_demands_of,
     requirements,
     span,
     ticks_or_none,
@@ -19,6 +19,7 @@ from irc.lowering.elements import (
 from irc.model import Action, Task
 from irc.model import Group as GroupNode
 from irc.problem import (
+    IMPOSSIBLE_DEADLINE,
     PLAIN,
     Activity,
     Condition,
@@ -32,9 +33,6 @@ from irc.problem import (
     StockChange,
     Variable,
 )
-
-NEVER = -1
-"""The deadline of an action that must not occur: nothing ends before t = 0."""
 
 _OBJECTIVES = {
     "minimize_makespan": "makespan",
@@ -60,7 +58,7 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
             if group.actions
         ),
         goals=lowering.goals(),
-        wanted=tuple(
+        required=tuple(
             sorted({index[goal] for goal in task.goals if isinstance(goal, str) and goal in index})
         ),
         objectives=tuple(dict.fromkeys(_OBJECTIVES[name] for name in task.objective)),
@@ -110,7 +108,7 @@ class _Lowering:
             details=PLAIN if details == PLAIN else details,
         )
         if action.occurrence_bounds[1] == 0:
-            activity = replace(activity, deadline=NEVER)
+            activity = replace(activity, deadline=IMPOSSIBLE_DEADLINE)
         return self._with_modes(activity, action) if action.modes else activity
 
     def _details(self, action: Action) -> Details:
@@ -142,11 +140,11 @@ class _Lowering:
             uses += own
             use_modes += [len(modes)] * len(own)
             modes.append(mode)
-        claims = claims_of(tuple(uses)) if activity.duration_max else ()
+        demands = open_demands_of(tuple(uses)) if activity.duration_max else ()
         return replace(
             activity,
             uses=tuple(uses),
-            claims=tuple(c for c in claims if _takes_time(use_modes[c.use], modes)),
+            open_demands=tuple(d for d in demands if _takes_time(use_modes[d.use], modes)),
             details=replace(activity.details, modes=tuple(modes), use_modes=tuple(use_modes)),
         )
 

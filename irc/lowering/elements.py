@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from irc.model import DurationRange, Use
 from irc.model.times import Instant
-from irc.problem import Claim, Renewable, Requirement, Shared
+from irc.problem import ContendedPool, OpenDemand, Renewable, Requirement
 
 _DIGITS = re.compile(r"([0-9]{1,18})")
 
@@ -23,12 +23,12 @@ def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
     return [(int(p), "") if k % 2 else (-1, p) for k, p in enumerate(parts)], name
 
 
-def shared_of(resource: Renewable, k: int) -> Shared:
+def pool_of(resource: Renewable, k: int) -> ContendedPool:
     """What encoders see of a resource (the k-th) that is no part of a pool."""
     if not resource.windows:
-        return Shared(resource.id, resource.capacity, (k,))
+        return ContendedPool(resource.id, resource.capacity, (k,))
     greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
-    return Shared(resource.id, greatest, (k,), resource.capacity, resource.windows)
+    return ContendedPool(resource.id, greatest, (k,), resource.capacity, resource.windows)
 
 
 def ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
@@ -56,6 +56,6 @@ def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple
     return tuple(sorted(requirements))
 
 
-def claims_of(uses: tuple[Requirement, ...]) -> tuple[Claim, ...]:
-    """Every use is open at first. (A zero duration uses nothing, so it claims nothing.)"""
-    return tuple(Claim(k, use.alternatives, use.amount) for k, use in enumerate(uses))
+def open_demands_of(uses: tuple[Requirement, ...]) -> tuple[OpenDemand, ...]:
+    """Every use is open at first. (A zero duration uses nothing, so it demands nothing.)"""
+    return tuple(OpenDemand(k, use.alternatives, use.amount) for k, use in enumerate(uses))

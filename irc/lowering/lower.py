@@ -9,17 +9,17 @@ from math import gcd
 from irc.diagnostics.source import Pointer
 from irc.lowering.elements import (
     ToTicks,
-    claims_of,
     natural_order,
+    open_demands_of,
+    pool_of,
     requirements,
-    shared_of,
     span,
     ticks_or_none,
 )
 from irc.model import Action, DurationRange, Precedence, Task
 from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, Instant, common_tick
-from irc.problem import Activity, Arc, Problem, Renewable, Window
+from irc.problem import Activity, Arc, Contention, Problem, Renewable, Window
 
 _FROM_END = {"finish-start", "finish-finish"}
 _TO_END = {"finish-finish", "start-finish"}
@@ -57,7 +57,7 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
             for i in map(actions.__getitem__, ids)
         ),
         resources=renewables,
-        shared=tuple(shared_of(r, k) for k, r in enumerate(renewables)),
+        contention=Contention(tuple(pool_of(r, k) for k, r in enumerate(renewables))),
         arcs=_arcs(task, index, to_ticks),
         deadline=None if task.deadline is None else ticks_or_none(task.deadline, to_ticks),
     )
@@ -211,7 +211,7 @@ def _activity(
         deadline=None if action.deadline is None else ticks_or_none(action.deadline, to_ticks),
         start=None if action.start is None else ticks_or_none(action.start, to_ticks),
         uses=uses,
-        claims=claims_of(uses) if longest else (),
+        open_demands=open_demands_of(uses) if longest else (),
         origin=("actions", index),
     )
 

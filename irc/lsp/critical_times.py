@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from irc.passes import order_from_state
-from irc.passes.mandatory import mandatory_part, mandatory_places
+from irc.passes.mandatory import mandatory_part
 from irc.problem import Problem
 from irc.problem.temporal_network import earliest
-from irc.problem.time_points import PointMap, timing_network
+from irc.problem.time_points import latest_times, timing_network
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +41,7 @@ class Outlook:
 
 def outlook(problem: Problem) -> Outlook | None:
     """The outlook of a problem without errors; None where its times contradict each other."""
-    core = mandatory_part(order_from_state(problem))
-    places = mandatory_places(problem)
+    core, way = mandatory_part(order_from_state(problem))
     timing = timing_network(core)
     points = timing.points
     forward = earliest(timing.network, timing.floors)
@@ -50,28 +49,14 @@ def outlook(problem: Problem) -> Outlook | None:
         return None
     ends = zip(points.end, points.end_offset, strict=True)
     length = max((forward.t[point] + offset for point, offset in ends), default=0)
-    tails = earliest(timing.network.reversed(), _tails(core, points, length))
-    if tails.cycles:
+    latest = latest_times(core, points, timing.network, length)
+    if latest is None:
         return None
     times = {}
-    for i, place in places.items():
+    for i, place in way.activities.new.items():
         point = points.start[place]
-        found = Times(forward.t[point], length - tails.t[point])
+        found = Times(forward.t[point], latest[point])
         if found.slack < 0:
             return None
         times[problem.activities[i].id] = found
     return Outlook(length, times)
-
-
-def _tails(core: Problem, points: PointMap, length: int) -> list[int]:
-    """How long before the end of the critical path each point must be, by its own limits."""
-    least = [0] * points.size
-    for i, activity in enumerate(core.activities):
-        deadline = core.effective_deadline(i)
-        end = length if deadline is None else min(deadline, length)
-        point = points.end[i]
-        least[point] = max(least[point], length - end + points.end_offset[i])
-        if activity.start is not None:
-            point = points.start[i]
-            least[point] = max(least[point], length - activity.start)
-    return least

@@ -9,6 +9,7 @@ from typing import Any
 
 from irc.diagnostics import Code
 from irc.diagnostics.catalogue import load_catalogue
+from irc.diagnostics.listing import and_more
 from irc.lsp.analysis import Analysis
 from irc.lsp.critical_times import Outlook, outlook
 from irc.lsp.mentions import Kind, Mention
@@ -205,9 +206,7 @@ def _use(use: Use, mark: Mark) -> str:
 
 
 def _listed(names: list[str], mark: Mark) -> str:
-    shown = ", ".join(map(mark, names[:_MOST_LISTED]))
-    more = len(names) - _MOST_LISTED
-    return f"{shown} and {more} more" if more > 0 else shown
+    return and_more([*map(mark, names[:_MOST_LISTED])], len(names))
 
 
 def about_pool(name: str, members: list[str], mark: Mark) -> list[str]:

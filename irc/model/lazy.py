@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import core_schema
 
+from irc.errors import IrcError
+
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
 
 
-class PartError(ValueError):
+class PartError(IrcError, ValueError):
     """The faults of a lazily typed field: pydantic's own, with locations from the field on."""
 
     def __init__(self, error: ValidationError) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
+from irc.errors import IrcError
+
 Number = int | Fraction
 """An exact number; whole values are always `int`, never a `Fraction` with denominator 1."""
 
@@ -39,7 +41,7 @@ MONTH_NAMES = frozenset(["mo", "mon", "month", "months"])
 UNIT_EXAMPLES = "ms, s, min, h, day, week, month, year"
 
 
-class TimeError(ValueError):
+class TimeError(IrcError, ValueError):
     """A time that cannot be read, or has no exact value here; the text says what was expected."""
 
 

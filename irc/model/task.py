@@ -75,7 +75,7 @@ class Task(Node):
 
     def __eq__(self, other: object) -> bool:
         """Equal contents, whatever file they were read from."""
-        return isinstance(other, Task) and self.__dict__ == other.__dict__
+        return self.__dict__ == other.__dict__ if isinstance(other, Task) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from irc.passes.contention import drop_uncontended, merge_pools
-from irc.passes.critical_path import heads_and_tails
+from irc.passes.critical_path import bounded_mandatory_part, heads_and_tails
 from irc.passes.grid import bound_on_grid
-from irc.passes.mandatory import mandatory_part
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 
@@ -26,15 +25,16 @@ def resource_bounds(problem: Problem) -> Problem:
     """Raises the bound by what resources say; without contention there is nothing to say."""
     if not problem.has_contention:
         return problem
-    core = mandatory_part(problem)
+    core = bounded_mandatory_part(problem)
     if core is not problem:
-        return replace(problem, bound=resource_bounds(heads_and_tails(core)).bound)
+        bound = resource_bounds(core).bounds.makespan
+        return replace(problem, bounds=replace(problem.bounds, makespan=bound))
     from irc.passes.energy import energy_bound
     from irc.passes.serial_sgs import quick_makespan
 
     problem = energy_bound(problem)
     reached = quick_makespan(problem)
-    if reached == problem.bound.value:
+    if reached == problem.bounds.makespan.value:
         return problem
     from irc.passes.destructive import destructive_bound
 

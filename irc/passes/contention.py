@@ -1,4 +1,4 @@
-"""Which resources a solver must look at: the others are settled here, without loss."""
+"""Which resources a solver must look at: the others are decided here, without loss."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
 
-from irc.problem import Activity, Claim, Earlier, Problem, Shared
+from irc.problem import Activity, ContendedPool, OpenDemand, PreviousPlace, Problem
+from irc.problem.projection import with_demands_on
 
 
 def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
@@ -15,23 +16,23 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     Resources `apart` are in no pool: more of them is in use than there is, which the others have no
     part in.
 
-    Where every claim on any member is for one unit of the same set, the members are
+    Where every open demand on any member is for one unit of the same set, the members are
     interchangeable units: any schedule that keeps the summed capacity can be told apart again
     (interval graphs are perfect: greedy colouring by start time needs no more units than overlap).
     """
     pools: dict[tuple[int, ...], bool] = {}
     owner: dict[int, tuple[int, ...]] = {}
     for activity in problem.activities:
-        for claim in activity.claims:
-            key = claim.alternatives
-            alike = claim.amount == 1 and not any(
-                problem.shared[r].windows or r in apart for r in key
+        for demand in activity.open_demands:
+            key = demand.alternatives
+            alike = demand.amount == 1 and not any(
+                problem.contention.pools[r].windows or r in apart for r in key
             )
             pools[key] = pools.get(key, True) and alike
             for r in key:
                 if owner.setdefault(r, key) != key:
                     pools[key] = pools[owner[r]] = False
-                    pools[claim.alternatives] = False
+                    pools[demand.alternatives] = False
     # A set that shares a member with a set seen earlier spoils both; spread that to all its users.
     merged = [key for key, free in pools.items() if free and len(key) > 1]
     if not merged:
@@ -40,92 +41,95 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
 
 
 def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
+    """The problem in which each of these sets of pools is one pool, behind all others."""
+    old = problem.contention.pools
     gone = {r for key in merged for r in key}
-    kept = [r for r in range(len(problem.shared)) if r not in gone]
-    place = {r: k for k, r in enumerate(kept)}
-    pool_place = {key: len(kept) + k for k, key in enumerate(merged)}
-    shared = [problem.shared[r] for r in kept]
+    kept = [r for r in range(len(old)) if r not in gone]
+    new = {r: k for k, r in enumerate(kept)}
+    new |= {r: len(kept) + k for k, key in enumerate(merged) for r in key}
+    pools = [old[r] for r in kept]
     for key in merged:
-        members = [problem.shared[r] for r in key]
-        shared.append(
-            Shared(
+        members = [old[r] for r in key]
+        pools.append(
+            ContendedPool(
                 "|".join(m.id for m in members),
                 sum(m.capacity for m in members),
                 tuple(i for m in members for i in m.members),
             )
         )
-
-    def move(claim: Claim) -> Claim:
-        if claim.alternatives in pool_place:
-            return claim._replace(alternatives=(pool_place[claim.alternatives],))
-        return claim._replace(alternatives=tuple(place[r] for r in claim.alternatives))
-
     return replace(
         problem,
-        shared=tuple(shared),
-        activities=tuple(
-            replace(a, claims=tuple(map(move, a.claims))) if a.claims else a
-            for a in problem.activities
-        ),
+        contention=replace(problem.contention, pools=tuple(pools)),
+        activities=tuple(with_demands_on(a, new) for a in problem.activities),
     )
 
 
 def drop_uncontended(problem: Problem) -> Problem:
-    """Drops claims on resources that have enough, always, even if everything ran at once.
+    """Drops open demands on resources that have enough, always, even if everything ran at once.
 
-    (Occurrences of one action never overlap: they count once, as do its modes together.)
+    (Occurrences of one action never overlap: they count once, as do its modes together. But where
+    ranks order what happens at one instant, the next may start before the last one ends.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
-    settled choice relieves the other alternatives.
+    choice that is fixed relieves the other alternatives.
     """
     activities = list(problem.activities)
-    settled = dict(problem.settled)
+    fixed = dict(problem.contention.fixed_choices)
     while True:
         load: Counter[int] = Counter()
         for activity in activities:
-            for claim in activity.claims:
-                for r in claim.alternatives:
-                    load[r] += claim.amount
-        enough = {r for r, amount in load.items() if amount <= problem.shared[r].least_capacity}
+            at_once = 2 if problem.variables and activity.details.repeats is not None else 1
+            for demand in activity.open_demands:
+                for r in demand.alternatives:
+                    load[r] += demand.amount * at_once
+        enough = {
+            r for r, amount in load.items() if amount <= problem.contention.pools[r].least_capacity
+        }
         if not enough:
             break
         before = list(activities)
         for i, activity in enumerate(activities):
-            if activity.claims:
-                activities[i] = _settle(problem, i, activity, enough, settled)
+            if activity.open_demands:
+                activities[i] = _without_ample(problem, i, activity, enough, fixed)
         if activities == before:
             break
-    return replace(problem, activities=tuple(activities), settled=settled)
+    return replace(
+        problem,
+        activities=tuple(activities),
+        contention=replace(problem.contention, fixed_choices=fixed),
+    )
 
 
-def _settle(
+def _without_ample(
     problem: Problem,
     index: int,
     activity: Activity,
     enough: set[int],
-    settled: dict[tuple[int, int], int],
+    fixed: dict[tuple[int, int], int],
 ) -> Activity:
-    open_claims = []
-    old = problem.earlier[index] if problem.earlier else None
-    for claim in activity.claims:
-        chosen = next((r for r in claim.alternatives if r in enough), None)
+    still_open = []
+    old = problem.previous.places[index] if problem.previous.places else None
+    for demand in activity.open_demands:
+        chosen = next((r for r in demand.alternatives if r in enough), None)
         if chosen is not None and old is not None:
-            chosen = _as_before(problem, claim, old, enough)
+            chosen = _as_before(problem, demand, old, enough)
         if chosen is None:
-            open_claims.append(claim)
+            still_open.append(demand)
             continue
-        members = problem.shared[chosen].members
+        members = problem.contention.pools[chosen].members
         if len(members) == 1:
-            settled[index, claim.use] = members[0]
-    if len(open_claims) == len(activity.claims):
+            fixed[index, demand.use] = members[0]
+    if len(still_open) == len(activity.open_demands):
         return activity
-    return replace(activity, claims=tuple(open_claims))
+    return replace(activity, open_demands=tuple(still_open))
 
 
-def _as_before(problem: Problem, claim: Claim, old: Earlier, enough: set[int]) -> int | None:
-    """What an earlier schedule took, if there is always enough of it."""
-    taken = old.resources[claim.use]
-    for r in claim.alternatives:
-        if r in enough and (taken is None or taken in problem.shared[r].members):
+def _as_before(
+    problem: Problem, demand: OpenDemand, old: PreviousPlace, enough: set[int]
+) -> int | None:
+    """What the previous plan took, if there is always enough of it."""
+    taken = old.resources[demand.use]
+    for r in demand.alternatives:
+        if r in enough and (taken is None or taken in problem.contention.pools[r].members):
             return r
     return None

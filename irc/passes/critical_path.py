@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from irc.passes.fixed_load import release_behind_fixed
-from irc.passes.mandatory import mandatory_part, mandatory_places
-from irc.problem import Bound, Problem
+from irc.passes.mandatory import mandatory_part
+from irc.problem import Bound, Bounds, Problem
 from irc.problem.temporal_network import earliest
-from irc.problem.time_points import timing_network
+from irc.problem.time_points import least_times_to_end, timing_network
 
 
 def heads_and_tails(problem: Problem) -> Problem:
@@ -20,9 +21,17 @@ def heads_and_tails(problem: Problem) -> Problem:
     Raises `ValueError` where the network has a contradiction; the checks tell of it before.
     """
     released = release_behind_fixed(problem)
-    core = mandatory_part(released)
-    found = _of_network(released) if core is released else _of_core(released, _of_network(core))
-    return replace(problem, heads=found.heads, tails=found.tails, bound=found.bound)
+    core, way = mandatory_part(released)
+    found = _of_network(core)
+    if core is not released:
+        found = _of_core(released, found, way.activities.new)
+    return replace(problem, bounds=found.bounds)
+
+
+def bounded_mandatory_part(problem: Problem) -> Problem:
+    """What every schedule contains, with heads and tails; the problem itself where that is all."""
+    core, _ = mandatory_part(problem)
+    return problem if core is problem else heads_and_tails(core)
 
 
 def _of_network(problem: Problem) -> Problem:
@@ -31,34 +40,31 @@ def _of_network(problem: Problem) -> Problem:
     forward = earliest(network, timing.floors)
     if forward.cycles:
         raise ValueError("the temporal network of the problem contradicts itself")
-    floors = [0] * points.size
-    for end, offset in zip(points.end, points.end_offset, strict=True):
-        floors[end] = offset
-    backward = earliest(network.reversed(), floors)
-    critical = max((a + b for a, b in zip(forward.t, backward.t, strict=True)), default=0)
-    bound = problem.bound
+    to_end = least_times_to_end(points, network)
+    critical = max((a + b for a, b in zip(forward.t, to_end, strict=True)), default=0)
+    bound = problem.bounds.makespan
     if critical > bound.value:
         bound = Bound(critical, "critical path")
-    return replace(
-        problem,
+    bounds = Bounds(
         heads=tuple(forward.t[p] for p in points.start),
         tails=tuple(
-            backward.t[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
+            to_end[p] - offset for p, offset in zip(points.end, points.end_offset, strict=True)
         ),
-        bound=bound,
+        makespan=bound,
     )
+    return replace(problem, bounds=bounds)
 
 
-def _of_core(problem: Problem, core: Problem) -> Problem:
-    places = mandatory_places(problem)
-    return replace(
-        problem,
+def _of_core(problem: Problem, core: Problem, places: Mapping[int, int]) -> Problem:
+    bounds = Bounds(
         heads=tuple(
-            core.heads[places[i]] if i in places else max(a.release, a.start or 0)
+            core.bounds.heads[places[i]] if i in places else max(a.release, a.start or 0)
             for i, a in enumerate(problem.activities)
         ),
         tails=tuple(
-            core.tails[places[i]] if i in places else 0 for i in range(len(problem.activities))
+            core.bounds.tails[places[i]] if i in places else 0
+            for i in range(len(problem.activities))
         ),
-        bound=core.bound,
+        makespan=core.bounds.makespan,
     )
+    return replace(problem, bounds=bounds)

@@ -22,15 +22,21 @@ from __future__ import annotations
 
 from bisect import insort
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import permutations
 from typing import NamedTuple
 
 from irc.model.times import format_number
 from irc.passes.energy import Load, loads, thinned
-from irc.problem import Bound, Problem
+from irc.problem import Problem
 from irc.problem.temporal_network import earliest
-from irc.problem.time_points import PointMap, TimingNetwork, timing_network
+from irc.problem.time_points import (
+    PointMap,
+    TimingNetwork,
+    latest_times,
+    least_times_to_end,
+    timing_network,
+)
 
 BASE_STEPS = 40_000
 STEPS_PER_ACTIVITY = 1_000
@@ -69,20 +75,20 @@ def destructive_bound(problem: Problem, reached: int | None = None) -> Problem:
     if not problem.has_contention or len(problem.activities) + len(problem.arcs) > SIZE_LIMIT:
         return problem
     model = _model(problem)
-    if problem.bound.value > model.limit:
+    if model is None or problem.bounds.makespan.value > model.limit:
         return problem
     steps = min(MOST_STEPS, BASE_STEPS + STEPS_PER_ACTIVITY * len(problem.activities))
     refuter = _Refuter(model, steps)
-    value, reason = problem.bound.value, ""
+    value, reason = problem.bounds.makespan.value, ""
     stands = model.limit + 1 if reached is None else min(reached, model.limit + 1)
     for depth in (0, DEPTH_LIMIT):
         value, reason = _climb(value, reason, refuter, depth, stands)
         if value >= stands:
             break
-    if value == problem.bound.value or (value > model.limit and problem.deadline is None):
+    if value == problem.bounds.makespan.value or (value > model.limit and problem.deadline is None):
         return problem
     last = format_number(problem.to_units(value - 1))
-    return replace(problem, bound=Bound(value, f"a makespan of {last} {reason}"))
+    return problem.with_bound(value, f"a makespan of {last} {reason}")
 
 
 def _climb(value: int, reason: str, refuter: _Refuter, depth: int, stands: int) -> tuple[int, str]:
@@ -151,7 +157,8 @@ class _Model:
     partners: list[list[int]]
 
 
-def _model(problem: Problem) -> _Model:
+def _model(problem: Problem) -> _Model | None:
+    """The model of a problem; None where its time constraints contradict each other."""
     timing = timing_network(problem)
     points, network = timing.points, timing.network
     leaving: _Edges = [[] for _ in range(points.size)]
@@ -161,8 +168,10 @@ def _model(problem: Problem) -> _Model:
         entering[v].append((u, weight))
     limit = problem.deadline
     if limit is None:
-        limit = max(_enough_time(problem, timing), problem.bound.value)
-    backward = network.reversed()
+        limit = max(_enough_time(problem, timing), problem.bounds.makespan.value)
+    latest = latest_times(problem, points, network, limit)
+    if latest is None:
+        return None
     contended = list(loads(problem))
     demands = [_demand(problem, points, load) for load in contended]
     demands_of: list[list[int]] = [[] for _ in range(points.size)]
@@ -177,8 +186,8 @@ def _model(problem: Problem) -> _Model:
         leaving=leaving,
         entering=entering,
         earliest=earliest(network, timing.floors).t,
-        latest=[-t for t in earliest(backward, _negated_ceilings(problem, points, limit)).t],
-        tail=earliest(backward, _end_offsets(points)).t,
+        latest=latest,
+        tail=least_times_to_end(points, network),
         limit=limit,
         demands=demands,
         demands_of=demands_of,
@@ -195,26 +204,6 @@ def _enough_time(problem: Problem, timing: TimingNetwork) -> int:
     lags = sum(weight for weight in timing.network.weight if weight > 0)
     durations = sum(activity.duration_min for activity in problem.activities)
     return max(timing.floors) + lags + 2 * durations
-
-
-def _end_offsets(points: PointMap) -> list[int]:
-    offsets = [0] * points.size
-    for end, offset in zip(points.end, points.end_offset, strict=True):
-        offsets[end] = offset
-    return offsets
-
-
-def _negated_ceilings(problem: Problem, points: PointMap, limit: int) -> list[int]:
-    """For each point minus the latest time that deadlines, fixed starts and `limit` allow."""
-    negated = [-limit] * points.size
-    for i, activity in enumerate(problem.activities):
-        deadline = problem.effective_deadline(i)
-        end = limit if deadline is None else min(deadline, limit)
-        negated[points.end[i]] = points.end_offset[i] - end
-        if activity.start is not None:
-            start = points.start[i]
-            negated[start] = max(negated[start], -activity.start)
-    return negated
 
 
 def _demand(problem: Problem, points: PointMap, load: Load) -> _Demand:

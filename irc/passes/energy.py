@@ -10,11 +10,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
+from irc.diagnostics.listing import and_more
 from irc.model.times import format_number
-from irc.problem import Bound, Problem
+from irc.problem import Problem
 
 POOLS_LIMIT = 32
 """So many sets of alternatives are looked at, unions of overlapping ones among them."""
@@ -69,14 +70,14 @@ def energy_bound(problem: Problem) -> Problem:
     if not problem.has_contention:
         return problem
     best: tuple[_Window, Load] | None = None
-    value = problem.bound.value
+    value = problem.bounds.makespan.value
     for load in loads(problem):
         window = _best_window(problem, load)
         if window.value > value:
             best, value = (window, load), window.value
     if best is None:
         return problem
-    return replace(problem, bound=Bound(value, _reason(problem, *best)))
+    return problem.with_bound(value, _reason(problem, *best))
 
 
 def _reason(problem: Problem, window: _Window, load: Load) -> str:
@@ -95,7 +96,7 @@ def _best_window(problem: Problem, load: Load) -> _Window:
     `capacity * q + work of the leaves from q on` over its leaves q. (Vilím's Θ-tree, "Global
     constraints in scheduling", 2007, turned round in time.)
     """
-    heads, tails, capacity = problem.heads, problem.tails, load.capacity
+    heads, tails, capacity = problem.bounds.heads, problem.bounds.tails, load.capacity
     thresholds = thinned({tails[i] for i in load.activities}, TAILS_LIMIT)
     leaves = 1 << (len(thresholds) - 1).bit_length()
     work = [0] * (2 * leaves)
@@ -123,13 +124,13 @@ def _best_window(problem: Problem, load: Load) -> _Window:
 def _window_from(problem: Problem, load: Load, works: dict[int, int], head: int) -> _Window:
     """The best set among those with heads of at least `head`."""
     best = _Window(head, 0, 0, -1)
-    late = [i for i in load.activities if problem.heads[i] >= head]
+    late = [i for i in load.activities if problem.bounds.heads[i] >= head]
     work = 0
-    for i in sorted(late, key=problem.tails.__getitem__, reverse=True):
+    for i in sorted(late, key=problem.bounds.tails.__getitem__, reverse=True):
         work += works[i]
-        value = head - (-work // load.capacity) + problem.tails[i]
+        value = head - (-work // load.capacity) + problem.bounds.tails[i]
         if value > best.value:
-            best = _Window(head, work, problem.tails[i], value)
+            best = _Window(head, work, problem.bounds.tails[i], value)
     return best
 
 
@@ -149,16 +150,16 @@ def _works(problem: Problem, load: Load) -> Iterator[int]:
 def loads(problem: Problem) -> Iterator[Load]:
     """What is contended for: each resource, each pool of alternatives, and views of them.
 
-    A claim that can only be met inside a set of resources loads the sum of their capacities.
+    An open demand that can only be met inside a set of resources loads the sum of their capacities.
     """
     demands = _demands(problem)
     room = _room(problem, demands)
     singles = [frozenset(key) for key in sorted(demands) if len(key) == 1]
     for members in (*singles, *_pools(demands)):
         total: Counter[int] = Counter()
-        for key, claims in demands.items():
+        for key, entries in demands.items():
             if members.issuperset(key):
-                for i, amount in claims:
+                for i, amount in entries:
                     total[i] += amount
         load = Load(
             _named(problem, sorted(members)),
@@ -172,19 +173,19 @@ def loads(problem: Problem) -> Iterator[Load]:
 
 
 Demands = dict[tuple[int, ...], list[tuple[int, int]]]
-"""For each set of alternatives the (activity, amount) pairs of the claims on it."""
+"""For each set of alternatives the (activity, amount) pairs of the open demands on it."""
 
 
 def _demands(problem: Problem) -> Demands:
-    """Claims that cost something, on those of their alternatives that can meet them."""
+    """Open demands that cost something, on those of their alternatives that can meet them."""
     demands: Demands = {}
     for i, activity in enumerate(problem.activities):
         if not activity.duration_min:
             continue
-        for _, alternatives, amount in activity.claims:
+        for _, alternatives, amount in activity.open_demands:
             key = alternatives
             if len(key) > 1:
-                key = tuple(r for r in key if amount <= problem.shared[r].capacity) or key
+                key = tuple(r for r in key if amount <= problem.contention.pools[r].capacity) or key
             demands.setdefault(key, []).append((i, amount))
     return demands
 
@@ -192,11 +193,13 @@ def _demands(problem: Problem) -> Demands:
 def _room(problem: Problem, demands: Demands) -> dict[int, int]:
     """For each resource how much of it can be in use at once."""
     amounts: dict[int, Counter[int]] = {}
-    for key, claims in demands.items():
-        counted = Counter(amount for _, amount in claims)
+    for key, entries in demands.items():
+        counted = Counter(amount for _, amount in entries)
         for r in key:
             amounts.setdefault(r, Counter()).update(counted)
-    return {r: _fill(problem.shared[r].capacity, a.elements()) for r, a in amounts.items()}
+    return {
+        r: _fill(problem.contention.pools[r].capacity, a.elements()) for r, a in amounts.items()
+    }
 
 
 def _fill(capacity: int, amounts: Iterable[int]) -> int:
@@ -251,8 +254,8 @@ def _crowds(load: Load) -> Iterator[Load]:
 
 
 def _named(problem: Problem, members: list[int]) -> str:
-    """The resources behind some shared ones, in the user's words."""
-    names = [repr(problem.resources[k].id) for r in members for k in problem.shared[r].members]
-    if len(names) > _NAMES_SHOWN:
-        names = [*names[:_NAMES_SHOWN], f"{len(names) - _NAMES_SHOWN} more"]
-    return " or ".join(names)
+    """The resources of some pools, in the user's words."""
+    names = [
+        repr(problem.resources[k].id) for r in members for k in problem.contention.pools[r].members
+    ]
+    return and_more(names[:_NAMES_SHOWN], len(names), " or ", " or ")

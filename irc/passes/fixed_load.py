@@ -8,24 +8,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.passes.resource_profile import NEVER, Profile
-from irc.problem import Activity, Claim, Problem
+from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
+from irc.problem import Activity, OpenDemand, Problem
 
 
 def release_behind_fixed(problem: Problem) -> Problem:
     """Raises each release to the first time at which there is room beside all that is fixed."""
     fixed = [i for i, a in enumerate(problem.activities) if a.start is not None and _is_settled(a)]
-    calendars = any(shared.windows for shared in problem.shared)
+    calendars = any(pool.windows for pool in problem.contention.pools)
     if not fixed and not calendars:
         return problem
-    profiles = [Profile(shared) for shared in problem.shared]
+    profiles = [Profile(pool) for pool in problem.contention.pools]
     for i in fixed:
         activity = problem.activities[i]
         start = activity.start or 0
-        for claim in _certain(activity):
-            if len(claim.alternatives) == 1:
+        for demand in _certain(activity):
+            if len(demand.alternatives) == 1:
                 end = start + activity.duration_min
-                profiles[claim.alternatives[0]].take(start, end, claim.amount)
+                profiles[demand.alternatives[0]].take(start, end, demand.amount)
     activities = tuple(
         activity if activity.start is not None else _released(activity, profiles)
         for activity in problem.activities
@@ -38,34 +38,34 @@ def _is_settled(activity: Activity) -> bool:
     return activity.duration_min > 0 and not details.optional and details.repeats is None
 
 
-def _certain(activity: Activity) -> list[Claim]:
-    """What it claims in every mode."""
-    return [c for c in activity.claims if activity.details.use_mode(c.use) is None]
+def _certain(activity: Activity) -> list[OpenDemand]:
+    """What it demands in every mode."""
+    return [c for c in activity.open_demands if activity.details.use_mode(c.use) is None]
 
 
 def _released(activity: Activity, profiles: list[Profile]) -> Activity:
-    if not activity.claims or not activity.duration_min:
+    if not activity.open_demands or not activity.duration_min:
         return activity
-    claims = _certain(activity)
+    demands = _certain(activity)
     start, settled = activity.release, False
     while not settled:
         settled = True
-        for claim in claims:
-            soonest = _soonest(claim, start, start + activity.duration_min, profiles)
-            if soonest >= NEVER:
+        for demand in demands:
+            soonest = _soonest(demand, start, start + activity.duration_min, profiles)
+            if soonest >= UNREACHABLE_TIME:
                 return activity  # It has no room at all, as others will tell.
             if soonest > start:
                 start, settled = soonest, False
     return activity if start == activity.release else replace(activity, release=start)
 
 
-def _soonest(claim: Claim, start: int, end: int, profiles: list[Profile]) -> int:
+def _soonest(demand: OpenDemand, start: int, end: int, profiles: list[Profile]) -> int:
     """A time from `start` on before which no alternative has room."""
-    soonest = NEVER
-    for r in claim.alternatives:
-        if claim.amount > profiles[r].capacity:
+    soonest = UNREACHABLE_TIME
+    for r in demand.alternatives:
+        if demand.amount > profiles[r].capacity:
             continue
-        blocked = profiles[r].blocked_until(start, end, claim.amount)
+        blocked = profiles[r].blocked_until(start, end, demand.amount)
         if blocked is None:
             return start
         soonest = min(soonest, blocked)

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import gcd
 
-from irc.problem import Bound, Problem
+from irc.problem import Problem
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +61,13 @@ def grid_of(problem: Problem) -> Grid:
         if activity.start is not None and activity.is_fixed:
             floors.update((activity.start, activity.start + activity.duration_min))
             continue
-        head = problem.heads[i] if problem.heads else activity.release
+        head = problem.bounds.heads[i] if problem.bounds.heads else activity.release
         floors.add(head if activity.start is None else activity.start)
     for resource in problem.resources:
         floors.update(time for window in resource.windows for time in (window.start, window.end))
-    if problem.stability or "changes" in problem.objectives:
-        # What stays where an earlier schedule has it has its start as its floor.
-        for places in (problem.earlier, *problem.recurring.values()):
+    if problem.previous.stability or "changes" in problem.objectives:
+        # What stays where the previous plan has it has its start as its floor.
+        for places in (problem.previous.places, *problem.previous.recurring.values()):
             floors.update(place.start for place in places if place is not None)
     step = step or 1 + max(floors)
     return Grid(step, tuple(sorted({floor % step for floor in floors})))
@@ -95,7 +95,7 @@ def bound_on_grid(problem: Problem) -> Problem:
     """Raises the bound to the next time that a makespan can have."""
     if not problem.has_contention:
         return problem  # The critical path is reached.
-    value = grid_of(problem).up(problem.bound.value)
-    if value == problem.bound.value:
+    value = grid_of(problem).up(problem.bounds.makespan.value)
+    if value == problem.bounds.makespan.value:
         return problem
-    return replace(problem, bound=Bound(value, problem.bound.reason))
+    return problem.with_bound(value, problem.bounds.makespan.reason)

@@ -3,86 +3,59 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
-from irc.problem import PLAIN, Activity, Arc, Problem
+from irc.problem import PLAIN, Activity, Arc, Bounds, Contention, PreviousPlan, Problem
+from irc.problem.projection import Projected, Projection, restricted
 
 
-def mandatory_part(problem: Problem) -> Problem:
+def mandatory_part(problem: Problem) -> Projected:
     """A relaxation with plain activities only: what holds of it holds of every valid schedule.
 
     Optional activities, state, stock, modes (their shortest and longest duration remain) and
     windows (their greatest capacity remains) are left out. The problem itself where it has none
     of them. Activities keep their order; of repeated ones the occurrences that must be there
-    stay, one after the other.
+    stay, one after the other. The way back leads to the first occurrence of each.
     """
     if problem.is_plain and not problem.has_calendars:
-        return problem
-    places = mandatory_places(problem)
-    activities: list[Activity] = []
-    chains: list[Arc] = []
-    for activity in problem.activities:
-        for k in range(_least(activity)):
-            if k:
-                chains.append(Arc(len(activities) - 1, len(activities), origin=-1))
-            activities.append(_plain(activity))
-    return replace(
+        return problem, Projection.identity(problem)
+    bare = replace(
         problem,
-        activities=tuple(activities),
+        contention=Contention(problem.contention.pools),
+        bounds=Bounds(makespan=problem.bounds.makespan),
+        required=(),
+        state_precedences=(),
+        previous=PreviousPlan(stability=problem.previous.stability),
+    )
+    occurrences = [i for i, a in enumerate(problem.activities) for _ in range(least_occurrences(a))]
+    uses = {i: a.uses_in(None) for i, a in enumerate(problem.activities) if a.details.use_modes}
+    core, way = restricted(
+        bare, activities=occurrences, uses=uses, groups=(), reservoirs=(), variables=()
+    )
+    chains = (Arc(k, k + 1, origin=-1) for k, (i, j) in enumerate(pairwise(occurrences)) if i == j)
+    core = replace(
+        core,
+        activities=tuple(
+            a if a.details is PLAIN else replace(a, details=PLAIN) for a in core.activities
+        ),
         resources=tuple(
             replace(r, capacity=max((r.capacity, *(w.capacity for w in r.windows))), windows=())
-            for r in problem.resources
+            for r in core.resources
         ),
-        shared=tuple(replace(s, base=None, windows=()) for s in problem.shared),
-        arcs=(
-            *(
-                arc._replace(before=places[arc.before], after=places[arc.after])
-                for arc in problem.arcs
-                if arc.before in places and arc.after in places
-            ),
-            *chains,
+        contention=Contention(
+            tuple(replace(p, base=None, windows=()) for p in core.contention.pools)
         ),
-        settled={},
-        heads=(),
-        tails=(),
-        reservoirs=(),
-        variables=(),
-        groups=(),
-        goals=(),
-        wanted=(),
-        sequel=(),
-        earlier=(),
-        recurring={},
-        start_from=(),
+        arcs=(*core.arcs, *chains),
     )
+    return core, way
 
 
 MOST_REPEATED = 1_000
 """So many occurrences of one action are counted at most; more must not cost more."""
 
 
-def _least(activity: Activity) -> int:
+def least_occurrences(activity: Activity) -> int:
+    """How many occurrences of an activity every schedule has, up to `MOST_REPEATED`."""
     if activity.details.repeats is not None:
         return min(activity.details.repeats[0], MOST_REPEATED)
     return 0 if activity.details.optional else 1
-
-
-def _plain(activity: Activity) -> Activity:
-    details = activity.details
-    if details is PLAIN:
-        return activity
-    own = [u for k, u in enumerate(activity.uses) if details.use_mode(k) is None]
-    claims = tuple(c for c in activity.claims if details.use_mode(c.use) is None)
-    # (Its own uses come first, so the claims still point to them.)
-    return replace(activity, uses=tuple(own), claims=claims, details=PLAIN)
-
-
-def mandatory_places(problem: Problem) -> dict[int, int]:
-    """Where each activity's (first) occurrence stands in the mandatory part."""
-    places: dict[int, int] = {}
-    size = 0
-    for i, activity in enumerate(problem.activities):
-        least = _least(activity)
-        if least:
-            places[i] = size
-        size += least
-    return places

@@ -1,24 +1,24 @@
-"""How much of a shared resource is in use, over time."""
+"""How much of a pool is in use, over time."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
 
-from irc.problem import Shared
+from irc.problem import ContendedPool
 
-NEVER = 1 << 62
+UNREACHABLE_TIME = 1 << 62
 """Later than any time: what waits for it finds no place."""
 
 
 class Profile:
-    """How much of one shared resource is in use, or never there: a step function of time."""
+    """How much of one pool is in use, or never there: a step function of time."""
 
-    def __init__(self, shared: Shared) -> None:
-        self.capacity = shared.capacity
-        base = shared.capacity if shared.base is None else shared.base
+    def __init__(self, pool: ContendedPool) -> None:
+        self.capacity = pool.capacity
+        base = pool.capacity if pool.base is None else pool.base
         self.times = [0]
-        self.used = [shared.capacity - base]
-        for window in shared.windows:
+        self.used = [pool.capacity - base]
+        for window in pool.windows:
             self.take(window.start, window.end, base - window.capacity)
 
     def blocked_until(self, start: int, end: int, amount: int) -> int | None:
@@ -29,7 +29,7 @@ class Profile:
             if self.used[k] > limit:
                 while k < len(self.times) and self.used[k] > limit:
                     k += 1
-                return self.times[k] if k < len(self.times) else NEVER
+                return self.times[k] if k < len(self.times) else UNREACHABLE_TIME
             k += 1
         return None
 

@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from dataclasses import replace
 
-from irc.problem import PLAIN, Activity, Problem
+from irc.problem import PLAIN, Activity, Bounds, Group, Problem
+from irc.problem.projection import restricted
 
 
 def restrict(problem: Problem, present: Collection[int], absent: Collection[int]) -> Problem:
     """The problem in which some optional activities (indexes) are there, and others are not.
 
-    Groups whose members are all there become required; groups without members go. Heads, tails
-    and the bound are left to the passes that find them, for they hold of fewer schedules now.
+    Groups whose members are all there become required; groups without members go. Heads and tails
+    are left to the passes that find them, for they hold of fewer schedules now.
     """
-    settled = replace(
-        problem,
-        activities=tuple(
-            _mandatory(a) if i in present else a for i, a in enumerate(problem.activities)
-        ),
-        heads=(),
-        tails=(),
+    smaller = _with_presence(problem, present, absent)
+    return replace(smaller, bounds=Bounds(makespan=smaller.bounds.makespan))
+
+
+def _with_presence(problem: Problem, present: Collection[int], absent: Collection[int]) -> Problem:
+    activities = tuple(
+        _mandatory(a) if i in present else a for i, a in enumerate(problem.activities)
     )
-    return _without(settled, absent)
+    kept = (i for i in range(len(activities)) if i not in absent)
+    smaller, _ = restricted(replace(problem, activities=activities), activities=kept)
+    return replace(
+        smaller,
+        groups=tuple(_required(smaller, group) for group in smaller.groups),
+        previous=replace(smaller.previous, warm_start=()),
+    )
+
+
+def _required(problem: Problem, group: Group) -> Group:
+    """The group, which is required where none of its members is optional."""
+    if group.required or any(problem.activities[i].details.optional for i in group.members):
+        return group
+    return replace(group, required=True)
 
 
 def settle_presence(problem: Problem) -> Problem:
@@ -33,7 +47,7 @@ def settle_presence(problem: Problem) -> Problem:
         return problem
     optional = {i for i, a in enumerate(problem.activities) if a.details.optional}
     bound_to_be = {i for i in range(len(problem.activities)) if i not in optional}
-    bound_to_be |= set(problem.wanted)
+    bound_to_be |= set(problem.required)
     never = {i for i in optional if (problem.activities[i].deadline or 0) < 0}
     for group in problem.groups:  # An activity is in one such group at most.
         members = set(group.members)
@@ -42,12 +56,11 @@ def settle_presence(problem: Problem) -> Problem:
         elif members & never:
             never |= members
     present = {i for i in bound_to_be if problem.activities[i].details.optional}
-    present |= {i for i in problem.wanted if _may_never_happen(problem.activities[i])}
+    present |= {i for i in problem.required if _may_never_happen(problem.activities[i])}
     never -= bound_to_be
     if not (present or never):
         return problem
-    changed = restrict(problem, present, never)
-    return replace(changed, heads=_kept(problem.heads, never), tails=_kept(problem.tails, never))
+    return _with_presence(problem, present, never)
 
 
 def drop_ample_stock(problem: Problem) -> Problem:
@@ -75,24 +88,7 @@ def drop_ample_stock(problem: Problem) -> Problem:
     ]
     if len(kept) == len(problem.reservoirs):
         return problem
-    place = {k: n for n, k in enumerate(kept)}
-    return replace(
-        problem,
-        reservoirs=tuple(problem.reservoirs[k] for k in kept),
-        activities=tuple(_with_stock(a, place) for a in problem.activities),
-    )
-
-
-def _with_stock(activity: Activity, place: dict[int, int]) -> Activity:
-    if not activity.details.stock:
-        return activity
-    stock = tuple(
-        c._replace(reservoir=place[c.reservoir])
-        for c in activity.details.stock
-        if c.reservoir in place
-    )
-    details = replace(activity.details, stock=stock)
-    return replace(activity, details=PLAIN if details == PLAIN else details)
+    return restricted(problem, reservoirs=kept)[0]
 
 
 def _may_never_happen(activity: Activity) -> bool:
@@ -107,43 +103,3 @@ def _mandatory(activity: Activity) -> Activity:
         repeats = max(1, repeats[0]), repeats[1]
     details = replace(activity.details, optional=False, repeats=repeats)
     return replace(activity, details=PLAIN if details == PLAIN else details)
-
-
-def _kept(values: tuple[int, ...], gone: Collection[int]) -> tuple[int, ...]:
-    return tuple(v for i, v in enumerate(values) if i not in gone)
-
-
-def _without(problem: Problem, gone: Collection[int]) -> Problem:
-    """The problem without some activities; the numbers of the others close up."""
-    place: dict[int, int] = {}
-    for i in range(len(problem.activities)):
-        if i not in gone:
-            place[i] = len(place)
-
-    def moved(indexes: Iterable[int]) -> tuple[int, ...]:
-        return tuple(place[i] for i in indexes if i in place)
-
-    groups = []
-    for group in problem.groups:
-        members = moved(group.members)
-        if members:
-            optional = any(
-                problem.activities[i].details.optional for i in group.members if i in place
-            )
-            groups.append(replace(group, members=members, required=group.required or not optional))
-    return replace(
-        problem,
-        activities=tuple(a for i, a in enumerate(problem.activities) if i in place),
-        arcs=tuple(
-            arc._replace(before=place[arc.before], after=place[arc.after])
-            for arc in problem.arcs
-            if arc.before in place and arc.after in place
-        ),
-        settled={(place[i], u): r for (i, u), r in problem.settled.items() if i in place},
-        groups=tuple(groups),
-        wanted=moved(problem.wanted),
-        earlier=tuple(e for i, e in enumerate(problem.earlier) if i in place),
-        start_from=(),
-        recurring={place[i]: more for i, more in problem.recurring.items() if i in place},
-        sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
-    )

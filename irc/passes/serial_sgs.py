@@ -12,14 +12,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from heapq import heappop, heappush
 
-from irc.passes.resource_profile import NEVER, Profile
-from irc.problem import Activity, Claim, Earlier, Problem
+from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
+from irc.problem import Activity, OpenDemand, PreviousPlace, Problem
 from irc.problem.decisions import Decision
 
 Choice = tuple[int, ...]
 
 Found = tuple[list[Decision], list[Choice]]
-"""Starts and ends in ticks, and for each activity the shared resource of each claim."""
+"""Starts and ends in ticks, and for each activity the pool of each open demand."""
 
 
 def list_schedule(
@@ -27,7 +27,7 @@ def list_schedule(
     priorities: Sequence[int] | None = None,
     floors: Sequence[int] | None = None,
 ) -> Found | None:
-    """Starts and ends in ticks, and for each activity the shared resource of each claim.
+    """Starts and ends in ticks, and for each activity the pool of each open demand.
 
     Whatever has the least of the `priorities` comes first where precedence leaves a choice; by
     default what is fixed, and then what is most urgent. Nothing starts before its floor. None where
@@ -35,20 +35,20 @@ def list_schedule(
     """
     if priorities is None:
         priorities = [
-            -(a.duration_min + tail) if a.start is None else a.start - NEVER
-            for a, tail in zip(problem.activities, problem.tails, strict=True)
+            -(a.duration_min + tail) if a.start is None else a.start - UNREACHABLE_TIME
+            for a, tail in zip(problem.activities, problem.bounds.tails, strict=True)
         ]
     order = _order(problem, priorities)
     if order is None or any(
-        claim.amount > max(problem.shared[r].capacity for r in claim.alternatives)
+        demand.amount > max(problem.contention.pools[r].capacity for r in demand.alternatives)
         for activity in problem.activities
-        for claim in activity.claims
+        for demand in activity.open_demands
     ):
         return None
     incoming: list[list[int]] = [[] for _ in problem.activities]
     for k, arc in enumerate(problem.arcs):
         incoming[arc.after].append(k)
-    profiles = [Profile(shared) for shared in problem.shared]
+    profiles = [Profile(pool) for pool in problem.contention.pools]
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
     for i in order:
@@ -72,11 +72,11 @@ def quick_schedule(problem: Problem) -> Found | None:
     that.
     """
     by_rule = list_schedule(problem)
-    if not any(problem.earlier):
+    if not any(problem.previous.places):
         return by_rule
     as_before = _with_resources_of_before(problem)
     order = [_place_before(problem, i) for i in range(len(problem.activities))]
-    floors = [0 if earlier is None else earlier.start for earlier in problem.earlier]
+    floors = [0 if place is None else place.start for place in problem.previous.places]
     found = (list_schedule(as_before, order, floors), list_schedule(as_before, order), by_rule)
     return min((f for f in found if f), key=lambda f: _quality(problem, f), default=None)
 
@@ -84,38 +84,41 @@ def quick_schedule(problem: Problem) -> Found | None:
 def _quality(problem: Problem, found: Found) -> tuple[int, int]:
     decisions, _ = found
     moved = sum(
-        earlier is not None and decision.start != earlier.start
-        for earlier, decision in zip(problem.earlier, decisions, strict=True)
+        place is not None and decision.start != place.start
+        for place, decision in zip(problem.previous.places, decisions, strict=True)
     )
     return max((int(d.end) for d in decisions), default=0), moved
 
 
 def _with_resources_of_before(problem: Problem) -> Problem:
-    """The problem in which each claim looks first at what the earlier schedule took for it."""
+    """The problem in which each open demand looks first at what the previous plan took for it."""
     activities = list(problem.activities)
-    for i, earlier in enumerate(problem.earlier):
-        claims = activities[i].claims
-        if earlier is None or all(len(claim.alternatives) == 1 for claim in claims):
+    for i, place in enumerate(problem.previous.places):
+        demands = activities[i].open_demands
+        if place is None or all(len(demand.alternatives) == 1 for demand in demands):
             continue
         activities[i] = replace(
-            activities[i], claims=tuple(_first_as_before(problem, c, earlier) for c in claims)
+            activities[i],
+            open_demands=tuple(_first_as_before(problem, c, place) for c in demands),
         )
     return replace(problem, activities=tuple(activities))
 
 
-def _first_as_before(problem: Problem, claim: Claim, earlier: Earlier) -> Claim:
-    taken = earlier.resources[claim.use]
-    order = sorted(claim.alternatives, key=lambda r: taken not in problem.shared[r].members)
-    return claim._replace(alternatives=tuple(order))
+def _first_as_before(problem: Problem, demand: OpenDemand, place: PreviousPlace) -> OpenDemand:
+    taken = place.resources[demand.use]
+    order = sorted(
+        demand.alternatives, key=lambda r: taken not in problem.contention.pools[r].members
+    )
+    return demand._replace(alternatives=tuple(order))
 
 
 def _place_before(problem: Problem, i: int) -> int:
     """What is fixed comes first, then all in the order of before, then what is new."""
-    earlier = problem.earlier[i]
-    if earlier is not None:
-        return earlier.start
+    place = problem.previous.places[i]
+    if place is not None:
+        return place.start
     fixed = problem.activities[i].start
-    return NEVER if fixed is None else fixed - NEVER
+    return UNREACHABLE_TIME if fixed is None else fixed - UNREACHABLE_TIME
 
 
 def quick_makespan(problem: Problem) -> int | None:
@@ -151,7 +154,7 @@ def _order(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
 
 
 def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[Decision]) -> int:
-    start = problem.heads[index]
+    start = problem.bounds.heads[index]
     duration = problem.activities[index].duration_min
     for k in incoming:
         arc = problem.arcs[k]
@@ -162,18 +165,18 @@ def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[De
 
 
 def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
-    """The first time from `start` on at which every claim fits, and what it takes."""
+    """The first time from `start` on at which every open demand fits, and what it takes."""
     duration = activity.duration_min
-    if not activity.claims or not duration:
-        return start, tuple(claim.alternatives[0] for claim in activity.claims)
+    if not activity.open_demands or not duration:
+        return start, tuple(demand.alternatives[0] for demand in activity.open_demands)
     while True:
         choice: list[int] = []
         needed: dict[int, int] = {}
         later: int | None = None
-        for claim in activity.claims:
+        for demand in activity.open_demands:
             soonest: int | None = None
-            for r in claim.alternatives:
-                amount = claim.amount + needed.get(r, 0)
+            for r in demand.alternatives:
+                amount = demand.amount + needed.get(r, 0)
                 if amount > profiles[r].capacity:
                     continue
                 wait = profiles[r].blocked_until(start, start + duration, amount)
@@ -187,7 +190,7 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
                     return None
                 later = soonest
                 break
-        if later == NEVER:
+        if later == UNREACHABLE_TIME:
             return None
         if later is None:
             for r, amount in needed.items():

@@ -15,7 +15,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from irc.problem import PLAIN, Activity, Arc, Problem
+from irc.problem import Arc, Problem
+from irc.problem.projection import restricted
 
 ACTIVITY_LIMIT = 4_000
 """Reachability is kept in bit sets of this size at most (size²/8 bytes)."""
@@ -23,7 +24,7 @@ ACTIVITY_LIMIT = 4_000
 
 def order_from_state(problem: Problem) -> Problem:
     """The problem without the variables whose changes follow from each other, and with arcs
-    (and `sequel`) in their place."""
+    (and `state_precedences`) in their place."""
     if not problem.variables or len(problem.activities) > ACTIVITY_LIMIT:
         return problem
     if not all(a.from_end and not a.to_end and a.min_lag >= 0 for a in problem.arcs):
@@ -222,32 +223,9 @@ class _Order:
 
 
 def _without(problem: Problem, gone: set[int], pairs: set[tuple[int, int]]) -> Problem:
-    """The problem without some variables; the numbers of the others close up."""
-    kept = [v for v in range(len(problem.variables)) if v not in gone]
-    place = {v: k for k, v in enumerate(kept)}
+    """The problem with precedences instead of some variables."""
+    kept = (v for v in range(len(problem.variables)) if v not in gone)
     known = {(a.before, a.after) for a in problem.arcs}
-    return replace(
-        problem,
-        variables=tuple(problem.variables[v] for v in kept),
-        activities=tuple(_forget(a, place) for a in problem.activities),
-        goals=tuple((place[v], value) for v, value in problem.goals if v in place),
-        arcs=(
-            *problem.arcs,
-            *(Arc(a, b, origin=-1) for a, b in sorted(pairs) if (a, b) not in known),
-        ),
-        sequel=tuple(sorted(pairs)),
-    )
-
-
-def _forget(activity: Activity, place: dict[int, int]) -> Activity:
-    details = activity.details
-    if not (details.conditions or details.effects):
-        return activity
-    details = replace(
-        details,
-        conditions=tuple(
-            c._replace(var=place[c.var]) for c in details.conditions if c.var in place
-        ),
-        effects=tuple(e._replace(var=place[e.var]) for e in details.effects if e.var in place),
-    )
-    return replace(activity, details=PLAIN if details == PLAIN else details)
+    added = (Arc(a, b, origin=-1) for a, b in sorted(pairs) if (a, b) not in known)
+    smaller, _ = restricted(problem, variables=kept)
+    return replace(smaller, arcs=(*problem.arcs, *added), state_precedences=tuple(sorted(pairs)))

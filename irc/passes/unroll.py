@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem import Activity, Earlier, Problem
+from irc.problem import Activity, PreviousPlace, Problem
+from irc.problem.projection import restricted
 
 
 def unroll(problem: Problem, depth: int) -> Problem:
     """The problem with at most `depth` occurrences of each action that may repeat (and its least).
 
     The first occurrence keeps its index; the others follow after all activities, each with the
-    one before it as `previous`. Heads and tails are carried over.
+    one before it as `previous_occurrence`. Heads and tails are carried over.
     """
     if all(a.details.repeats is None for a in problem.activities):
         return problem
@@ -23,30 +24,28 @@ def unroll(problem: Problem, depth: int) -> Problem:
             activities.append(activity)
             continue
         least = repeats[0]
-        activities.append(_occurrence(activity, 1, activity.details.previous, least))
+        activities.append(_occurrence(activity, 1, activity.details.previous_occurrence, least))
         previous = i
         for k in range(2, slots(activity, depth) + 1):
             here = len(problem.activities) + len(further)
             further.append((i, _occurrence(activity, k, previous, least)))
             previous = here
-    whose = [i for i, _ in further]
+    whole = range(len(problem.activities))
+    longer, _ = restricted(problem, activities=(*whole, *(i for i, _ in further)))
     return replace(
-        problem,
+        longer,
         activities=(*activities, *(a for _, a in further)),
-        heads=_further_heads(problem, further),
-        tails=_further_tails(problem, further),
-        settled={
-            **problem.settled,
-            **{
-                (len(problem.activities) + k, use): r
-                for k, i in enumerate(whose)
-                for (j, use), r in problem.settled.items()
-                if j == i
-            },
-        },
-        earlier=problem.earlier and (*problem.earlier, *_further_earlier(problem, further)),
-        recurring={},
-        start_from=(),
+        bounds=replace(
+            problem.bounds,
+            heads=_further_heads(problem, further),
+            tails=_further_tails(problem, further),
+        ),
+        previous=replace(
+            problem.previous,
+            places=_further_places(problem, further),
+            recurring={},
+            warm_start=(),
+        ),
     )
 
 
@@ -69,7 +68,7 @@ def _occurrence(activity: Activity, k: int, previous: int | None, least: int) ->
             details,
             repeats=None,
             occurrence=details.occurrence + k - 1,
-            previous=previous,
+            previous_occurrence=previous,
             optional=k > least,
         ),
     )
@@ -77,7 +76,7 @@ def _occurrence(activity: Activity, k: int, previous: int | None, least: int) ->
 
 def _further_heads(problem: Problem, further: list[tuple[int, Activity]]) -> tuple[int, ...]:
     """Before the k-th occurrence k - 1 others have run."""
-    heads = problem.heads
+    heads = problem.bounds.heads
     return heads and (
         *heads,
         *(heads[i] + (_number(problem, i, a) - 1) * a.duration_min for i, a in further),
@@ -86,7 +85,7 @@ def _further_heads(problem: Problem, further: list[tuple[int, Activity]]) -> tup
 
 def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tuple[int, ...]:
     """Behind the k-th occurrence run those that must be there."""
-    tails = problem.tails
+    tails = problem.bounds.tails
     return tails and (
         *tails,
         *(
@@ -96,15 +95,17 @@ def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tup
     )
 
 
-def _further_earlier(
+def _further_places(
     problem: Problem, further: list[tuple[int, Activity]]
-) -> tuple[Earlier | None, ...]:
-    """Where the earlier schedule has the k-th occurrence, if it has one."""
+) -> tuple[PreviousPlace | None, ...]:
+    """Where the previous plan has the k-th occurrence, if it has one."""
+    if not problem.previous.places:
+        return ()
     found = []
     for i, activity in further:
-        known, k = problem.recurring.get(i, ()), _number(problem, i, activity) - 2
+        known, k = problem.previous.recurring.get(i, ()), _number(problem, i, activity) - 2
         found.append(known[k] if k < len(known) else None)
-    return tuple(found)
+    return (*problem.previous.places, *found)
 
 
 def _number(problem: Problem, i: int, occurrence: Activity) -> int:

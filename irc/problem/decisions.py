@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from irc.errors import IrcError
+
 Moment = int | Fraction
 
 
-class AnswerError(Exception):
+class AnswerError(IrcError):
     """An engine's answer that no exact schedule of the task corresponds to.
 
     `line` is where in the answer's text, from 1, that shows, if it shows somewhere.
@@ -53,6 +55,19 @@ class Placed:
     mode: int | None = None
     rank: int = 0
     end_rank: int = 0
+
+
+def as_decision(place: Placed) -> Decision:
+    """A place as the decisions that lead to it."""
+    return Decision(
+        place.start,
+        place.end,
+        place.resources,
+        place.present,
+        place.mode,
+        place.rank,
+        place.end_rank,
+    )
 
 
 ABSENT_PLACE = Placed(0, 0, (), present=False)

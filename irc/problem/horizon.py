@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem.problem import Activity, Arc, Mode, Problem, Shared, Window
+from irc.problem.problem import Activity, Arc, ContendedPool, Mode, Problem, Window
 
 
 def safe_horizon(problem: Problem) -> int:
@@ -16,10 +16,10 @@ def safe_horizon(problem: Problem) -> int:
     an edge no longer than the longest that leaves it. Summing those over all points is enough.
     What keeps to a window's side of a boundary has that boundary as its floor. Orders on state and
     stock are edges of length 0 (a tick is allowed for each, should ranks not tell them apart).
-    What stays where an earlier schedule has it has its start as its floor.
+    What stays where the previous plan has it has its start as its floor.
     """
     floor = max((w.end for r in problem.resources for w in r.windows), default=0)
-    for places in (problem.earlier, *problem.recurring.values()):
+    for places in (problem.previous.places, *problem.previous.recurring.values()):
         floor = max((floor, *(place.start for place in places if place is not None)))
     from_start = [0] * len(problem.activities)
     from_end = [0] * len(problem.activities)
@@ -54,13 +54,21 @@ def within(problem: Problem, horizon: int) -> Problem:
     return replace(
         problem,
         activities=tuple(_activity_within(a, never) for a in problem.activities),
-        shared=tuple(_shared_within(s, never) if s.windows else s for s in problem.shared),
+        contention=replace(
+            problem.contention,
+            pools=tuple(
+                _pool_within(p, never) if p.windows else p for p in problem.contention.pools
+            ),
+        ),
         arcs=tuple(_arc_within(arc, never) for arc in problem.arcs),
         groups=tuple(
             g if g.due is None or g.due <= never else replace(g, due=never) for g in problem.groups
         ),
-        heads=tuple(min(head, never) for head in problem.heads),
-        tails=tuple(min(tail, never) for tail in problem.tails),
+        bounds=replace(
+            problem.bounds,
+            heads=tuple(min(head, never) for head in problem.bounds.heads),
+            tails=tuple(min(tail, never) for tail in problem.bounds.tails),
+        ),
     )
 
 
@@ -86,11 +94,11 @@ def _activity_within(activity: Activity, never: int) -> Activity:
     )
 
 
-def _shared_within(shared: Shared, never: int) -> Shared:
+def _pool_within(pool: ContendedPool, never: int) -> ContendedPool:
     windows = (
-        Window(w.start, min(w.end, never), w.capacity) for w in shared.windows if w.start < never
+        Window(w.start, min(w.end, never), w.capacity) for w in pool.windows if w.start < never
     )
-    return replace(shared, windows=tuple(windows))
+    return replace(pool, windows=tuple(windows))
 
 
 def _arc_within(arc: Arc, never: int) -> Arc:

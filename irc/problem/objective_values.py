@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from irc.model.quantities import Number
-from irc.problem.problem import Activity, Earlier, Group, Problem
+from irc.problem.problem import Activity, Group, PreviousPlace, Problem
 from irc.schedule import CANCELLED, Entry, Schedule
 
 TIMES = frozenset(["makespan", "tardiness"])
@@ -59,20 +59,22 @@ def costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
 
 
 def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
-    """How many occurrences are not where an earlier schedule, if there is one, has them."""
+    """How many occurrences are not where the previous plan, if there is one, has them."""
     changes = 0
-    for i, (activity, first) in enumerate(zip(problem.activities, problem.earlier, strict=False)):
+    for i, (activity, first) in enumerate(
+        zip(problem.activities, problem.previous.places, strict=False)
+    ):
         if first is None:
             continue
         found = {entry.occurrence: entry for entry in by_id.get(activity.id, ())}
-        places = (first, *problem.recurring.get(i, ()))
+        places = (first, *problem.previous.recurring.get(i, ()))
         for number, place in enumerate(places, activity.details.occurrence):
             entry = found.get(number)
             changes += entry is None or not _is_there(problem, activity, place, entry)
     return changes
 
 
-def _is_there(problem: Problem, activity: Activity, place: Earlier, entry: Entry) -> bool:
+def _is_there(problem: Problem, activity: Activity, place: PreviousPlace, entry: Entry) -> bool:
     details = activity.details
     mode = None if place.mode is None else details.modes[place.mode].id
     held: dict[str, int] = {}

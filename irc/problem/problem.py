@@ -9,7 +9,7 @@ task give the same bytes, however its arrays were written.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -32,10 +32,10 @@ class Requirement(NamedTuple):
     origin: int = 0
 
 
-class Claim(NamedTuple):
-    """A requirement that a solver must still see to.
+class OpenDemand(NamedTuple):
+    """A use of a resource that a solver still has to decide on.
 
-    `use` is the index in the activity's `uses`; the `alternatives` index `Problem.shared`.
+    `use` is the index in the activity's `uses`; the `alternatives` index `Contention.pools`.
     """
 
     use: int
@@ -78,24 +78,41 @@ class Effect(NamedTuple):
     at_end: bool
 
 
+class Ranks(NamedTuple):
+    """The ranks of a start and an end that have been; None where a rank is still to be found.
+
+    `at_least`: the start has that rank or a higher one. (What runs for a fixed duration ends with
+    the rank of its start, and must not be too early in the order of that instant.)
+    """
+
+    start: int | None
+    end: int | None
+    at_least: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class Details:
     """What most activities do without.
 
     `optional`: it may be absent. `repeats`: the least and the greatest number of occurrences
     (None: no greatest) where more than one is possible; `irc.passes.unroll` makes an activity of
-    each, the k-th with `occurrence` k and the index of the one before as `previous`.
+    each, the k-th with `occurrence` k and the index of the one before as `previous_occurrence`.
 
     With `modes` exactly one is chosen. `use_modes` says for each of the activity's `uses` in which
     mode (index) it is held, None: in all; empty stands for all None.
+
+    `ranks` are those that its start and its end are known to have; where it starts at the time of
+    `not_before`, (time, rank), its start has that rank at least.
     """
 
     optional: bool = False
     repeats: tuple[int, int | None] | None = None
     occurrence: int = 1
-    previous: int | None = None
+    previous_occurrence: int | None = None
     modes: tuple[Mode, ...] = ()
     use_modes: tuple[int | None, ...] = ()
+    ranks: Ranks | None = None
+    not_before: tuple[int, int] | None = None
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()
@@ -110,6 +127,9 @@ class Details:
 
 
 PLAIN = Details()
+
+IMPOSSIBLE_DEADLINE = -1
+"""The deadline of an activity that must not occur: nothing ends before t = 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +147,7 @@ class Activity:
     deadline: int | None = None
     start: int | None = None
     uses: tuple[Requirement, ...] = ()
-    claims: tuple[Claim, ...] = ()
+    open_demands: tuple[OpenDemand, ...] = ()
     origin: Pointer = ()
     details: Details = PLAIN
 
@@ -135,6 +155,12 @@ class Activity:
     def is_fixed(self) -> bool:
         """Whether the solver has no say in the duration."""
         return self.duration_min == self.duration_max
+
+    def uses_in(self, mode: int | None) -> tuple[int, ...]:
+        """The indexes of the uses that apply in a mode (index); None: of those in every mode."""
+        if not self.details.use_modes:
+            return tuple(range(len(self.uses)))
+        return tuple(u for u, m in enumerate(self.details.use_modes) if m is None or m == mode)
 
 
 class Window(NamedTuple):
@@ -193,12 +219,12 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
-class Shared:
+class ContendedPool:
     """What encoders see of resources that are contended for.
 
-    One resource, or a pool of interchangeable ones: `members` (indexes into `Problem.resources`)
-    are told apart again when an answer is decoded. A pool has no `windows`; of a single resource
-    `capacity` is the greatest it ever has, and `base` what it has outside of them.
+    One resource, or several interchangeable ones: decoding an answer says again which of the
+    `members` (indexes into `Problem.resources`) is which. Several have no `windows`. Of a single
+    resource `capacity` is the greatest it ever has, and `base` what it has outside of its windows.
     """
 
     id: str
@@ -229,9 +255,9 @@ class Arc(NamedTuple):
     origin: int = 0
 
 
-class Earlier(NamedTuple):
-    """Where an earlier schedule has an activity: its start, the index of its mode, and the
-    resource (index) of each of its uses, None where the mode has no such use.
+class PreviousPlace(NamedTuple):
+    """Where the previous plan has an activity: its start, the index of its mode, and the resource
+    (index) of each of its uses, None where the mode has no such use.
     """
 
     start: int
@@ -248,26 +274,59 @@ class Bound:
 
 
 @dataclass(frozen=True, slots=True)
+class Contention:
+    """What is still to be decided about resources, and what passes decided without loss.
+
+    Open demands of activities refer to the `pools`. `fixed_choices` are (activity, use) → resource.
+    """
+
+    pools: tuple[ContendedPool, ...] = ()
+    fixed_choices: Mapping[tuple[int, int], int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """Proven lower bounds, in ticks.
+
+    `heads[i]` is the earliest start of activity i, `tails[i]` the least time between its end and
+    the end of the schedule. Both follow from precedence, lags and releases alone. They are empty
+    until a pass has found them.
+    """
+
+    heads: tuple[int, ...] = ()
+    tails: tuple[int, ...] = ()
+    makespan: Bound = Bound(0, "no schedule ends before it starts")
+
+
+@dataclass(frozen=True, slots=True)
+class PreviousPlan:
+    """Where the previous plan of a running task has what may still move.
+
+    `places` is empty, or has one entry for each activity. For an action that repeats, it is the
+    place of the first occurrence; `recurring` has the places of the others by activity.
+    `warm_start` is a schedule (empty, or one place for each activity) from which an engine may
+    begin. `stability` is how much worse, as a fraction, the last objective before "changes" may
+    get so that fewer activities move.
+    """
+
+    places: tuple[PreviousPlace | None, ...] = ()
+    recurring: Mapping[int, tuple[PreviousPlace, ...]] = field(default_factory=dict)
+    warm_start: tuple[Placed, ...] = ()
+    stability: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True, slots=True)
 class Problem:
     """The task as integers.
 
-    `uses` and `resources` are what the user wrote; `claims` and `shared` are what of it is still
-    to be decided, which passes make smaller. `settled` holds choices that passes could make
-    without loss: (activity, use) → resource.
+    `activity.uses` and `resources` are what the user wrote. `activity.open_demands` and
+    `contention` are what of it is still to be decided, which passes make smaller.
 
-    `goals` are (variable, value) pairs, `wanted` the activities that must be present, `objectives`
-    the names of what counts, in order ("makespan", "tardiness", "reward", "cost",
-    "changes"). `sequel` holds pairs of activities of which state says, through `arcs`, that the
-    second starts when the first has ended, at the same time if need be but at a higher rank.
-
-    `heads[i]` is the earliest start of activity i, `tails[i]` the least time between its end and
-    the end of the schedule; both follow from precedence, lags and releases alone.
-
-    `earlier` (empty, or one for each activity) says where an earlier schedule has what may move,
-    of an action that repeats the first occurrence, and `recurring` by activity the others;
-    `start_from` is a schedule (empty, or one place for each activity) that engines may start from;
-    `stability` is how much worse, as a fraction, the last objective before "changes" may get to
-    move fewer.
+    `goals` are (variable, value) pairs. `required` are the activities that must be present.
+    `objectives` are the names of what counts, in order ("makespan", "tardiness", "reward", "cost",
+    "changes"). `state_precedences` are pairs of activities of which state says, through `arcs`,
+    that the second starts when the first has ended: at the same time if need be, but at a higher
+    rank.
     """
 
     name: str | None
@@ -275,30 +334,43 @@ class Problem:
     tick: Fraction
     activities: tuple[Activity, ...]
     resources: tuple[Renewable, ...] = ()
-    shared: tuple[Shared, ...] = ()
-    arcs: tuple[Arc, ...] = ()
-    deadline: int | None = None
-    settled: Mapping[tuple[int, int], int] = field(default_factory=dict)
-    heads: tuple[int, ...] = ()
-    tails: tuple[int, ...] = ()
-    bound: Bound = Bound(0, "no schedule ends before it starts")
     reservoirs: tuple[Reservoir, ...] = ()
     variables: tuple[Variable, ...] = ()
+    arcs: tuple[Arc, ...] = ()
     groups: tuple[Group, ...] = ()
+    deadline: int | None = None
     goals: tuple[tuple[int, int], ...] = ()
-    wanted: tuple[int, ...] = ()
+    required: tuple[int, ...] = ()
     objectives: tuple[str, ...] = ("makespan",)
-    sequel: tuple[tuple[int, int], ...] = ()
-    earlier: tuple[Earlier | None, ...] = ()
-    recurring: Mapping[int, tuple[Earlier, ...]] = field(default_factory=dict)
-    start_from: tuple[Placed, ...] = ()
-    stability: Fraction = Fraction(0)
+    state_precedences: tuple[tuple[int, int], ...] = ()
+    contention: Contention = Contention()
+    bounds: Bounds = Bounds()
+    previous: PreviousPlan = PreviousPlan()
+
+    def with_bound(self, value: int, reason: str) -> Problem:
+        """The problem with another lower bound on the makespan."""
+        return replace(self, bounds=replace(self.bounds, makespan=Bound(value, reason)))
 
     def to_units(self, ticks: int) -> Number:
         """Ticks → the task's time unit, exactly."""
         if self.tick.denominator == 1:
             return ticks * self.tick.numerator
         return exact(ticks * self.tick)
+
+    def to_ticks(self, time: Number) -> Number:
+        """A time of the task's unit → ticks, exactly: a `Fraction` where it is between two."""
+        # Whole numbers all the way: in a large schedule fractions would cost more than the search.
+        ticks, rest = divmod(
+            time.numerator * self.tick.denominator, time.denominator * self.tick.numerator
+        )
+        return Fraction(time) / self.tick if rest else ticks
+
+    def whole_ticks(self, time: Number) -> int:
+        """A time of the task's unit → ticks. Raises `ValueError` where it is between two."""
+        ticks = self.to_ticks(time)
+        if not isinstance(ticks, int):
+            raise ValueError(f"{time} is not a whole number of ticks of {self.tick}")
+        return ticks
 
     def time_text(self, ticks: int) -> str:
         """A time as messages show it: in the task's unit, which it names."""
@@ -313,8 +385,8 @@ class Problem:
 
     @property
     def levels(self) -> tuple[str, ...]:
-        """The objectives, and behind them the changes to an earlier schedule, if there is one."""
-        if not any(self.earlier) or "changes" in self.objectives:
+        """The objectives, and behind them the changes to the previous plan, if there is one."""
+        if not any(self.previous.places) or "changes" in self.objectives:
             return self.objectives
         return (*self.objectives, "changes")
 
@@ -333,13 +405,13 @@ class Problem:
     @property
     def has_contention(self) -> bool:
         """Whether anything is left for a solver to decide besides times."""
-        return any(activity.claims for activity in self.activities) or not self.is_plain
+        return any(activity.open_demands for activity in self.activities) or not self.is_plain
 
 
 def _decides(details: Details) -> bool:
     return (
         details.optional
         or details.repeats is not None
-        or details.previous is not None
+        or details.previous_occurrence is not None
         or bool(details.modes or details.stock or details.conditions or details.effects)
     )

@@ -5,10 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from irc.problem.problem import Activity, Arc, Claim, Problem, Renewable, Requirement, Shared
+from irc.problem.problem import (
+    Activity,
+    Arc,
+    ContendedPool,
+    Contention,
+    OpenDemand,
+    Problem,
+    Renewable,
+)
+from irc.problem.projection import Projection, restricted
 
 
-class Draft:
+class Relaxation:
     """Parts of `problem`, each as weak as can be until it is stated.
 
     Activities take any time from 0 to `free_length`, whenever; a resource has room for all that
@@ -22,7 +31,7 @@ class Draft:
         self.limited: set[int] = set()
         self._fields: dict[int, dict[str, Any]] = {}
         self._uses: dict[int, list[int]] = {}
-        self._arcs: list[Arc] = []
+        self._arcs: list[tuple[int, Arc]] = []
 
     def activity(self, i: int) -> dict[str, Any]:
         """The stated fields of an activity (they are those of `Activity`)."""
@@ -42,60 +51,56 @@ class Draft:
             arc = arc._replace(min_lag=-self.free_length)
         if not most:
             arc = arc._replace(max_lag=None)
-        self._arcs.append(arc)
+        self._arcs.append((k, arc))
 
     def build(self) -> Problem:
         """The problem: what is not spoken of is not in it."""
         indexes = sorted(self._fields)
-        place = {i: k for k, i in enumerate(indexes)}
-        used = {
-            r
-            for i, uses in self._uses.items()
-            for u in uses
-            for r in self.problem.activities[i].uses[u].alternatives
-        }
-        kept = {r: k for k, r in enumerate(sorted(used))}
-        activities = tuple(self._activity(i, kept) for i in indexes)
-        resources = self._resources(activities, kept)
+        uses = {i: sorted(self._uses.get(i, ())) for i in indexes}
+        entries = (self.problem.activities[i].uses[u] for i in indexes for u in uses[i])
+        stated = sorted(self._arcs, key=lambda numbered: numbered[1][:5])
+        smaller, way = restricted(
+            self.problem,
+            activities=indexes,
+            uses=uses,
+            arcs=[k for k, _ in stated],
+            resources=sorted({r for use in entries for r in use.alternatives}),
+        )
+        resources = self._resources(smaller, way)
         return Problem(
-            name=self.problem.name,
-            time_unit=self.problem.time_unit,
-            tick=self.problem.tick,
-            activities=activities,
+            name=smaller.name,
+            time_unit=smaller.time_unit,
+            tick=smaller.tick,
+            activities=tuple(
+                self._activity(i, of) for i, of in zip(indexes, smaller.activities, strict=True)
+            ),
             resources=resources,
-            shared=tuple(Shared(r.id, r.capacity, (k,)) for k, r in enumerate(resources)),
+            contention=Contention(
+                tuple(ContendedPool(r.id, r.capacity, (k,)) for k, r in enumerate(resources))
+            ),
             arcs=tuple(
-                arc._replace(before=place[arc.before], after=place[arc.after])
-                for arc in sorted(self._arcs, key=lambda arc: arc[:5])
+                arc._replace(min_lag=limits.min_lag, max_lag=limits.max_lag)
+                for arc, (_, limits) in zip(smaller.arcs, stated, strict=True)
             ),
             deadline=self.deadline,
         )
 
-    def _activity(self, i: int, kept: dict[int, int]) -> Activity:
-        of = self.problem.activities[i]
-        requirements = tuple(
-            self._requirement(of.uses[u], kept) for u in sorted(self._uses.get(i, ()))
-        )
+    def _activity(self, i: int, of: Activity) -> Activity:
         fields = {"duration_min": 0, "duration_max": self.free_length, **self._fields[i]}
         fields["duration_max"] = max(fields["duration_max"], fields["duration_min"])
-        claims = tuple(Claim(k, r.alternatives, r.amount) for k, r in enumerate(requirements))
+        demands = tuple(OpenDemand(k, u.alternatives, u.amount) for k, u in enumerate(of.uses))
         return Activity(
             of.id,
-            uses=requirements,
+            uses=of.uses,
             # A zero duration uses nothing.
-            claims=claims if fields["duration_max"] else (),
+            open_demands=demands if fields["duration_max"] else (),
             origin=of.origin,
             **fields,
         )
 
-    def _requirement(self, requirement: Requirement, kept: dict[int, int]) -> Requirement:
-        return requirement._replace(alternatives=tuple(kept[r] for r in requirement.alternatives))
-
-    def _resources(
-        self, activities: tuple[Activity, ...], kept: dict[int, int]
-    ) -> tuple[Renewable, ...]:
+    def _resources(self, smaller: Problem, way: Projection) -> tuple[Renewable, ...]:
         asked: Counter[int] = Counter()
-        for activity in activities:
+        for activity in smaller.activities:
             for use in activity.uses:
                 for r in use.alternatives:
                     asked[r] += use.amount
@@ -103,6 +108,7 @@ class Draft:
             resource
             if r in self.limited
             else Renewable(resource.id, max(asked[k], resource.capacity), resource.origin)
-            for r, k in kept.items()
-            for resource in (self.problem.resources[r],)
+            for k, (r, resource) in enumerate(
+                zip(way.resources.old, smaller.resources, strict=True)
+            )
         )

@@ -18,7 +18,7 @@ from typing import ClassVar, NamedTuple
 
 from irc.diagnostics.source import Pointer
 from irc.problem.problem import Problem
-from irc.problem.relaxation import Draft
+from irc.problem.relaxation import Relaxation
 
 
 class Kind(StrEnum):
@@ -102,8 +102,8 @@ class StatementKind(ABC):
         """Where it stands in the document."""
 
     @abstractmethod
-    def state(self, draft: Draft, statement: Statement) -> None:
-        """Makes it part of a draft."""
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        """Makes it part of a relaxation."""
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         """What it demands of time."""
@@ -124,8 +124,8 @@ class _TaskDeadline(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return ("deadline",)
 
-    def state(self, draft: Draft, statement: Statement) -> None:
-        draft.deadline = draft.problem.deadline
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        relaxation.deadline = relaxation.problem.deadline
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         for i in range(len(problem.activities)):
@@ -143,8 +143,8 @@ class _Capacity(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return (*problem.resources[statement.of].origin, "capacity")
 
-    def state(self, draft: Draft, statement: Statement) -> None:
-        draft.limited.add(statement.of)
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        relaxation.limited.add(statement.of)
 
 
 class _Use(StatementKind):
@@ -159,8 +159,8 @@ class _Use(StatementKind):
         activity = problem.activities[statement.of]
         return (*activity.origin, "uses", activity.uses[statement.use].origin)
 
-    def state(self, draft: Draft, statement: Statement) -> None:
-        draft.use(statement.of, statement.use)
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        relaxation.use(statement.of, statement.use)
 
 
 class _Precedence(StatementKind):
@@ -173,8 +173,8 @@ class _Precedence(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return ("precedence", problem.arcs[statement.of].origin)
 
-    def state(self, draft: Draft, statement: Statement) -> None:
-        draft.arc(statement.of, statement.says_least, statement.says_most)
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        relaxation.arc(statement.of, statement.says_least, statement.says_most)
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         arc = problem.arcs[statement.of]
@@ -200,9 +200,9 @@ class _Release(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return (*problem.activities[statement.of].origin, "release")
 
-    def state(self, draft: Draft, statement: Statement) -> None:
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
         i = statement.of
-        draft.activity(i)["release"] = draft.problem.activities[i].release
+        relaxation.activity(i)["release"] = relaxation.problem.activities[i].release
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         i = statement.of
@@ -220,9 +220,9 @@ class _Start(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return (*problem.activities[statement.of].origin, "start")
 
-    def state(self, draft: Draft, statement: Statement) -> None:
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
         i = statement.of
-        draft.activity(i)["start"] = draft.problem.activities[i].start
+        relaxation.activity(i)["start"] = relaxation.problem.activities[i].start
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         i = statement.of
@@ -242,9 +242,9 @@ class _Deadline(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return (*problem.activities[statement.of].origin, "deadline")
 
-    def state(self, draft: Draft, statement: Statement) -> None:
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
         i = statement.of
-        draft.activity(i)["deadline"] = draft.problem.activities[i].deadline
+        relaxation.activity(i)["deadline"] = relaxation.problem.activities[i].deadline
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         i = statement.of
@@ -261,13 +261,13 @@ class _Duration(StatementKind):
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
         return (*problem.activities[statement.of].origin, "duration")
 
-    def state(self, draft: Draft, statement: Statement) -> None:
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
         i = statement.of
-        fields = draft.activity(i)
+        fields = relaxation.activity(i)
         if statement.says_least:
-            fields["duration_min"] = draft.problem.activities[i].duration_min
+            fields["duration_min"] = relaxation.problem.activities[i].duration_min
         if statement.says_most:
-            fields["duration_max"] = draft.problem.activities[i].duration_max
+            fields["duration_max"] = relaxation.problem.activities[i].duration_max
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         i = statement.of
@@ -330,7 +330,7 @@ def problem_of(problem: Problem, statements: Iterable[Statement], free_length: i
     It has only the activities and resources that are spoken of. `free_length` is how long an
     activity can be whose duration is not stated; no schedule must need more.
     """
-    draft = Draft(problem, free_length)
+    relaxation = Relaxation(problem, free_length)
     for statement in statements:
-        KINDS[statement.kind].state(draft, statement)
-    return draft.build()
+        KINDS[statement.kind].state(relaxation, statement)
+    return relaxation.build()

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irc.problem.problem import Problem
-from irc.problem.temporal_network import Network
+from irc.problem.temporal_network import Network, earliest
 
 DURATION = -1
 """Marks an edge that comes from an activity's own duration, not from an arc."""
@@ -96,3 +96,38 @@ def timing_network(problem: Problem, *, maxima: bool = True) -> TimingNetwork:
             network.add(v, u, to_offset - from_offset - max_lag)
             labels.append((k, True))
     return TimingNetwork(points, network, floors, labels, owner)
+
+
+def least_times_to_end(points: PointMap, network: Network) -> list[int]:
+    """The least time from each point to the end of the schedule, in ticks."""
+    floors = [0] * points.size
+    for end, offset in zip(points.end, points.end_offset, strict=True):
+        floors[end] = offset
+    return earliest(network.reversed(), floors).t
+
+
+def latest_times(
+    problem: Problem, points: PointMap, network: Network, limit: int
+) -> list[int] | None:
+    """The latest time of each point in schedules that end by `limit`, in ticks.
+
+    Deadlines and fixed starts count. None where the constraints contradict each other. A point
+    whose latest time is before its earliest shows that there is no such schedule. (Latest times of
+    a simple temporal network: Dechter, Meiri, Pearl 1991.)
+    """
+    tails = earliest(network.reversed(), _least_tails(problem, points, limit))
+    return None if tails.cycles else [limit - tail for tail in tails.t]
+
+
+def _least_tails(problem: Problem, points: PointMap, limit: int) -> list[int]:
+    """How long before `limit` each point must be at least, by its own limits alone."""
+    least = [0] * points.size
+    for i, activity in enumerate(problem.activities):
+        deadline = problem.effective_deadline(i)
+        end = limit if deadline is None else min(deadline, limit)
+        point = points.end[i]
+        least[point] = max(least[point], limit - end + points.end_offset[i])
+        if activity.start is not None:
+            point = points.start[i]
+            least[point] = max(least[point], limit - activity.start)
+    return least

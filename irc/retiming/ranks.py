@@ -1,8 +1,9 @@
 """Ranks: the order within an instant, once all times are known.
 
 Every demand is a difference, rank(b) >= rank(a) + 0 or 1, between happenings of equal times, or
-that are exactly a lag or a duration apart. The least solution is taken, so a rank is 0 wherever
-nothing needs more.
+that are exactly a lag or a duration apart: of state, of who takes what another frees, and of stock.
+The least solution is taken, so a rank is 0 wherever nothing needs more. What has been keeps the
+ranks that it had.
 
 **Ranks exist if the times were found by the same demands.** Each of these edges is also a
 constraint on the times, and tight. So the weights of a cycle of them add up to 0 in time, and the
@@ -14,27 +15,38 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
-from irc.problem import Problem
+from irc.problem import Problem, Ranks
 from irc.problem.decisions import AnswerError, Placed
 from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, point_map
 from irc.retiming.state import Happening, Order
+from irc.retiming.stock import Batches
 
 
 def with_ranks(
-    problem: Problem, placed: Sequence[Placed], orders: Sequence[Order]
+    problem: Problem,
+    placed: Sequence[Placed],
+    orders: Sequence[Order],
+    batches: Sequence[Batches] = (),
 ) -> tuple[Placed, ...]:
-    """The same times with the least ranks that keep the orders, the arcs and the sequels.
+    """The same times with the least ranks that keep the orders, the arcs and the state
+    precedences.
 
-    Every activity of the problem must be present, and its durations those of its mode. Raises
-    `AnswerError` where no ranks exist.
+    `batches` are happenings that come no earlier than those of the batch before. Every activity of
+    the problem must be present, and its durations those of its mode. Raises `AnswerError` where no
+    ranks exist.
     """
     strict = [
         *(order for order in orders if order.strict),
-        *(Order(Happening(a, True), Happening(b, False), True) for a, b in problem.sequel),
+        *(
+            Order(Happening(a, True), Happening(b, False), True)
+            for a, b in problem.state_precedences
+        ),
     ]
-    if not any(_time(placed, o.before) == _time(placed, o.after) for o in strict):
+    known = any(a.details.ranks or a.details.not_before for a in problem.activities)
+    if not known and not any(_time(placed, o.before) == _time(placed, o.after) for o in strict):
         return tuple(placed)
     points = point_map(problem)
     network = Network(points.size)
@@ -45,11 +57,16 @@ def with_ranks(
             )
     _add_lags(problem, placed, points, network)
     _add_durations(problem, placed, points, network)
-    ranks = earliest(network, [0] * points.size)
+    for own in batches:
+        _add_batches(placed, points, network, own)
+    _add_known(problem, points, network)
+    ranks = earliest(network, _least_ranks(problem, placed, points, network.size))
     if ranks.cycles:
         owner = {points.start[i]: i for i in range(len(placed))}
         owner.update((points.end[i], i) for i in range(len(placed)))
-        circle = dict.fromkeys(owner[network.src[edge]] for edge in ranks.cycles[0])
+        circle = dict.fromkeys(
+            owner[point] for edge in ranks.cycles[0] if (point := network.src[edge]) in owner
+        )
         names = ", ".join(repr(problem.activities[i].id) for i in circle)
         raise AnswerError(
             f"the answer has {names} come one after the other in a circle at one instant"
@@ -58,6 +75,50 @@ def with_ranks(
         replace(place, rank=ranks.t[points.start[i]], end_rank=ranks.t[points.end[i]])
         for i, place in enumerate(placed)
     )
+
+
+def _add_batches(
+    placed: Sequence[Placed], points: PointMap, network: Network, batches: Batches
+) -> None:
+    """Between two batches that meet at one instant stands a point of its own."""
+    for before, after in pairwise(batches):
+        last = max(_time(placed, happening) for happening in before)
+        if last != min(_time(placed, happening) for happening in after):
+            continue
+        boundary = network.size
+        network.size += 1
+        for happening in before:
+            if _time(placed, happening) == last:
+                network.add(_point(points, happening), boundary, 0)
+        for happening in after:
+            if _time(placed, happening) == last:
+                network.add(boundary, _point(points, happening), 0)
+
+
+def _add_known(problem: Problem, points: PointMap, network: Network) -> None:
+    """Known ranks are counted from a point of rank 0."""
+    origin = network.size
+    for i, activity in enumerate(problem.activities):
+        ranks = activity.details.ranks or Ranks(None, None)
+        for point, rank in ((points.start[i], ranks.start), (points.end[i], ranks.end)):
+            if rank is not None and not ranks.at_least:
+                network.size = origin + 1
+                network.add(origin, point, rank)
+                network.add(point, origin, -rank)
+
+
+def _least_ranks(
+    problem: Problem, placed: Sequence[Placed], points: PointMap, size: int
+) -> list[int]:
+    """The least rank of each point, as far as the past says."""
+    floors = [0] * size
+    for i, activity in enumerate(problem.activities):
+        ranks, not_before = activity.details.ranks, activity.details.not_before
+        if ranks is not None and ranks.start is not None:
+            floors[points.start[i]] = ranks.start
+        if not_before is not None and placed[i].start == not_before[0]:
+            floors[points.start[i]] = max(floors[points.start[i]], not_before[1])
+    return floors
 
 
 def _add_lags(
@@ -76,7 +137,8 @@ def _add_durations(
 ) -> None:
     for i, (activity, place) in enumerate(zip(problem.activities, placed, strict=True)):
         start, end = points.start[i], points.end[i]
-        if start == end:
+        known = activity.details.ranks
+        if start == end or (known is not None and None not in (known.start, known.end)):
             continue
         if place.end - place.start == activity.duration_min:
             network.add(start, end, 0)

@@ -81,7 +81,7 @@ def resource_orders(
     chosen: Sequence[tuple[int, ...]],
     tolerance: Fraction | int,
 ) -> list[tuple[int, int]]:
-    """Pairs (i, j) with i wholly before j on a shared resource, without those that follow.
+    """Pairs (i, j) with i wholly before j on a pool, without those that follow.
 
     j needs an arc only from those that were still running when the last one that ended before j
     began; the others come before that one already. At most `capacity` of them for each j.
@@ -109,12 +109,16 @@ def resource_orders(
 
 
 def assign(
-    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
+    problem: Problem,
+    decisions: Sequence[Decision],
+    tolerance: Fraction | int = 0,
+    moments: int = 1,
 ) -> list[tuple[int, ...]]:
     """One resource for each use: the engine's choices first, then what is free by start time.
 
     Members of a pool are handed out greedily in order of start, which never runs out where the
-    pool's summed capacity is kept. Raises `AnswerError` where nothing is free.
+    pool's summed capacity is kept. The times of `decisions` may be in so many `moments` a tick,
+    which tell ranks apart. Raises `AnswerError` where nothing is free.
     """
     result: list[list[int | None]] = []
     undecided: list[tuple[Moment, int]] = []
@@ -127,12 +131,12 @@ def assign(
             if len(use.alternatives) == 1:
                 chosen[u] = use.alternatives[0]
             elif chosen[u] is None:
-                chosen[u] = problem.settled.get((i, u))
+                chosen[u] = problem.contention.fixed_choices.get((i, u))
         result.append(chosen)
         if None in chosen:
             undecided.append((decisions[i].start, i))
     if undecided:
-        _hand_out(problem, decisions, result, undecided, tolerance)
+        _hand_out(problem, decisions, result, undecided, tolerance, moments)
     return [tuple(r for r in chosen if r is not None) for chosen in result]
 
 
@@ -142,13 +146,15 @@ def _hand_out(
     result: list[list[int | None]],
     undecided: list[tuple[Moment, int]],
     tolerance: Fraction | int,
+    moments: int,
 ) -> None:
     held: dict[int, list[tuple[Moment, Moment, int]]] = {}
     capacity = [resource.capacity for resource in problem.resources]
     for k, resource in enumerate(problem.resources):
         if resource.windows:
             capacity[k], load = _capacity(problem, k)
-            held[k] = [*load]
+            # (What falls within an instant falls behind all its ranks.)
+            held[k] = [((s + 1) * moments - 1, e * moments, amount) for s, e, amount in load]
     for i, chosen in enumerate(result):
         for u, r in enumerate(chosen):
             if r is not None:
@@ -178,10 +184,10 @@ def _hand_out(
 
 
 def _in_order(problem: Problem, i: int, u: int) -> tuple[int, ...]:
-    """The alternatives of a use; first the one that an earlier schedule took."""
+    """The alternatives of a use; first the one that the previous plan took."""
     alternatives = problem.activities[i].uses[u].alternatives
-    earlier = problem.earlier[i] if problem.earlier else None
-    if earlier is None or (first := earlier.resources[u]) not in alternatives:
+    place = problem.previous.places[i] if problem.previous.places else None
+    if place is None or (first := place.resources[u]) not in alternatives:
         return alternatives
     return (first, *(r for r in alternatives if r != first))
 

@@ -27,14 +27,14 @@ def retime(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
 ) -> tuple[Placed, ...]:
     """The earliest schedule with the same choices and the same order on every resource,
-    reservoir and state variable. What has not moved since an earlier schedule stays.
+    reservoir and state variable. What has not moved since the previous plan stays.
 
     `tolerance` (ticks) is how far the engine's times may be off: an end that is later than the
     next start by no more than that still counts as before it. Repeated actions must have been
     unrolled. Raises `AnswerError` where choices and order contradict the task's lags, the choices
     leave no resource to take, or a condition finds another value than it needs.
     """
-    if any(problem.earlier) and not tolerance:
+    if any(problem.previous.places) and not tolerance:
         problem = _with_unmoved_fixed(problem, decisions)
     if not _is_simple(problem):
         from irc.retiming.rich import retime_rich
@@ -67,28 +67,28 @@ def retime(
 def _with_unmoved_fixed(problem: Problem, decisions: Sequence[Decision]) -> Problem:
     """The problem in which what starts when it did before, in the same mode, starts just then."""
     activities = list(problem.activities)
-    for i, (earlier, decision) in enumerate(zip(problem.earlier, decisions, strict=True)):
+    for i, (place, decision) in enumerate(zip(problem.previous.places, decisions, strict=True)):
         if (
-            earlier is not None
+            place is not None
             and decision.present
-            and (decision.start, decision.mode) == (earlier.start, earlier.mode)
+            and (decision.start, decision.mode) == (place.start, place.mode)
             and activities[i].start is None
         ):
-            activities[i] = replace(activities[i], start=earlier.start)
+            activities[i] = replace(activities[i], start=place.start)
     return replace(problem, activities=tuple(activities))
 
 
 def _is_simple(problem: Problem) -> bool:
     """Whether only lags and resources of constant capacity say what comes after what."""
-    return problem.is_plain and not problem.sequel and not problem.has_calendars
+    return problem.is_plain and not problem.state_precedences and not problem.has_calendars
 
 
 def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
     """The exact optimum of a problem without contention: everything as early as it can be."""
-    if problem.heads and all(activity.is_fixed for activity in problem.activities):
+    if problem.bounds.heads and all(activity.is_fixed for activity in problem.activities):
         ready = [
             Decision(head, head + activity.duration_min)
-            for head, activity in zip(problem.heads, problem.activities, strict=True)
+            for head, activity in zip(problem.bounds.heads, problem.activities, strict=True)
         ]
         return _placed(problem, ready)
     timing = timing_network(problem)
@@ -110,7 +110,7 @@ def _placed(problem: Problem, decisions: Sequence[Decision]) -> tuple[Placed, ..
         Placed(int(d.start), int(d.end), resources)
         for d, resources in zip(decisions, chosen, strict=True)
     )
-    if not problem.sequel:
+    if not problem.state_precedences:
         return placed
     from irc.retiming.ranks import with_ranks
 

@@ -6,18 +6,19 @@ First the times, the least that keep all orders weakly; then ranks, where times 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
 from irc.problem import Problem
-from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.problem.decisions import AnswerError, Decision, Placed, as_decision
 from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, timing_network
 from irc.retiming.calendar import raise_floors
 from irc.retiming.ranks import with_ranks
 from irc.retiming.resources import assign, long_enough, placed_at, resource_orders
 from irc.retiming.selection import select
-from irc.retiming.state import Order, is_one_happening, state_orders
+from irc.retiming.state import Happening, Order, is_one_happening, state_orders
 from irc.retiming.stock import keep_stock
 
 ROUNDS = 20
@@ -35,44 +36,54 @@ def retime_rich(
     selection = select(problem, decisions)
     placed = _retime_once(selection.problem, selection.decisions, tolerance)
     for _ in range(ROUNDS):
-        again = _retime_once(selection.problem, [_decision(p) for p in placed], 0)
+        again = _retime_once(selection.problem, [as_decision(p) for p in placed], 0)
         if again == placed:
             break
         placed = again
     return selection.spread(problem, placed)
 
 
-def _decision(place: Placed) -> Decision:
-    return Decision(
-        place.start,
-        place.end,
-        place.resources,
-        rank=place.rank,
-        end_rank=place.end_rank,
-    )
-
-
 def _retime_once(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
 ) -> tuple[Placed, ...]:
     decisions = long_enough(problem, decisions)
-    chosen = assign(problem, decisions, tolerance)
+    count, moments = in_moments(decisions)
+    chosen = assign(problem, moments, tolerance, count)
     timing = timing_network(problem)
     points, network, floors = timing.points, timing.network, timing.floors
     orders = state_orders(problem, decisions, tolerance)
-    for before, after in (
-        *resource_orders(problem, decisions, chosen, tolerance),
-        *_occurrence_orders(problem, decisions),
-    ):
+    orders += [
+        Order(Happening(before, True), Happening(after, False), strict=False)
+        for before, after in resource_orders(problem, moments, chosen, tolerance)
+    ]
+    for before, after in _occurrence_orders(problem, decisions):
         network.add(points.end[before], points.start[after], points.end_offset[before])
     _keep_lengths(problem, decisions, points, network, tolerance)
     _keep_orders(orders, points, network)
-    keep_stock(problem, decisions, points, network, floors)
+    batches = keep_stock(problem, decisions, points, network, floors)
     raise_floors(problem, decisions, chosen, points.start, floors, tolerance)
     times = earliest(network, floors)
     if times.cycles:
         raise AnswerError("the order of the answer contradicts the lags of the task")
-    return with_ranks(problem, placed_at(problem, times.t, points, chosen), orders)
+    return with_ranks(problem, placed_at(problem, times.t, points, chosen), orders, batches)
+
+
+def in_moments(decisions: Sequence[Decision]) -> tuple[int, Sequence[Decision]]:
+    """How many moments a tick has, and the decisions on their line: time × moments + rank.
+
+    A resource is held from moment to moment, and what takes no time holds nothing.
+    """
+    count = 1 + max((max(d.rank, d.end_rank) for d in decisions), default=0)
+    if count == 1:
+        return 1, decisions
+    return count, [
+        replace(
+            d,
+            start=d.start * count + d.rank,
+            end=d.end * count + d.end_rank if d.end > d.start else d.start * count + d.rank,
+        )
+        for d in decisions
+    ]
 
 
 def _keep_lengths(

@@ -10,32 +10,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, Earlier, Problem
-from irc.problem.decisions import ABSENT_PLACE, AnswerError, Decision, Placed
+from irc.problem import Activity, Problem
+from irc.problem.decisions import AnswerError, Decision, Placed
+from irc.problem.projection import Projection, restricted
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The present activities of a problem.
-
-    `kept[k]` is the index that activity k has in the whole problem; `uses[k]` says the same of
-    each of its uses.
-    """
+    """The present activities of a problem, what was decided about them, and the way back."""
 
     problem: Problem
     decisions: tuple[Decision, ...]
-    kept: tuple[int, ...]
-    uses: tuple[tuple[int, ...], ...]
+    way: Projection
 
     def spread(self, whole: Problem, placed: Sequence[Placed]) -> tuple[Placed, ...]:
-        """Places in the selection → places in the whole problem."""
-        places = [ABSENT_PLACE] * len(whole.activities)
-        for k, (i, place) in enumerate(zip(self.kept, placed, strict=True)):
-            resources: list[int | None] = [None] * len(whole.activities[i].uses)
-            for u, r in zip(self.uses[k], place.resources, strict=True):
-                resources[u] = r
-            places[i] = replace(place, resources=tuple(resources), mode=self.decisions[k].mode)
-        return tuple(places)
+        """Places in the selection → places in the whole problem, in the modes decided."""
+        in_modes = [
+            place if decision.mode is None else replace(place, mode=decision.mode)
+            for place, decision in zip(placed, self.decisions, strict=True)
+        ]
+        return self.way.spread(whole, in_modes)
 
 
 def select(problem: Problem, decisions: Sequence[Decision]) -> Selection:
@@ -44,81 +38,35 @@ def select(problem: Problem, decisions: Sequence[Decision]) -> Selection:
     Raises `AnswerError` where a mode is missing or unknown.
     """
     kept = [i for i, d in enumerate(decisions) if d.present]
-    place = {i: k for k, i in enumerate(kept)}
-    uses = [_uses(problem.activities[i], decisions[i]) for i in kept]
+    uses = {
+        i: problem.activities[i].uses_in(_mode(problem.activities[i], decisions[i]))
+        for i in kept
+        if problem.activities[i].details.modes
+    }
+    smaller, way = restricted(problem, activities=kept, uses=uses)
+    chosen = way.decisions(decisions)
+    if not uses:
+        return Selection(smaller, chosen, way)
+    places = smaller.previous.places
     selected = replace(
-        problem,
-        activities=tuple(
-            _in_mode(problem.activities[i], decisions[i], u)
-            for i, u in zip(kept, uses, strict=True)
+        smaller,
+        activities=tuple(_in_mode(a, d) for a, d in zip(smaller.activities, chosen, strict=True)),
+        previous=replace(
+            smaller.previous,
+            places=tuple(None if place is None else place._replace(mode=None) for place in places),
         ),
-        arcs=tuple(
-            a._replace(before=place[a.before], after=place[a.after])
-            for a in problem.arcs
-            if a.before in place and a.after in place
-        ),
-        sequel=tuple((place[a], place[b]) for a, b in problem.sequel if a in place and b in place),
-        settled=_settled(problem, place, uses),
-        earlier=_earlier(problem, kept, uses),
     )
-    return Selection(
-        selected,
-        tuple(_with_uses(decisions[i], u) for i, u in zip(kept, uses, strict=True)),
-        tuple(kept),
-        tuple(uses),
-    )
+    return Selection(selected, chosen, way)
 
 
-def _uses(activity: Activity, decision: Decision) -> tuple[int, ...]:
-    """Which of an activity's uses apply."""
-    details = activity.details
-    if not details.modes:
-        return tuple(range(len(activity.uses)))
-    if decision.mode is None or not 0 <= decision.mode < len(details.modes):
+def _mode(activity: Activity, decision: Decision) -> int:
+    if decision.mode is None or not 0 <= decision.mode < len(activity.details.modes):
         raise AnswerError(f"the answer says no mode of {activity.id!r}")
-    return tuple(
-        u for u in range(len(activity.uses)) if details.use_mode(u) in (None, decision.mode)
-    )
+    return decision.mode
 
 
-def _in_mode(activity: Activity, decision: Decision, uses: tuple[int, ...]) -> Activity:
+def _in_mode(activity: Activity, decision: Decision) -> Activity:
     if not activity.details.modes or decision.mode is None:
         return activity
     mode = activity.details.modes[decision.mode]
-    return replace(
-        activity,
-        duration_min=mode.duration_min,
-        duration_max=mode.duration_max,
-        uses=tuple(activity.uses[u] for u in uses),
-    )
-
-
-def _with_uses(decision: Decision, uses: tuple[int, ...]) -> Decision:
-    if len(uses) == len(decision.chosen) or not decision.chosen:
-        return decision
-    return replace(decision, chosen=tuple(decision.chosen[u] for u in uses))
-
-
-def _earlier(
-    problem: Problem, kept: Sequence[int], uses: Sequence[tuple[int, ...]]
-) -> tuple[Earlier | None, ...]:
-    """Where the kept activities were; resources are those of the uses that are kept."""
-    found: list[Earlier | None] = []
-    for i, its in zip(kept, uses, strict=True) if problem.earlier else ():
-        earlier = problem.earlier[i]
-        if earlier is not None:
-            taken = tuple(earlier.resources[u] for u in its)
-            earlier = earlier._replace(mode=None, resources=taken)
-        found.append(earlier)
-    return tuple(found)
-
-
-def _settled(
-    problem: Problem, place: dict[int, int], uses: Sequence[tuple[int, ...]]
-) -> dict[tuple[int, int], int]:
-    settled: dict[tuple[int, int], int] = {}
-    for (i, u), r in problem.settled.items():
-        k = place.get(i)
-        if k is not None and u in uses[k]:
-            settled[k, uses[k].index(u)] = r
-    return settled
+    return replace(activity, duration_min=mode.duration_min, duration_max=mode.duration_max)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from fractions import Fraction
 from math import floor
 
-from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
-from irc.problem.temporal_network import Network, earliest
-from irc.problem.time_points import PointMap, timing_network
+from irc.problem.temporal_network import Network
+from irc.problem.time_points import PointMap, latest_times, timing_network
 from irc.retiming.resources import resource_orders
 from irc.schedule import Entry, Schedule
 
@@ -23,8 +20,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     duration is a range, durations. All lags, deadlines and fixed starts hold. Under these rules
     an action can start at *any* time up to its start + slack, others moving along; what several
     of them have, they have in common, not each. (Total float, with resources: Wiest, "Some
-    properties of schedules for large projects with limited resources", 1964. Latest times of a
-    simple temporal network solve it: Dechter, Meiri, Pearl 1991.)
+    properties of schedules for large projects with limited resources", 1964.)
 
     `schedule` must be a valid one of exactly the problem's activities; an answer without entries
     gives nothing. Raises `AnswerError` otherwise. Takes O(n log n) and the time of one pass over
@@ -36,7 +32,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
         raise AnswerError("it is worked out only without state, stock, calendars and choices")
     entries = _entries(problem, schedule)
     decisions = [
-        Decision(to_ticks(problem, entry.start), to_ticks(problem, entry.end)) for entry in entries
+        Decision(problem.to_ticks(entry.start), problem.to_ticks(entry.end)) for entry in entries
     ]
     makespan = floor(max(decision.end for decision in decisions))
     timing = timing_network(problem)
@@ -44,26 +40,17 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     for before, after in resource_orders(problem, decisions, _held(problem, entries), 0):
         network.add(points.end[before], points.start[after], points.end_offset[before])
     _keep_chosen_lengths(network, points, entries, decisions)
-    tails = earliest(network.reversed(), _least_tails(problem, points, makespan))
-    if tails.cycles:
+    latest = latest_times(problem, points, network, makespan)
+    if latest is None:
         raise AnswerError("the order of the schedule contradicts the lags of the problem")
     found = {
-        entry.id: floor(makespan - tails.t[point] - decision.start)
+        entry.id: floor(latest[point] - decision.start)
         for entry, point, decision in zip(entries, points.start, decisions, strict=True)
     }
     late = next((name for name, slack in found.items() if slack < 0), None)
     if late is not None:
         raise AnswerError(f"{late!r} is later in the schedule than the problem allows")
     return found
-
-
-def to_ticks(problem: Problem, value: Number) -> Number:
-    """A time of the task's unit → ticks, exactly: the way back from `Problem.to_units`."""
-    # Whole numbers all the way: in a large schedule fractions would cost more than the search.
-    ticks, rest = divmod(
-        value.numerator * problem.tick.denominator, value.denominator * problem.tick.numerator
-    )
-    return Fraction(value) / problem.tick if rest else ticks
 
 
 def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:
@@ -92,20 +79,3 @@ def _keep_chosen_lengths(
         if points.start[i] != points.end[i] and (not length or entry.mode is not None):
             network.add(points.start[i], points.end[i], int(length))
             network.add(points.end[i], points.start[i], -int(length))
-
-
-def _least_tails(problem: Problem, points: PointMap, makespan: int) -> list[int]:
-    """How long before the makespan each point must be at least, by its own limits alone."""
-    least = [0] * points.size
-    for point, tail in _limits(problem, points, makespan):
-        least[point] = max(least[point], tail)
-    return least
-
-
-def _limits(problem: Problem, points: PointMap, makespan: int) -> Iterator[tuple[int, int]]:
-    for i, activity in enumerate(problem.activities):
-        deadline = problem.effective_deadline(i)
-        end = makespan if deadline is None else min(deadline, makespan)
-        yield points.end[i], makespan - end + points.end_offset[i]
-        if activity.start is not None:
-            yield points.start[i], makespan - activity.start

@@ -1,42 +1,44 @@
 """Stock in re-timing: the changes of a reservoir keep an order in which its level stays in bounds.
 
-The changes are cut into batches that follow each other (weakly: `t_next >= t_before`). Within a
-batch any order, and any spread over time, keeps the level within bounds:
+All happenings of the decisions have one order: by time, by rank, and within a rank one in which no
+level leaves its bounds after any of them (what one happening gives and takes counts together). For
+each reservoir that order is cut into batches that follow each other, weakly (`t_next >= t_before`):
+at each new instant, and wherever one batch would leave a level that only this order keeps. Within a
+batch any order, and any spread over time, keeps the level within bounds.
 
-- all changes of one instant, where neither all of its productions alone nor all of its consumptions
-  alone would leave the bounds;
-- otherwise its productions and then its consumptions, or the other way round, where that stays
-  within bounds: levels rise to a peak and fall from it;
-- otherwise, where only both together are possible, all of them tied to one instant.
-
-Two batches that come to fall into one instant only take an intermediate level away.
+So wherever the happenings of several batches come to fall into one instant, their old order, which
+is one for all reservoirs, still does.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
-from itertools import groupby
-from operator import itemgetter
+from dataclasses import dataclass, field
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
 from irc.problem import Problem, Reservoir
-from irc.problem.decisions import Decision, Moment
+from irc.problem.decisions import AnswerError, Decision, Moment
 from irc.problem.temporal_network import Network
 from irc.problem.time_points import PointMap
+from irc.retiming.state import Happening, is_one_happening
+
+Amounts = dict[int, int]
+"""By how much each reservoir changes; none by 0."""
+
+Batches = list[list[Happening]]
+"""Happenings, each batch no earlier than the one before, in time and rank."""
+
+_ORDERS = 20_000
+"""So many sets of happenings that could have come first are looked at within one rank."""
 
 
 class _Change(NamedTuple):
-    """`amount` at `offset` after a point of the network."""
-
     time: Moment
-    amount: int
-    point: int
-    offset: int
-
-
-class _Batch(NamedTuple):
-    changes: list[_Change]
-    tied: bool = False
+    rank: int
+    happening: Happening
+    amounts: Amounts
 
 
 def keep_stock(
@@ -45,61 +47,182 @@ def keep_stock(
     points: PointMap,
     network: Network,
     floors: list[int],
-) -> None:
+) -> list[Batches]:
     """Adds the order of each reservoir's changes to a network, linear in their number.
 
-    Between two batches stands a point of its own, so `network` and `floors` grow.
+    Between two batches stands a point of its own, so `network` and `floors` grow. Returns the
+    batches of each reservoir, whose order binds ranks too.
     """
-    changes: list[list[_Change]] = [[] for _ in problem.reservoirs]
-    for i, activity in enumerate(problem.activities):
+    if not problem.reservoirs:
+        return []
+    ordered = _in_order(problem, list(_changes(problem, decisions)))
+    found: list[Batches] = []
+    for r, reservoir in enumerate(problem.reservoirs):
+        own = [c for c in ordered if r in c.amounts]
+        batches = list(_batches(r, reservoir, own))
+        for before, after in pairwise(batches):
+            _add_boundary(network, floors, points, before, after)
+        found.append(batches)
+    return found
+
+
+def _changes(problem: Problem, decisions: Sequence[Decision]) -> Iterator[_Change]:
+    for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
+        if not activity.details.stock:
+            continue
+        one = is_one_happening(activity, decision)
+        found: dict[bool, Amounts] = {False: {}, True: {}}
         for stock, amount, at_end in activity.details.stock:
-            place = (points.end[i], points.end_offset[i]) if at_end else (points.start[i], 0)
-            time = decisions[i].end if at_end else decisions[i].start
-            changes[stock].append(_Change(time, amount, *place))
-    for reservoir, its in zip(problem.reservoirs, changes, strict=True):
-        batches = list(_batches(reservoir, sorted(its)))
-        for number, batch in enumerate(batches):
-            if number:
-                _add_boundary(network, floors, batches[number - 1].changes, batch.changes)
-            if batch.tied:
-                _tie(network, batch.changes)
+            amounts = found[at_end and not one]
+            amounts[stock] = amounts.get(stock, 0) + amount
+        for at_end, amounts in found.items():
+            changed = {r: amount for r, amount in amounts.items() if amount}
+            time, rank = (decision.start, decision.rank)
+            if at_end:
+                time, rank = (decision.end, decision.end_rank)
+            if changed:
+                yield _Change(time, rank, Happening(i, at_end), changed)
 
 
-def _batches(reservoir: Reservoir, changes: list[_Change]) -> Iterator[_Batch]:
-    greatest = reservoir.greatest
-    level = reservoir.initial
-    for _, same in groupby(changes, key=itemgetter(0)):
-        instant = list(same)
-        gives = [c for c in instant if c.amount > 0]
-        takes = [c for c in instant if c.amount <= 0]
-        fits_given = greatest is None or level + sum(c.amount for c in gives) <= greatest
-        fits_taken = level + sum(c.amount for c in takes) >= reservoir.least
-        if fits_given and fits_taken:
-            yield _Batch(instant)
-        elif fits_given:
-            yield from (_Batch(part) for part in (gives, takes) if part)
-        elif fits_taken:
-            yield from (_Batch(part) for part in (takes, gives) if part)
-        else:
-            yield _Batch(instant, tied=True)
-        level += sum(c.amount for c in instant)
+def _in_order(problem: Problem, changes: list[_Change]) -> list[_Change]:
+    """The changes in an order that keeps every level within bounds, where there is one."""
+    levels = [reservoir.initial for reservoir in problem.reservoirs]
+    ordered: list[_Change] = []
+    changes.sort(key=lambda c: (c.time, c.rank, c.happening))
+    for _, same in groupby(changes, key=lambda c: (c.time, c.rank)):
+        members = _within_rank(problem, levels, list(same))
+        ordered += members
+        for change in members:
+            for r, amount in change.amounts.items():
+                levels[r] += amount
+    return ordered
+
+
+def _within_rank(problem: Problem, levels: Sequence[int], members: list[_Change]) -> list[_Change]:
+    """What gives first and what takes last, if that will do, or what gives last; else a search.
+
+    Raises `AnswerError` where none is found.
+    """
+    if len(members) < 2:
+        return members
+    reservoirs = problem.reservoirs
+    by_gain = sorted(members, key=lambda c: (_kind(c), c.happening))
+    for simple in (by_gain, sorted(members, key=lambda c: (-_kind(c), c.happening))):
+        if _stays_within(reservoirs, levels, simple):
+            return simple
+    order = _Order(reservoirs, levels, members).find()
+    if order is None:
+        names = ", ".join(repr(problem.activities[c.happening.activity].id) for c in members)
+        raise AnswerError(f"no order of {names} at one instant keeps all stock within bounds")
+    return order
+
+
+def _kind(change: _Change) -> int:
+    """0 for what only gives, 1 for what does both, 2 for what only takes."""
+    return (min(change.amounts.values()) < 0) + (max(change.amounts.values()) < 0)
+
+
+def _stays_within(
+    reservoirs: Sequence[Reservoir], levels: Sequence[int], order: Sequence[_Change]
+) -> bool:
+    now = list(levels)
+    for change in order:
+        for r, amount in change.amounts.items():
+            now[r] += amount
+            if not _is_within(reservoirs[r], now[r]):
+                return False
+    return True
+
+
+def _is_within(reservoir: Reservoir, level: int) -> bool:
+    return reservoir.least <= level and (reservoir.greatest is None or level <= reservoir.greatest)
+
+
+@dataclass
+class _Order:
+    """A search, depth first, for an order; what has happened is a set, whatever its order."""
+
+    reservoirs: Sequence[Reservoir]
+    levels: Sequence[int]
+    members: Sequence[_Change]
+    failed: set[frozenset[int]] = field(default_factory=set)
+
+    def find(self) -> list[_Change] | None:
+        """An order that keeps every level within bounds; None where none is found."""
+        order: list[int] = []
+        tried: list[Iterator[int]] = [self._next(order)]
+        while tried:
+            k = next(tried[-1], None)
+            if k is None:
+                self.failed.add(frozenset(order))
+                tried.pop()
+                if order:
+                    order.pop()
+                if len(self.failed) > _ORDERS:
+                    return None
+                continue
+            order.append(k)
+            if len(order) == len(self.members):
+                return [self.members[k] for k in order]
+            tried.append(self._next(order))
+        return None
+
+    def _next(self, order: Sequence[int]) -> Iterator[int]:
+        placed = frozenset(order)
+        now = Counter(dict(enumerate(self.levels)))
+        for k in order:
+            now.update(self.members[k].amounts)
+        possible = [
+            k
+            for k, change in enumerate(self.members)
+            if k not in placed
+            and all(_is_within(self.reservoirs[r], now[r] + a) for r, a in change.amounts.items())
+        ]
+        for k in possible:
+            if placed | {k} not in self.failed:
+                yield k
+
+
+def _batches(r: int, reservoir: Reservoir, changes: Sequence[_Change]) -> Iterator[list[Happening]]:
+    """The longest stretches of the order, within one instant, in which all orders will do."""
+    batch: list[Happening] = []
+    level, given, taken = reservoir.initial, 0, 0
+    time: Moment | None = None
+    for change in changes:
+        amount = change.amounts[r]
+        more_given, more_taken = given + max(amount, 0), taken + max(-amount, 0)
+        fits = _is_within(reservoir, level - more_taken) and _is_within(
+            reservoir, level + more_given
+        )
+        if batch and (change.time != time or not fits):
+            yield batch
+            batch, level = [], level + given - taken
+            more_given, more_taken = max(amount, 0), max(-amount, 0)
+        batch.append(change.happening)
+        time = change.time
+        given, taken = more_given, more_taken
+    if batch:
+        yield batch
 
 
 def _add_boundary(
-    network: Network, floors: list[int], before: list[_Change], after: list[_Change]
+    network: Network,
+    floors: list[int],
+    points: PointMap,
+    before: Sequence[Happening],
+    after: Sequence[Happening],
 ) -> None:
     boundary = network.size
     network.size += 1
     floors.append(0)
-    for change in before:
-        network.add(change.point, boundary, change.offset)
-    for change in after:
-        network.add(boundary, change.point, -change.offset)
+    for happening in before:
+        point, offset = _point(points, happening)
+        network.add(point, boundary, offset)
+    for happening in after:
+        point, offset = _point(points, happening)
+        network.add(boundary, point, -offset)
 
 
-def _tie(network: Network, changes: list[_Change]) -> None:
-    first = changes[0]
-    for other in changes[1:]:
-        if other.point != first.point:
-            network.add(first.point, other.point, first.offset - other.offset)
-            network.add(other.point, first.point, other.offset - first.offset)
+def _point(points: PointMap, happening: Happening) -> tuple[int, int]:
+    i = happening.activity
+    return (points.end[i], points.end_offset[i]) if happening.at_end else (points.start[i], 0)

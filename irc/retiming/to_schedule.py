@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from irc.problem import Problem
 from irc.problem.decisions import Placed
 from irc.schedule import Entry, Schedule
-
-if TYPE_CHECKING:
-    pass
 
 
 def schedule_of(problem: Problem, placed: Sequence[Placed]) -> Schedule:

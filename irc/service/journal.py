@@ -20,6 +20,7 @@ from typing import IO, Any
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
+from irc.errors import IrcError
 from irc.frontends.json.value import read_value
 
 JOURNAL_VERSION = "1"
@@ -31,7 +32,7 @@ _LINE = re.compile(rb'\{"seq": (\d{1,18}), "crc": "([0-9a-f]{8})", "entry": (.*)
 _BEGINNING = b'{"seq": 0, "crc": "'
 
 
-class JournalError(Exception):
+class JournalError(IrcError):
     """The journal cannot be opened or written; the text says which and why."""
 
 

@@ -71,7 +71,7 @@ class Session:
                 {
                     "task": task.name,
                     "task_sha256": task_sha256(task),
-                    "schedule": execution.schedule.as_json(),
+                    "schedule": execution.schedule.to_dict(),
                 }
             )
         return cls(execution, journal)
@@ -155,17 +155,17 @@ class Session:
                 for event in in_order(execution.task)
             ],
             "task_sha256": task_sha256(execution.task),
-            "schedule": execution.schedule.as_json(),
+            "schedule": execution.schedule.to_dict(),
         }
 
     def _refused(self, message: str, report: Report | None = None) -> dict[str, Any]:
         """An error for an answer: in short, and every finding where the request is at fault."""
-        found = [] if report is None else report.as_json()
+        found = [] if report is None else report.to_list()
         now = json_number(self.execution.now)
         return {"ok": False, "now": now, "error": {"message": message, "diagnostics": found}}
 
     def _told(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
-        return {"now": json_number(self.execution.now), "notes": [d.as_json() for d in notes]}
+        return {"now": json_number(self.execution.now), "notes": [d.to_dict() for d in notes]}
 
     def _do(self, request: Request) -> tuple[dict[str, Any], Step | None]:
         """Changes the execution as a request says; the answer, and the step where it replanned."""
@@ -174,7 +174,7 @@ class Session:
             return {"ok": True, **self._told(notes)}, None
         step = self.execution.replan()
         told = {"ok": True, **self._told((*notes, *step.notes))}
-        return {**told, "step": step.as_json()}, step
+        return {**told, "step": step.to_dict()}, step
 
     def _change(self, request: Request) -> tuple[Diagnostic, ...]:
         """What a request does before anything is planned again, and what is noted of that."""
@@ -219,7 +219,7 @@ class Session:
     def _record(self, request: str, step: Step | None) -> None:
         if self.journal is None:
             return
-        result = "" if step is None else f', "step": {json.dumps(step.as_json())}'
+        result = "" if step is None else f', "step": {json.dumps(step.to_dict())}'
         self.journal.append(f'{{"request": {request.strip()}{result}}}')
 
     def _replay(self, entry: Mapping[str, Any]) -> None:

@@ -1,6 +1,13 @@
 """Targets: what a backend, a program and an engine are; in, a `Problem`; out, an `Outcome`."""
 
 from irc.targets.backend import MANIFEST_FILE, MANIFEST_VERSION, Backend, Engine, Program
+from irc.targets.options import (
+    EngineKeywords,
+    SolveKeywords,
+    SolveOptions,
+    read_share,
+    require_seconds,
+)
 from irc.targets.outcome import (
     EngineFailed,
     EngineMissing,
@@ -20,6 +27,7 @@ __all__ = [
     "Backend",
     "Engine",
     "EngineFailed",
+    "EngineKeywords",
     "EngineMissing",
     "Limits",
     "ObjectiveLevel",
@@ -28,9 +36,13 @@ __all__ = [
     "Program",
     "Progress",
     "Refusal",
+    "SolveKeywords",
+    "SolveOptions",
     "UnknownTarget",
     "backends",
     "get_backend",
+    "read_share",
     "refused_features",
+    "require_seconds",
     "require_support",
 ]

@@ -82,8 +82,8 @@ class Program:
             "tick": format_number(self.problem.to_units(1)),
             "time_unit": self.problem.time_unit,
             "bound": {
-                "makespan": self.problem.bound.value,
-                "reason": self.problem.bound.reason,
+                "makespan": self.problem.bounds.makespan.value,
+                "reason": self.problem.bounds.makespan.reason,
             },
             "names": self.names,
             "task": canonical,
@@ -136,6 +136,13 @@ class Backend(ABC):
 
     proves: ClassVar[bool] = True
     """Whether its engines can prove, as a rule, that there is no schedule."""
+
+    def __eq__(self, other: object) -> bool:
+        """Equal where they are the same target: two objects of one class with the same contents."""
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash(type(self))
 
     @abstractmethod
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic, did_you_mean
+from irc.errors import IrcError
 from irc.model.quantities import Number
 
 if TYPE_CHECKING:
@@ -70,15 +71,15 @@ class Outcome:
     levels: tuple[ObjectiveLevel, ...] = ()
 
 
-class EngineMissing(Exception):
+class EngineMissing(IrcError):
     """The engine asked for is not installed; the text says what to do."""
 
 
-class EngineFailed(Exception):
+class EngineFailed(IrcError):
     """The engine ran but gave nothing that can be used; the text says what happened."""
 
 
-class Refusal(Exception):
+class Refusal(IrcError):
     """This target cannot express this problem, though it knows all of its features."""
 
     def __init__(self, message: str, pointer: tuple[str | int, ...] = (), hint: str | None = None):
@@ -86,7 +87,7 @@ class Refusal(Exception):
         self.diagnostic = Diagnostic(Code.OUT_OF_RANGE, message, pointer, hint)
 
 
-class UnknownTarget(Exception):
+class UnknownTarget(IrcError):
     """A target or engine that does not exist."""
 
     def __init__(self, kind: str, name: str, known: list[str]) -> None:

@@ -43,6 +43,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Protocol, Self
 
+from irc.errors import IrcError
+
 __all__ = [
     "CommandNotFound",
     "Ended",
@@ -77,7 +79,7 @@ _KILL = 9  # SIGKILL as a number, because Windows has no name for it
 _LIMITED = 'ulimit -v "$0" 2>/dev/null; exec "$@"'
 
 
-class ProcessError(Exception):
+class ProcessError(IrcError):
     """A child process could not be run; the message says why and what to change."""
 
 

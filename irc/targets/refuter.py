@@ -15,11 +15,11 @@ from irc.schedule import Status
 class Assumptions:
     """A problem with its statements taken out of it, and those statements one by one.
 
-    In `problem` every activity takes any time from 0 on, whenever; its claims and capacities are
-    there, but hold only under the statement of the use (`uses`, by activity and index of the use)
-    and under those of the capacities of *all* members of a shared resource (`capacities`, by
-    index in `Problem.resources`). `differences` are all demands on time. Nothing ends after
-    `horizon` needs to.
+    In `problem` every activity takes any time from 0 on, whenever. Its open demands and capacities
+    are there, but hold only under the statement of the use (`uses`, by activity and index of the
+    use) and under those of the capacities of *all* members of a pool (`capacities`, by index in
+    `Problem.resources`). `differences` are all demands on time. Nothing ends after `horizon` needs
+    to.
     """
 
     problem: Problem

@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.model import Task
 from irc.model.features import Feature, FeatureUse, features_of
-
-if TYPE_CHECKING:
-    pass
 from irc.targets.backend import Backend
 from irc.targets.outcome import UnknownTarget
 

@@ -17,6 +17,7 @@ from typing import Any
 from irc.diagnostics import InputError
 from irc.driver.compile import lower_for
 from irc.driver.judge import finish, validate_schedule
+from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Status
 from irc.targets import Backend, Engine, Limits, Program, refused_features
@@ -185,7 +186,7 @@ CONFORMANCE_TASKS: tuple[Case, ...] = (
 )
 
 
-class ConformanceError(AssertionError):
+class ConformanceError(IrcError, AssertionError):
     """A backend that breaks the contract; the text says on which task and how."""
 
 

@@ -11,12 +11,13 @@ from __future__ import annotations
 from irc.model import Task
 from irc.model.quantities import Number, TimeError
 from irc.schedule import Schedule
+from irc.validation.bound_schedule import InexactTimeError, UncheckedTaskError, bind
 from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.presence import check_presence
-from irc.validation.resources import check_capacity, check_reservoirs
+from irc.validation.resources import check_capacity
 from irc.validation.state import check_goals, check_state
-from irc.validation.subject import InexactTimeError, UncheckedTaskError, resolve
+from irc.validation.stock import check_reservoirs
 from irc.validation.timing import check_precedence, check_windows
 from irc.validation.verdict import RULES, SHOWN_PER_RULE, Verdict, Violation, Violations
 
@@ -70,12 +71,12 @@ def validate(task: Task, schedule: Schedule, at: Number | None = None) -> Verdic
 
 
 def _validate(task: Task, schedule: Schedule, at: Number | None) -> Verdict:
-    subject = resolve(task, schedule, at)
+    bound = bind(task, schedule, at)
     violations = Violations(task.time_unit)
     for check in _CHECKS:
-        check(subject, violations)
-    values = objective_values(subject)
-    check_stated(subject, values, violations)
+        check(bound, violations)
+    values = objective_values(bound)
+    check_stated(bound, values, violations)
     return Verdict(
         violations.found,
         values,

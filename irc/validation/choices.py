@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 
 from irc.model import Use
-from irc.validation.subject import Subject
+from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.verdict import Violations
 
 MAX_PARTIAL_CHOICES = 100_000
@@ -17,13 +17,13 @@ _Choice = tuple[int, frozenset[str]]
 """An amount, and the resources of which one gives it."""
 
 
-def check_choices(subject: Subject, violations: Violations) -> None:
+def check_choices(bound: BoundSchedule, violations: Violations) -> None:
     """Every entry names exactly what it uses."""
-    for occurrence in subject.occurrences:
+    for occurrence in bound.occurrences:
         named, uses = occurrence.entry.resources, occurrence.uses
         if not named and not uses:
             continue
-        unknown = [name for name in named if name not in subject.resources]
+        unknown = [name for name in named if name not in bound.resources]
         if unknown:
             names = ", ".join(repr(name) for name in unknown[:10])
             violations.add(

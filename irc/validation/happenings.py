@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from irc.model.base import StateValue
 from irc.model.quantities import Number
-from irc.validation.subject import Occurrence, Subject
+from irc.validation.bound_schedule import BoundSchedule, Occurrence
 from irc.validation.timing import tight_precedences
 
 Value = StateValue | None
@@ -82,14 +82,14 @@ class Story:
     timelines: dict[str, Timeline] = field(default_factory=dict)
 
 
-def tell(subject: Subject, drawn_out: Collection[int]) -> Story:
+def tell(bound: BoundSchedule, drawn_out: Collection[int]) -> Story:
     """The story of a schedule.
 
     `drawn_out` numbers the occurrences that start and end at the same time but at different ranks,
     and so are two happenings; every other one of no duration is a single happening.
     """
-    story = Story(timelines={name: Timeline() for name in subject.variables})
-    for occurrence in subject.occurrences:
+    story = Story(timelines={name: Timeline() for name in bound.variables})
+    for occurrence in bound.occurrences:
         separate = occurrence.number in drawn_out
         if occurrence.ends_freely and (separate or occurrence.start != occurrence.end):
             nodes = (story.node_count, story.node_count + 1)
@@ -125,18 +125,18 @@ def _tell_occurrence(story: Story, occurrence: Occurrence, nodes: tuple[int, int
         story.timelines[effect.var].writes.append(Access(happening, effect.value))
 
 
-def given_ranks(subject: Subject, story: Story) -> list[int]:
+def given_ranks(bound: BoundSchedule, story: Story) -> list[int]:
     """The rank of each node as the entries state it."""
     ranks = [0] * story.node_count
-    for occurrence, (start, end) in zip(subject.occurrences, story.nodes, strict=True):
+    for occurrence, (start, end) in zip(bound.occurrences, story.nodes, strict=True):
         ranks[end] = occurrence.end_rank
         ranks[start] = occurrence.rank
     return ranks
 
 
-def timing_edges(subject: Subject, story: Story) -> Iterator[Edge]:
+def timing_edges(bound: BoundSchedule, story: Story) -> Iterator[Edge]:
     """What durations and precedences kept with no time to spare demand of the ranks."""
-    for occurrence, (start, end) in zip(subject.occurrences, story.nodes, strict=True):
+    for occurrence, (start, end) in zip(bound.occurrences, story.nodes, strict=True):
         if start == end:
             continue
         lasts = occurrence.end - occurrence.start
@@ -146,17 +146,10 @@ def timing_edges(subject: Subject, story: Story) -> Iterator[Edge]:
             yield start, end, 0
         if lasts == occurrence.longest:
             yield end, start, 0
-    for before, from_end, after, to_end in tight_precedences(subject):
+    for before, from_end, after, to_end in tight_precedences(bound):
         edge = (story.nodes[before.number][from_end], story.nodes[after.number][to_end], 0)
         if edge[0] != edge[1]:
             yield edge
-
-
-def value_text(value: Value) -> str:
-    """A value as messages show it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return "not set" if value is None else repr(value)
 
 
 def moment_text(happening: Happening, time: str) -> str:

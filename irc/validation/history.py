@@ -17,13 +17,13 @@ is what the document says of itself: unknown actions, statuses, objectives.
 from __future__ import annotations
 
 from irc.model.quantities import Number
-from irc.validation.subject import ABANDONED, CANCELLED, Occurrence, Subject
+from irc.validation.bound_schedule import ABANDONED, CANCELLED, BoundSchedule, Occurrence
 from irc.validation.verdict import Violations
 
 
-def check_statuses(subject: Subject, violations: Violations) -> None:
+def check_statuses(bound: BoundSchedule, violations: Violations) -> None:
     """The task bears out every status that an entry has."""
-    for entry in subject.schedule.entries:
+    for entry in bound.schedule.entries:
         if entry.status not in (None, CANCELLED, ABANDONED):
             violations.add(
                 "status",
@@ -32,15 +32,15 @@ def check_statuses(subject: Subject, violations: Violations) -> None:
                 [entry.id],
                 (entry.start, entry.end),
             )
-    marked = [o for o in subject.occurrences if o.entry.status in (CANCELLED, ABANDONED)]
+    marked = [o for o in bound.occurrences if o.entry.status in (CANCELLED, ABANDONED)]
     if not marked:
         return
-    in_part = _present_in_part(subject)
+    in_part = _present_in_part(bound)
     for occurrence in marked:
-        if subject.at is not None:
-            _check_begun(subject.at, occurrence, violations)
+        if bound.at is not None:
+            _check_begun(bound.at, occurrence, violations)
         if occurrence.cancelled:
-            _check_cancelled(subject, occurrence, violations)
+            _check_cancelled(bound, occurrence, violations)
         elif occurrence.entry.id not in in_part:
             _add(
                 occurrence,
@@ -49,21 +49,21 @@ def check_statuses(subject: Subject, violations: Violations) -> None:
             )
 
 
-def _present_in_part(subject: Subject) -> set[str]:
+def _present_in_part(bound: BoundSchedule) -> set[str]:
     """The actions of groups that may be absent and of which not all actions are there."""
     return {
         name
-        for group in subject.groups.values()
-        if not group.required and not subject.is_present(group)
+        for group in bound.groups.values()
+        if not group.required and not bound.is_present(group)
         for name in group.actions
     }
 
 
-def _check_cancelled(subject: Subject, occurrence: Occurrence, violations: Violations) -> None:
+def _check_cancelled(bound: BoundSchedule, occurrence: Occurrence, violations: Violations) -> None:
     action, at = occurrence.action, violations.time(occurrence.end)
     if action.occurrence_bounds[0] > 0:
         _add(occurrence, f"is {CANCELLED!r}, but the task does not do without it", violations)
-    elif action.deadline is None or subject.clock.number(action.deadline) > occurrence.end:
+    elif action.deadline is None or bound.clock.number(action.deadline) > occurrence.end:
         _add(
             occurrence,
             f"is {CANCELLED!r} at {at}, but the task has no deadline by which it is over then",
@@ -89,37 +89,34 @@ def _add(occurrence: Occurrence, what: str, violations: Violations) -> None:
     )
 
 
-def is_abandoned(subject: Subject, name: str) -> bool:
+def is_abandoned(bound: BoundSchedule, name: str) -> bool:
     """Whether all that is there of an action is marked as abandoned."""
-    return all(o.entry.status == ABANDONED for o in subject.by_action[name] if not o.cancelled)
+    return all(o.entry.status == ABANDONED for o in bound.by_action[name] if not o.cancelled)
 
 
-def given_up(subject: Subject) -> frozenset[str]:
+def given_up(bound: BoundSchedule) -> frozenset[str]:
     """The groups that may be absent, are there in part, and leave nothing behind unexplained.
 
     Each action that is there is marked as abandoned, or in another group that is wholly there.
     """
     in_part = [
         group
-        for group in subject.groups.values()
+        for group in bound.groups.values()
         if not group.required
-        and not subject.is_present(group)
-        and not subject.done.isdisjoint(group.actions)
+        and not bound.is_present(group)
+        and not bound.done.isdisjoint(group.actions)
     ]
     if not in_part:
         return frozenset()
     elsewhere = {
-        name
-        for group in subject.groups.values()
-        if subject.is_present(group)
-        for name in group.actions
+        name for group in bound.groups.values() if bound.is_present(group) for name in group.actions
     }
     return frozenset(
         group.id
         for group in in_part
         if all(
-            name in elsewhere or is_abandoned(subject, name)
+            name in elsewhere or is_abandoned(bound, name)
             for name in group.actions
-            if name in subject.done
+            if name in bound.done
         )
     )

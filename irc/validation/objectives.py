@@ -2,48 +2,46 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
+from collections.abc import Mapping
 
 from irc.model.quantities import Number, exact
 from irc.model.times import format_number
 from irc.schedule import ObjectiveValue
-from irc.validation.subject import Subject
+from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.verdict import Violations
 
 _UNKNOWABLE = "changes"
 """How much a schedule differs from an earlier one, if there was one: its entries do not say."""
 
 
-def objective_values(subject: Subject) -> MappingProxyType[str, Number]:
+def objective_values(bound: BoundSchedule) -> dict[str, Number]:
     """Makespan, tardiness, reward and cost of the entries, repeated occurrences each counted.
 
     What was cancelled has cost what it costs, but earns nothing and keeps no due date waiting.
     """
-    present = [group for group in subject.groups.values() if subject.is_present(group)]
-    reward = sum(o.action.reward or 0 for o in subject.occurrences if not o.cancelled)
+    present = [group for group in bound.groups.values() if bound.is_present(group)]
+    reward = sum(o.action.reward or 0 for o in bound.occurrences if not o.cancelled)
     reward += sum(group.reward or 0 for group in present)
-    return MappingProxyType(
-        {
-            "makespan": _exact(subject.schedule.makespan),
-            "tardiness": _tardiness(subject),
-            "reward": reward,
-            "cost": sum(o.action.cost or 0 for o in subject.occurrences),
-        }
-    )
+    return {
+        "makespan": _exact(bound.schedule.makespan),
+        "tardiness": _tardiness(bound),
+        "reward": reward,
+        "cost": sum(o.action.cost or 0 for o in bound.occurrences),
+    }
 
 
-def _tardiness(subject: Subject) -> Number:
+def _tardiness(bound: BoundSchedule) -> Number:
     """Σ weight · max(0, end − due) over occurrences and present groups; the weight is 1 if none."""
     total: Number = 0
-    for occurrence in subject.occurrences:
+    for occurrence in bound.occurrences:
         action = occurrence.action
         if action.due is not None and not occurrence.cancelled:
-            late = max(0, occurrence.end - subject.clock.number(action.due))
+            late = max(0, occurrence.end - bound.clock.number(action.due))
             total += late * (1 if action.weight is None else action.weight)
-    for group in subject.groups.values():
-        if group.due is not None and subject.is_present(group):
-            end = max(o.end for name in group.actions for o in subject.by_action[name])
-            late = max(0, end - subject.clock.number(group.due))
+    for group in bound.groups.values():
+        if group.due is not None and bound.is_present(group):
+            end = max(o.end for name in group.actions for o in bound.by_action[name])
+            late = max(0, end - bound.clock.number(group.due))
             total += late * (1 if group.weight is None else group.weight)
     return _exact(total)
 
@@ -53,10 +51,10 @@ def _exact(value: Number) -> Number:
 
 
 def check_stated(
-    subject: Subject, values: MappingProxyType[str, Number], violations: Violations
+    bound: BoundSchedule, values: Mapping[str, Number], violations: Violations
 ) -> None:
     """The stated values are the true ones, and no stated bound contradicts them."""
-    for stated in subject.schedule.objective:
+    for stated in bound.schedule.objective:
         if stated.name not in values and stated.name != _UNKNOWABLE:
             known = ", ".join([*values, _UNKNOWABLE])
             violations.add("objective", f"there is no objective {stated.name!r}; there are {known}")

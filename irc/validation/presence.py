@@ -5,39 +5,39 @@ from __future__ import annotations
 from collections import Counter
 from itertools import pairwise
 
+from irc.validation.bound_schedule import ABANDONED, BoundSchedule, Occurrence
 from irc.validation.history import check_statuses, given_up, is_abandoned
-from irc.validation.subject import ABANDONED, Occurrence, Subject
 from irc.validation.verdict import Violations, listed
 
 
-def check_presence(subject: Subject, violations: Violations) -> None:
+def check_presence(bound: BoundSchedule, violations: Violations) -> None:
     """Occurrence bounds, groups, unknown and repeated entries, statuses, numbering, overlap."""
-    _check_unknown(subject, violations)
-    check_statuses(subject, violations)
-    _check_bounds(subject, violations)
-    for occurrences in subject.by_action.values():
+    _check_unknown(bound, violations)
+    check_statuses(bound, violations)
+    _check_bounds(bound, violations)
+    for occurrences in bound.by_action.values():
         if len(occurrences) > 1 or occurrences[0].entry.occurrence != 1:
             _check_numbers(occurrences, violations)
             _check_overlap(occurrences, violations)
-    _check_groups(subject, violations)
+    _check_groups(bound, violations)
 
 
-def _check_unknown(subject: Subject, violations: Violations) -> None:
-    for entry in subject.unknown:
+def _check_unknown(bound: BoundSchedule, violations: Violations) -> None:
+    for entry in bound.unknown:
         times = (entry.start, entry.end)
         violations.add("unknown", f"the task has no action {entry.id!r}", [entry.id], times)
 
 
-def _check_bounds(subject: Subject, violations: Violations) -> None:
+def _check_bounds(bound: BoundSchedule, violations: Violations) -> None:
     # A group that may be absent decides for its members, whatever their own default says.
     decided_by_group = {
-        name for group in subject.groups.values() if not group.required for name in group.actions
+        name for group in bound.groups.values() if not group.required for name in group.actions
     }
-    for name, action in subject.actions.items():
+    for name, action in bound.actions.items():
         least, greatest = action.occurrence_bounds
         if name in decided_by_group:
             least = 0
-        found = subject.by_action.get(name, ())
+        found = bound.by_action.get(name, ())
         if len(found) < least:
             wanted = "" if least == 1 else f"; it must occur at least {least} times"
             count = f"occurs {len(found)} times" if found else "is missing"
@@ -101,18 +101,18 @@ def _check_overlap(occurrences: list[Occurrence], violations: Violations) -> Non
             running = later
 
 
-def _check_groups(subject: Subject, violations: Violations) -> None:
-    without_blame = given_up(subject)
-    for group in subject.groups.values():
-        missing = [name for name in group.actions if name not in subject.done]
+def _check_groups(bound: BoundSchedule, violations: Violations) -> None:
+    without_blame = given_up(bound)
+    for group in bound.groups.values():
+        missing = [name for name in group.actions if name not in bound.done]
         if not missing or (len(missing) == len(group.actions) and not group.required):
             continue
         if group.id in without_blame:
             continue
         rule = "is required" if group.required else "is all or none"
         message = f"the group {group.id!r} {rule}; missing: {listed(missing, len(missing))}"
-        there = [name for name in group.actions if name in subject.done]
-        unmarked = [name for name in there if not is_abandoned(subject, name)]
+        there = [name for name in group.actions if name in bound.done]
+        unmarked = [name for name in there if not is_abandoned(bound, name)]
         if not group.required and len(unmarked) < len(there):
             message += f"; there and not {ABANDONED}: {listed(unmarked, len(unmarked))}"
         violations.add("group", message, missing)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
+from irc.errors import IrcError
 from irc.validation.happenings import Edge, Edges
 
 
-class OutOfSteps(Exception):
+class OutOfSteps(IrcError):
     """The search has used up its steps."""
 
 

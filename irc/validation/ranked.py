@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Schedule
+from irc.validation.bound_schedule import bind
 from irc.validation.happenings import Edge, given_ranks, tell, timing_edges
 from irc.validation.rank_graph import Budget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
-from irc.validation.subject import resolve
 from irc.validation.verdict import Violations
 
 
-class NoRanksError(ValueError):
+class NoRanksError(IrcError, ValueError):
     """No ranks are known under which state and precedences hold."""
 
 
@@ -35,18 +36,18 @@ def ranks_of(task: Task, schedule: Schedule) -> Ranks:
 
     Raises `NoRanksError` where there are none, or where that is too hard to decide.
     """
-    subject = resolve(task, schedule)
+    bound = bind(task, schedule)
     story = tell(
-        subject,
-        {o.number for o in subject.occurrences if o.start == o.end and o.rank != o.end_rank},
+        bound,
+        {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank},
     )
     ranks: list[int] | None
-    if subject.ranked:
-        ranks = given_ranks(subject, story)
+    if bound.ranked:
+        ranks = given_ranks(bound, story)
     else:
-        budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(subject.occurrences))
+        budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
         violations = Violations(task.time_unit)
-        ranks = find_ranks(subject, story, budget, violations)
+        ranks = find_ranks(bound, story, budget, violations)
         if ranks is None:
             raise NoRanksError("; ".join(v.message for v in violations.found) or "no ranks found")
-    return Ranks(tuple(story.nodes), tuple(ranks), tuple(timing_edges(subject, story)))
+    return Ranks(tuple(story.nodes), tuple(ranks), tuple(timing_edges(bound, story)))

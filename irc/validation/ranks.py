@@ -1,16 +1,18 @@
 """The search for ranks where a schedule gives none.
 
 Every demand on ranks is an edge: rank(b) ≥ rank(a) + 0 or 1. Ranks exist iff the edges of some
-order of each knot (see `irc.validation.knots`) close no cycle with a 1 in it.
+order of each cluster (see `irc.validation.simultaneous`, and for resources and stock
+`irc.validation.level_clusters`) close no cycle with a 1 in it.
 
-1. Durations, tight precedences and the knots with one answer give edges at once; a cycle among
+1. Durations, tight precedences and the clusters with one answer give edges at once; a cycle among
    these is final. Where the order of writers is known, slots that these edges rule out are dropped,
    until nothing changes. This is near linear, and all that most schedules need.
 2. A cycle stays inside a strongly connected component of the graph of all *possible* edges. So
-   knots that share neither a component nor a value are independent puzzles, solved smallest first.
+   clusters that share neither a component nor a value are independent puzzles, the smallest first.
 3. A puzzle is searched depth first with exact backtracking: the next writer, then a slot for each
    item, the narrowest first. Ranks that satisfy all edges so far are kept up to date (starting from
-   a topological order), so an impossible edge is seen when it is added.
+   a topological order), so an impossible edge is seen when it is added. Happenings that change
+   levels are put in an order one by one, as far as the levels allow.
 
 The question is NP-hard (orders of simultaneous changes), so the search is bounded: by
 `SEARCH_STEPS` edge relaxations and `STEPS_PER_OCCURRENCE` more for each occurrence. Beyond, what is
@@ -23,8 +25,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.happenings import Edge, Edges, Story, Value, timing_edges
-from irc.validation.knots import OPEN, Knot, Writer, slots, untangle
+from irc.validation.level_clusters import LevelCluster, level_clusters
+from irc.validation.past_first import past_first_pairs
 from irc.validation.rank_graph import (
     Budget,
     OutOfSteps,
@@ -35,7 +39,7 @@ from irc.validation.rank_graph import (
     strong_components,
     successors,
 )
-from irc.validation.subject import Subject
+from irc.validation.simultaneous import OPEN, Cluster, Writer, rank_constraints, slots
 from irc.validation.verdict import Violations, listed
 
 SEARCH_STEPS = 1_000_000
@@ -44,33 +48,48 @@ STEPS_PER_OCCURRENCE = 100
 
 
 def find_ranks(
-    subject: Subject, story: Story, budget: Budget, violations: Violations
+    bound: BoundSchedule, story: Story, budget: Budget, violations: Violations
 ) -> list[int] | None:
     """Ranks under which state and precedences hold, or None and the reasons why there are none."""
-    tangle = untangle(subject, story, violations)
-    edges = [*timing_edges(subject, story), *tangle.edges]
-    components = strong_components(story.node_count, edges)
+    constraints = rank_constraints(bound, story, violations)
+    count, past_first = _past_first_edges(bound, story)
+    needed, levels = level_clusters(bound, story)
+    edges = [*timing_edges(bound, story), *past_first, *needed, *constraints.edges]
+    components = strong_components(count, edges)
     cycles = strict_cycles(components, edges)
     if cycles:
-        _add_cycles(subject, story, inside_components(components, edges), cycles, violations)
+        _add_cycles(bound, story, inside_components(components, edges), cycles, violations)
         return None
     # Edges never lead to a higher component, and equal ones are tied: a topological order.
     graph = RankGraph([-component for component in components], edges, budget)
-    search = _Search(graph, _narrow(graph, tangle.knots), edges)
+    search = _Search(graph, [*_narrow(graph, constraints.clusters), *levels], edges)
     for puzzle in search.puzzles:
         outcome = search.solve(puzzle)
         if outcome is not True:
-            knots = [search.knots[i] for i in puzzle]
-            _add_unsolved(knots, outcome is None, violations)
-    return None if violations else graph.ranks
+            clusters = [search.clusters[i] for i in puzzle]
+            _add_unsolved(clusters, outcome is None, violations)
+    return None if violations else graph.ranks[: story.node_count]
 
 
-def _narrow(graph: RankGraph, knots: Sequence[Knot]) -> list[Knot]:
+def _past_first_edges(bound: BoundSchedule, story: Story) -> tuple[int, list[Edge]]:
+    """The number of nodes, and the order at events' instants: each through a node of its own."""
+    count, edges = story.node_count, []
+    for earlier, later in past_first_pairs(bound):
+        edges += [(story.nodes[o.number][at_end], count, 0) for o, at_end in earlier]
+        edges += [(count, story.nodes[o.number][at_end], 0) for o, at_end in later]
+        count += 1
+    return count, edges
+
+
+_AnyCluster = Cluster | LevelCluster
+
+
+def _narrow(graph: RankGraph, clusters: Sequence[Cluster]) -> list[Cluster]:
     """Settles the items that have one possible slot left; one that has none is left to fail."""
-    left = list(knots)
+    left = list(clusters)
     try:
         while True:
-            narrower = [_narrowed(graph, knot) for knot in left]
+            narrower = [_narrowed(graph, cluster) for cluster in left]
             settled = sum(len(a.items) - len(b.items) for a, b in zip(left, narrower, strict=True))
             left = narrower
             if not settled:
@@ -79,25 +98,27 @@ def _narrow(graph: RankGraph, knots: Sequence[Knot]) -> list[Knot]:
         return left
 
 
-def _narrowed(graph: RankGraph, knot: Knot) -> Knot:
-    if knot.incoming is OPEN or len(knot.writers) > 1:
-        return knot
+def _narrowed(graph: RankGraph, cluster: Cluster) -> Cluster:
+    if cluster.incoming is OPEN or len(cluster.writers) > 1:
+        return cluster
     items = []
-    for item in knot.items:
-        options = [o for o in slots(item, knot.writers, knot.incoming) if graph.allows(o)]
+    for item in cluster.items:
+        options = [o for o in slots(item, cluster.writers, cluster.incoming) if graph.allows(o)]
         if len(options) == 1:
             graph.add(options[0])
         else:
             items.append(item)
-    return knot if len(items) == len(knot.items) else replace(knot, items=tuple(items))
+    return cluster if len(items) == len(cluster.items) else replace(cluster, items=tuple(items))
 
 
 class _State(NamedTuple):
-    """How far a puzzle is solved: its `at`-th knot, the order of writers so far, and, once that is
-    complete, the options of each item, of which the first `placed` are chosen."""
+    """How far a puzzle is solved: its `at`-th cluster, the order of writers so far, and, once that
+    is complete, the options of each item, of which the first `placed` are chosen. Where levels
+    change, the `queue` is the order of parties so far, by number."""
 
     at: int = 0
     order: tuple[Writer, ...] = ()
+    queue: tuple[int, ...] = ()
     plans: tuple[list[Edges], ...] | None = None
     placed: int = 0
 
@@ -106,17 +127,19 @@ _Choices = Iterator[tuple[Edges, _State]]
 
 
 class _Search:
-    """Solves the knots that are left over, one independent puzzle at a time."""
+    """Solves the clusters that are left over, one independent puzzle at a time."""
 
-    def __init__(self, graph: RankGraph, knots: Sequence[Knot], edges: Sequence[Edge]) -> None:
+    def __init__(
+        self, graph: RankGraph, clusters: Sequence[_AnyCluster], edges: Sequence[Edge]
+    ) -> None:
         self.graph = graph
-        self.knots = knots
+        self.clusters = clusters
         self.last: dict[int, Value] = {}
         self.puzzles: list[list[int]] = []
-        if not all(knot.is_settled for knot in knots):
+        if not all(_is_settled(cluster) for cluster in clusters):
             given = [*edges, *graph.added]
-            component = strong_components(*_with_possible_edges(len(graph.ranks), given, knots))
-            self.puzzles = _puzzles(knots, component)
+            component = strong_components(*_with_possible_edges(len(graph.ranks), given, clusters))
+            self.puzzles = _puzzles(clusters, component)
 
     def solve(self, puzzle: Sequence[int]) -> bool | None:
         """Whether the puzzle has a solution, which then stays in `graph`; None if undecided."""
@@ -151,22 +174,27 @@ class _Search:
             frames.append((self._choices(puzzle, state), self.graph.mark()))
         return False
 
-    def _incoming(self, knot: Knot) -> Value:
-        if knot.incoming is not OPEN:
-            return knot.incoming
-        return self.last[knot.previous] if knot.previous is not None else None
+    def _incoming(self, cluster: Cluster) -> Value:
+        if cluster.incoming is not OPEN:
+            return cluster.incoming
+        return self.last[cluster.previous] if cluster.previous is not None else None
 
     def _advance(self, puzzle: Sequence[int], state: _State) -> _State | None:
         """The next state in which something is to be chosen; None when all is."""
         while state.at < len(puzzle):
-            knot = self.knots[puzzle[state.at]]
-            if len(state.order) < len(knot.writers):
+            cluster = self.clusters[puzzle[state.at]]
+            if isinstance(cluster, LevelCluster):
+                if len(state.queue) < len(cluster.parties):
+                    return state
+                state = _State(state.at + 1)
+                continue
+            if len(state.order) < len(cluster.writers):
                 return state
-            incoming = self._incoming(knot)
+            incoming = self._incoming(cluster)
             last = state.order[-1].value if state.order else incoming
             if state.plans is None:
-                plans = [slots(item, state.order, incoming) for item in knot.items]
-                if any(goal != last for goal in knot.goals):
+                plans = [slots(item, state.order, incoming) for item in cluster.items]
+                if any(goal != last for goal in cluster.goals):
                     plans.append([])
                 state = state._replace(plans=tuple(sorted(plans, key=len)))
             if state.plans is not None and state.placed < len(state.plans):
@@ -176,8 +204,11 @@ class _Search:
         return None
 
     def _choices(self, puzzle: Sequence[int], state: _State) -> _Choices:
+        cluster = self.clusters[puzzle[state.at]]
+        if isinstance(cluster, LevelCluster):
+            return self._parties(cluster, state)
         if state.plans is None:
-            return self._writers(self.knots[puzzle[state.at]], state)
+            return self._writers(cluster, state)
         return self._slots(state.plans[state.placed], state)
 
     def _slots(self, options: list[Edges], state: _State) -> _Choices:
@@ -185,13 +216,24 @@ class _Search:
         for edges in sorted(options, key=self.graph.unmet):
             yield edges, following
 
-    def _writers(self, knot: Knot, state: _State) -> _Choices:
+    def _parties(self, cluster: LevelCluster, state: _State) -> _Choices:
+        """The next party: of the lowest rank so far, and what gives before what takes."""
+        nodes = [party.happening.node for party in cluster.parties]
+        left = [k for k in range(len(nodes)) if k not in state.queue]
+        self.graph.budget.charge(len(nodes))
+        gains = [sum(amount for _, amount in party.changes) for party in cluster.parties]
+        for k in sorted(left, key=lambda k: (self.graph.ranks[nodes[k]], -gains[k])):
+            if cluster.allows(state.queue, k):
+                edges: Edges = ((nodes[state.queue[-1]], nodes[k], 0),) if state.queue else ()
+                yield edges, state._replace(queue=(*state.queue, k))
+
+    def _writers(self, cluster: Cluster, state: _State) -> _Choices:
         ranks, order = self.graph.ranks, state.order
-        if not order and _is_hopeless(knot, self._incoming(knot)):
+        if not order and _is_hopeless(cluster, self._incoming(cluster)):
             return
-        value = order[-1].value if order else self._incoming(knot)
+        value = order[-1].value if order else self._incoming(cluster)
         placed = {writer.happening.node for writer in order}
-        left = [writer for writer in knot.writers if writer.happening.node not in placed]
+        left = [writer for writer in cluster.writers if writer.happening.node not in placed]
         waiting = {writer.happening.node for writer in left}
         self.graph.budget.charge(len(left))
         for writer in sorted(left, key=lambda w: ranks[w.happening.node]):
@@ -204,32 +246,43 @@ class _Search:
             yield edges, state._replace(order=(*order, writer))
 
 
-def _is_hopeless(knot: Knot, incoming: Value) -> bool:
+def _is_hopeless(cluster: Cluster, incoming: Value) -> bool:
     """Whether a value is needed that never occurs, so that no order need be tried."""
-    given: set[Value] = {writer.value for writer in knot.writers}
+    given: set[Value] = {writer.value for writer in cluster.writers}
     ever = given | {incoming}
-    needed = [need for writer in knot.writers for need in writer.needs]
-    needed += [item.value for item in knot.items if item.kind != "close"]
-    return not ever.issuperset(needed) or not given.issuperset(knot.goals)
+    needed = [need for writer in cluster.writers for need in writer.needs]
+    needed += [item.value for item in cluster.items if item.kind != "close"]
+    return not ever.issuperset(needed) or not given.issuperset(cluster.goals)
 
 
 def _with_possible_edges(
-    count: int, edges: Sequence[Edge], knots: Sequence[Knot]
+    count: int, edges: Sequence[Edge], clusters: Sequence[_AnyCluster]
 ) -> tuple[int, list[Edge]]:
-    """The graph with a hub per knot, through which all its happenings reach each other."""
+    """The graph with a hub per cluster, through which all its happenings reach each other."""
     possible = list(edges)
-    for knot in knots:
-        if not knot.writers or knot.is_settled:
+    for cluster in clusters:
+        if _first_node(cluster) is None or _is_settled(cluster):
             continue
-        for happening in knot.happenings():
+        for happening in cluster.happenings():
             possible += [(happening.node, count, 0), (count, happening.node, 0)]
         count += 1
     return count, possible
 
 
-def _puzzles(knots: Sequence[Knot], component: Sequence[int]) -> list[list[int]]:
-    """The knots by what they have to do with each other, in the order of time; smallest first."""
-    parent = list(range(len(knots)))
+def _is_settled(cluster: _AnyCluster) -> bool:
+    return isinstance(cluster, Cluster) and cluster.is_settled
+
+
+def _first_node(cluster: _AnyCluster) -> int | None:
+    """The node of one of those that all others of a cluster are compared with."""
+    if isinstance(cluster, LevelCluster):
+        return cluster.parties[0].happening.node
+    return cluster.writers[0].happening.node if cluster.writers else None
+
+
+def _puzzles(clusters: Sequence[_AnyCluster], component: Sequence[int]) -> list[list[int]]:
+    """The clusters that depend on each other, in the order of time; the smallest puzzle first."""
+    parent = list(range(len(clusters)))
 
     def root(i: int) -> int:
         while parent[i] != i:
@@ -238,23 +291,23 @@ def _puzzles(knots: Sequence[Knot], component: Sequence[int]) -> list[list[int]]
         return i
 
     in_component: dict[int, int] = {}
-    for i, knot in enumerate(knots):
-        if knot.previous is not None:
-            parent[root(i)] = root(knot.previous)
-        if knot.writers:
-            # All happenings of a knot with writers are in one component.
-            home = component[knot.writers[0].happening.node]
-            parent[root(i)] = root(in_component.setdefault(home, i))
+    for i, cluster in enumerate(clusters):
+        if isinstance(cluster, Cluster) and cluster.previous is not None:
+            parent[root(i)] = root(cluster.previous)
+        node = _first_node(cluster)
+        if node is not None:
+            # All happenings of a cluster with writers, or parties, are in one component.
+            parent[root(i)] = root(in_component.setdefault(component[node], i))
     puzzles: dict[int, list[int]] = {}
-    for i, knot in enumerate(knots):
-        if not knot.is_settled:
+    for i, cluster in enumerate(clusters):
+        if not _is_settled(cluster):
             puzzles.setdefault(root(i), []).append(i)
-    ordered = [sorted(puzzle, key=lambda i: (knots[i].time, i)) for puzzle in puzzles.values()]
+    ordered = [sorted(puzzle, key=lambda i: (clusters[i].time, i)) for puzzle in puzzles.values()]
     return sorted(ordered, key=len)
 
 
 def _add_cycles(
-    subject: Subject,
+    bound: BoundSchedule,
     story: Story,
     edges: Sequence[Edge],
     cycles: Sequence[Edge],
@@ -266,7 +319,7 @@ def _add_cycles(
     following = successors(edges)
     for first, second, _ in cycles:
         circle = shortest_path(second, first, following)
-        members = [subject.occurrences[owner[node]] for node in circle]
+        members = [bound.occurrences[owner[node]] for node in circle if node in owner]
         names = list(dict.fromkeys(member.entry.id for member in members))
         violations.add(
             "rank",
@@ -277,14 +330,20 @@ def _add_cycles(
         )
 
 
-def _add_unsolved(knots: Sequence[Knot], undecided: bool, violations: Violations) -> None:
-    names = list(dict.fromkeys(h.occurrence.entry.id for knot in knots for h in knot.happenings()))
-    variables = list(dict.fromkeys(knot.variable for knot in knots))
-    times = list(dict.fromkeys(knot.time for knot in knots))
+def _add_unsolved(clusters: Sequence[_AnyCluster], undecided: bool, violations: Violations) -> None:
+    happenings = [happening for cluster in clusters for happening in cluster.happenings()]
+    names = list(dict.fromkeys(h.occurrence.entry.id for h in happenings))
+    concerned = [
+        name
+        for cluster in clusters
+        for name in (cluster.names if isinstance(cluster, LevelCluster) else (cluster.variable,))
+    ]
+    concerned = list(dict.fromkeys(concerned))
+    times = list(dict.fromkeys(cluster.time for cluster in clusters))
     where = f"{listed(names, len(names))} at {violations.time(times[0])}"
     if len(times) > 1:
         where += f" and {len(times) - 1} later instants"
-    about = listed(variables, len(variables))
+    about = listed(concerned, len(concerned))
     if undecided:
         message = f"whether some order of {where} suits {about} is too hard to decide; give ranks"
     else:

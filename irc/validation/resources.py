@@ -1,80 +1,109 @@
-"""Rules 4 and 5: renewable capacity at every instant, and the levels of reservoirs.
+"""Rule 4: renewable capacity at every instant, and at every rank of it.
 
-Both are sweeps over the instants at which something changes: O(n log n).
+A sweep over the moments at which something changes: O(n log n).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, groupby
 from operator import itemgetter
+from typing import NamedTuple
 
 from irc.model import Resource
 from irc.model.quantities import Number
-from irc.validation.subject import Occurrence, Subject, UncheckedTaskError
+from irc.validation.bound_schedule import BoundSchedule, Occurrence, UncheckedTaskError
 from irc.validation.verdict import Violations, listed
 
+RankPairs = Sequence[tuple[int, int]]
+"""The rank of each occurrence's start and end."""
+
 _Step = tuple[int, int, int]
-"""The place of an instant in time, by how much something changes then, and the number of the
-occurrence that does it (-1: none). Places are whole numbers, which sort far faster than times."""
+"""The place of a moment in the order of (time, rank), by how much something changes then, and the
+number of the occurrence that does it (-1: none). Places are whole numbers, which sort far faster
+than times."""
 
 
-class _Instants:
-    """The instants that matter, in order."""
+def given_rank_pairs(bound: BoundSchedule) -> RankPairs:
+    """The ranks that the entries state."""
+    return [(occurrence.rank, occurrence.end_rank) for occurrence in bound.occurrences]
 
-    def __init__(self, times: Iterable[Number]) -> None:
+
+class _Moments:
+    """The moments that matter, in order: `width` places for each instant, one for each rank.
+
+    Where ranks differ the last place of an instant comes behind all its ranks.
+    """
+
+    def __init__(self, times: Iterable[Number], last_rank: int) -> None:
         self.times = sorted(set(times))
-        self.place = {time: place for place, time in enumerate(self.times)}
+        self.width = last_rank + 2 if last_rank else 1
+        self.place = {time: number * self.width for number, time in enumerate(self.times)}
+
+    def at(self, time: Number, rank: int) -> int:
+        return self.place[time] + rank
+
+    def behind(self, time: Number) -> int:
+        return self.place[time] + self.width - 1
 
 
-def check_capacity(subject: Subject, violations: Violations) -> None:
-    """Rule 4: use is held over [start, end), so what is freed at t can be taken at t."""
-    holders = [
-        occurrence
-        for occurrence in subject.occurrences
-        if occurrence.entry.resources and occurrence.start < occurrence.end
-    ]
+def check_capacity(
+    bound: BoundSchedule, violations: Violations, ranks: RankPairs | None = None
+) -> None:
+    """Rule 4: use is held over [(start, rank), (end, end_rank)); what takes no time uses nothing.
+
+    So what is freed at a happening can be taken at the same rank of that instant, or a later one.
+    A capacity that falls does so behind all ranks of its instant, one that rises before them.
+    """
+    ranks = given_rank_pairs(bound) if ranks is None else ranks
+    holders = [o for o in bound.occurrences if o.entry.resources and o.start < o.end]
     capacities = {
-        resource.id: _capacities(subject, resource)
-        for resource in subject.resources.values()
+        resource.id: capacity_changes(bound, resource)
+        for resource in bound.resources.values()
         if resource.kind == "renewable"
     }
-    instants = _Instants(
+    moments = _Moments(
         chain(
             (occurrence.start for occurrence in holders),
             (occurrence.end for occurrence in holders),
             *capacities.values(),
-        )
+        ),
+        max((max(ranks[o.number]) for o in holders), default=0),
     )
     steps: dict[str, list[_Step]] = {}
     for occurrence in holders:
-        start, end = instants.place[occurrence.start], instants.place[occurrence.end]
+        rank, end_rank = ranks[occurrence.number]
+        start, end = moments.at(occurrence.start, rank), moments.at(occurrence.end, end_rank)
         for name, amount in occurrence.entry.resources.items():
             if amount > 0 and name in capacities:
                 steps.setdefault(name, []).append((start, amount, occurrence.number))
                 steps[name].append((end, -amount, occurrence.number))
     for name, own in steps.items():
-        _check_renewable(subject, name, own, capacities[name], instants, violations)
+        _check_renewable(bound, name, own, capacities[name], moments, violations)
 
 
 def _check_renewable(
-    subject: Subject,
+    bound: BoundSchedule,
     name: str,
     steps: list[_Step],
     capacities: Mapping[Number, int],
-    instants: _Instants,
+    moments: _Moments,
     violations: Violations,
 ) -> None:
-    capacity, in_use = subject.resources[name].capacity, 0
+    capacity, in_use = bound.resources[name].capacity, 0
     holding: dict[int, int] = {}
-    steps += [(instants.place[time], 0, -1) for time in capacities]
+    changes: dict[int, int] = {}
+    level = capacity
+    for time in sorted(capacities):
+        place = moments.behind(time) if capacities[time] < level else moments.at(time, 0)
+        level = changes[place] = capacities[time]
+    steps += [(place, 0, -1) for place in changes]
     for place, group in groupby(sorted(steps), key=itemgetter(0)):
-        time = instants.times[place]
         tighter = False
         for _, amount, number in group:
             if number < 0:
-                tighter = tighter or capacities[time] < capacity
-                capacity = capacities[time]
+                tighter = tighter or changes[place] < capacity
+                capacity = changes[place]
                 continue
             in_use += amount
             tighter = tighter or amount > 0
@@ -83,12 +112,13 @@ def _check_renewable(
             else:
                 holding.pop(number, None)
         if tighter and in_use > capacity:
-            _add_overload(subject, name, time, in_use, capacity, holding, violations)
+            time = moments.times[place // moments.width]
+            _add_overload(bound, name, time, in_use, capacity, holding, violations)
 
 
-def _capacities(subject: Subject, resource: Resource) -> dict[Number, int]:
+def capacity_changes(bound: BoundSchedule, resource: Resource) -> dict[Number, int]:
     """The capacity from each instant on at which an availability window starts or ends."""
-    number = subject.clock.number
+    number = bound.clock.number
     windows = sorted(
         (number(w.from_), number(w.to), w.capacity)
         for w in dict.fromkeys(resource.availability)
@@ -106,19 +136,22 @@ def _capacities(subject: Subject, resource: Resource) -> dict[Number, int]:
 
 
 def _add_overload(
-    subject: Subject,
+    bound: BoundSchedule,
     name: str,
     time: Number,
     in_use: int,
     capacity: int,
-    holding: dict[int, int],
+    holding: Mapping[int, int],
     violations: Violations,
 ) -> None:
-    users = [subject.occurrences[number] for number in holding]
+    users = [bound.occurrences[number] for number in holding]
     named = listed((user.entry.id for user in users), len(holding))
+    in_order = ""
+    if any(user.end == time for user in users):
+        in_order = ", in the order of ranks,"
     violations.add(
         "capacity",
-        f"{in_use} of {name!r} are in use at {violations.time(time)}, "
+        f"{in_use} of {name!r} are in use at {violations.time(time)}{in_order or ','} "
         f"its capacity then is {capacity} (used by {named})",
         (user.entry.id for user in users),
         (time,),
@@ -126,85 +159,42 @@ def _add_overload(
     )
 
 
-def check_reservoirs(subject: Subject, violations: Violations) -> None:
-    """Rule 5: the net level after all changes of an instant stays within [min, max]."""
-    changes: dict[str, list[tuple[Number, int, int]]] = {}
-    for occurrence in subject.occurrences:
-        action = occurrence.action
-        for change in action.consumes:
-            at = change.at or "start"
-            if at == "end" and occurrence.cancelled:
-                continue
-            time = _time(occurrence, at)
-            step = (time, -change.amount, occurrence.number)
-            changes.setdefault(change.resource, []).append(step)
-        for change in action.produces:
-            at = change.at or "end"
-            if at == "end" and occurrence.cancelled:
-                continue
-            time = _time(occurrence, at)
-            step = (time, change.amount, occurrence.number)
-            changes.setdefault(change.resource, []).append(step)
-    # What no action changes at t = 0 has its initial level there.
-    instants = _Instants(chain([0], (time for own in changes.values() for time, _, _ in own)))
-    for resource in subject.resources.values():
-        if resource.kind == "reservoir":
-            own = changes.get(resource.id, [])
-            steps = [(instants.place[time], amount, number) for time, amount, number in own]
-            _check_reservoir(subject, resource, steps, instants, violations)
+class HandOver(NamedTuple):
+    """An instant at which some free a resource and others take it, with too little for all.
+
+    `room` is what is left of the capacity to those who free it then, before they do.
+    """
+
+    resource: str
+    time: Number
+    room: int
+    ending: tuple[tuple[Occurrence, int], ...]
+    starting: tuple[tuple[Occurrence, int], ...]
 
 
-def _time(occurrence: Occurrence, at: str) -> Number:
-    return occurrence.end if at == "end" else occurrence.start
+def hand_overs(bound: BoundSchedule) -> Iterator[HandOver]:
+    """The instants at which the order of ranks decides whether a resource suffices."""
+    for resource in bound.resources.values():
+        if resource.kind == "renewable":
+            yield from _hand_overs(bound, resource)
 
 
-def _check_reservoir(
-    subject: Subject,
-    resource: Resource,
-    steps: list[_Step],
-    instants: _Instants,
-    violations: Violations,
-) -> None:
-    level, was_within, was_carried = resource.initial, True, False
-    by_history, has_history = resource.initial, False
-    steps.append((instants.place[0], 0, -1))
-    for place, group in groupby(sorted(steps), key=itemgetter(0)):
-        members = list(group)
-        net = sum(amount for _, amount, _ in members)
-        past = [amount for _, amount, n in members if n >= 0 and subject.occurrences[n].past]
-        level += net
-        by_history += sum(past)
-        has_history = has_history or bool(past)
-        within = resource.min <= level and (resource.max is None or level <= resource.max)
-        if level < resource.min:
-            worse, mended_by = net < 0, min(level - by_history, net - sum(past))
-        else:
-            worse, mended_by = net > 0, min(by_history - level, sum(past) - net)
-        # What is open makes it no worse, neither by now nor at this instant.
-        carried = has_history and mended_by >= 0
-        if not within and (was_within or worse or (was_carried and not carried)):
-            doers = [subject.occurrences[n].entry.id for _, _, n in members if n >= 0]
-            _add_level(resource, instants.times[place], level, doers, carried, violations)
-        was_within, was_carried = within, not within and carried
-
-
-def _add_level(
-    resource: Resource,
-    time: Number,
-    level: int,
-    doers: list[str],
-    carried: bool,
-    violations: Violations,
-) -> None:
-    if level < resource.min:
-        limit = f"below its minimum {resource.min}"
-    else:
-        limit = f"above its maximum {resource.max}"
-    by = f" (after {listed(doers, len(doers))})" if doers else ""
-    violations.add(
-        "reservoir",
-        f"the level of {resource.id!r} is {level} at {violations.time(time)}, {limit}{by}",
-        doers,
-        (time,),
-        carried=carried,
-    )
+def _hand_overs(bound: BoundSchedule, resource: Resource) -> Iterator[HandOver]:
+    ending: dict[Number, list[tuple[Occurrence, int]]] = {}
+    starting: dict[Number, list[tuple[Occurrence, int]]] = {}
+    for occurrence in bound.occurrences:
+        amount = occurrence.entry.resources.get(resource.id, 0)
+        if amount > 0 and occurrence.start < occurrence.end:
+            starting.setdefault(occurrence.start, []).append((occurrence, amount))
+            ending.setdefault(occurrence.end, []).append((occurrence, amount))
+    changes = capacity_changes(bound, resource)
+    capacity = before = resource.capacity
+    in_use = 0
+    for time in sorted({*ending, *starting, *changes}):
+        before, capacity = capacity, changes.get(time, capacity)
+        freed = sum(amount for _, amount in ending.get(time, ()))
+        taken = sum(amount for _, amount in starting.get(time, ()))
+        room = max(before, capacity) - (in_use - freed)
+        if freed and taken and freed + taken > room:
+            yield HandOver(resource.id, time, room, tuple(ending[time]), tuple(starting[time]))
+        in_use += taken - freed

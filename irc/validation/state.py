@@ -7,39 +7,43 @@ from dataclasses import replace
 from itertools import combinations
 
 from irc.model import StateGoal, StateVariable
+from irc.validation.bound_schedule import BoundSchedule, Occurrence, bind
 from irc.validation.happenings import Story, Timeline, Value, given_ranks, tell, timing_edges
-from irc.validation.player import Demand, Player
+from irc.validation.past_first import check_past_first
 from irc.validation.rank_graph import Budget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
+from irc.validation.resources import RankPairs, check_capacity
+from irc.validation.simulator import Demand, StateSimulator
 from irc.validation.state_messages import add_unmet_goal
-from irc.validation.subject import Occurrence, Subject, resolve
+from irc.validation.stock import check_reservoirs
 from irc.validation.verdict import Violations, listed
 
 _READING_COST = 50
 """What retelling the story costs per occurrence, in steps of the search."""
 
 
-def check_goals(subject: Subject, violations: Violations) -> None:
+def check_goals(bound: BoundSchedule, violations: Violations) -> None:
     """Rule 7 for goals that name an action."""
-    for goal in dict.fromkeys(subject.task.goals):
-        if not isinstance(goal, StateGoal) and goal not in subject.done:
+    for goal in dict.fromkeys(bound.task.goals):
+        if not isinstance(goal, StateGoal) and goal not in bound.done:
             violations.add("goal", f"the goal {goal!r} is not there", [goal])
 
 
-def check_state(subject: Subject, violations: Violations) -> None:
+def check_state(bound: BoundSchedule, violations: Violations) -> None:
     """Rules 6 and 7 for state: by the ranks the entries give, else by ranks looked for here."""
-    if subject.ranked:
-        _check_given_ranks(subject, violations)
-    elif subject.variables:
-        _look_for_ranks(subject, violations)
+    if bound.ranked:
+        _check_given_ranks(bound, violations)
+    elif bound.variables:
+        _look_for_ranks(bound, violations)
 
 
-def _check_given_ranks(subject: Subject, violations: Violations) -> None:
-    for occurrence in subject.occurrences:
+def _check_given_ranks(bound: BoundSchedule, violations: Violations) -> None:
+    for occurrence in bound.occurrences:
         _check_duration_in_ranks(occurrence, violations)
-    drawn_out = {o.number for o in subject.occurrences if o.start == o.end and o.rank != o.end_rank}
-    story = tell(subject, drawn_out)
-    _follow(subject, story, given_ranks(subject, story), violations)
+    check_past_first(bound, violations)
+    drawn_out = {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank}
+    story = tell(bound, drawn_out)
+    _follow(bound, story, given_ranks(bound, story), violations)
 
 
 def _check_duration_in_ranks(occurrence: Occurrence, violations: Violations) -> None:
@@ -65,73 +69,73 @@ def _check_duration_in_ranks(occurrence: Occurrence, violations: Violations) -> 
     )
 
 
-def _look_for_ranks(subject: Subject, violations: Violations) -> None:
+def _look_for_ranks(bound: BoundSchedule, violations: Violations) -> None:
     """All ranks 0 first, which most schedules want; then a search.
 
     Where the history alone has no ranks either, all are taken to be 0, as they were given.
     """
-    story = tell(subject, ())
-    if _is_clean(subject, story):
+    story = tell(bound, ())
+    if _is_clean(bound, story):
         return
-    failure = _search(subject, story)
-    if failure and _history_is_at_fault(subject):
-        _follow(subject, story, [0] * story.node_count, violations)
+    failure = _search(bound, story)
+    if failure and _history_is_at_fault(bound):
+        _follow(bound, story, [0] * story.node_count, violations)
     else:
         violations.merge(failure)
 
 
-def _history_is_at_fault(subject: Subject) -> bool:
+def _history_is_at_fault(bound: BoundSchedule) -> bool:
     """Whether no ranks suit what began before, alone and without goals."""
-    if subject.at is None:
+    if bound.at is None:
         return False
-    entries = tuple(o.entry for o in subject.occurrences if o.past)
-    without_goals = subject.task.model_copy(update={"goals": ()})
-    history = resolve(without_goals, replace(subject.schedule, entries=entries))
+    entries = tuple(o.entry for o in bound.occurrences if o.past)
+    without_goals = bound.task.model_copy(update={"goals": ()})
+    history = bind(without_goals, replace(bound.schedule, entries=entries))
     failure = _search(history, tell(history, ()))
     return bool(failure) and not failure.only_undecided
 
 
-def _search(subject: Subject, story: Story) -> Violations:
+def _search(bound: BoundSchedule, story: Story) -> Violations:
     """What is wrong under all ranks; nothing where some will do.
 
     What lasts no time though it could last has two readings, one happening or two; all are tried.
     """
     zero_length = [
         o.number
-        for o in subject.occurrences
+        for o in bound.occurrences
         if o.start == o.end
         and o.ends_freely
         and o.shortest == 0
         and (o.action.conditions or o.action.effects)
     ]
-    budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(subject.occurrences))
+    budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
     failures: list[Violations] = []
     for drawn_out in _readings(zero_length):
         if drawn_out:
-            story = tell(subject, drawn_out)
-        failure = _try_reading(subject, story, budget)
+            story = tell(bound, drawn_out)
+        failure = _try_reading(bound, story, budget)
         if not failure:
             return failure
         failures.append(failure)
-        budget.charge(_READING_COST * (10 + len(subject.occurrences)))
+        budget.charge(_READING_COST * (10 + len(bound.occurrences)))
         if budget.is_spent:
             break
     refuted = sum(not failure.only_undecided for failure in failures)
     if not zero_length or refuted == 2 ** len(zero_length):
         return failures[0]
-    return _too_many_readings(subject, zero_length)
+    return _too_many_readings(bound, zero_length)
 
 
-def _is_clean(subject: Subject, story: Story) -> bool:
+def _is_clean(bound: BoundSchedule, story: Story) -> bool:
     """Whether all ranks 0 will do; stops at the first variable where they do not."""
     ranks = [0] * story.node_count
-    attempt = Violations(subject.task.time_unit)
+    attempt = Violations(bound.task.time_unit)
     final: dict[str, Value] = {}
-    for name, variable in subject.variables.items():
-        final[name] = Player(variable, attempt).play(story.timelines[name], ranks)
+    for name, variable in bound.variables.items():
+        final[name] = StateSimulator(variable, attempt).run(story.timelines[name], ranks)
         if attempt:
             return False
-    _check_state_goals(subject, final, attempt)
+    _check_state_goals(bound, final, attempt)
     return not attempt
 
 
@@ -140,21 +144,32 @@ def _readings(zero_length: list[int]) -> Iterator[tuple[int, ...]]:
         yield from combinations(zero_length, size)
 
 
-def _try_reading(subject: Subject, story: Story, budget: Budget) -> Violations:
-    violations = Violations(subject.task.time_unit)
-    ranks = find_ranks(subject, story, budget, violations)
+def _try_reading(bound: BoundSchedule, story: Story, budget: Budget) -> Violations:
+    violations = Violations(bound.task.time_unit)
+    ranks = find_ranks(bound, story, budget, violations)
     if ranks is None:
         return violations
     # The search is not trusted: what it found is judged like ranks that were given.
-    _follow(subject, story, ranks, violations)
-    if any(ranks[b] < ranks[a] + least for a, b, least in timing_edges(subject, story)):
+    _follow(bound, story, ranks, violations)
+    if any(ranks[b] < ranks[a] + least for a, b, least in timing_edges(bound, story)):
         violations.add("rank", "the ranks found do not keep all durations and precedences")
+    pairs = [(ranks[start], ranks[end]) for start, end in story.nodes]
+    if _levels_fail(bound, pairs) and not _levels_fail(bound, None):
+        violations.add("rank", "the ranks found do not suit all resources and reservoirs")
     return violations
 
 
-def _too_many_readings(subject: Subject, zero_length: list[int]) -> Violations:
-    violations = Violations(subject.task.time_unit)
-    names = [subject.occurrences[number].entry.id for number in zero_length]
+def _levels_fail(bound: BoundSchedule, ranks: RankPairs | None) -> bool:
+    """Whether a resource or a reservoir does not suffice under some ranks."""
+    attempt = Violations(bound.task.time_unit)
+    check_capacity(bound, attempt, ranks)
+    check_reservoirs(bound, attempt, ranks)
+    return bool(attempt)
+
+
+def _too_many_readings(bound: BoundSchedule, zero_length: list[int]) -> Violations:
+    violations = Violations(bound.task.time_unit)
+    names = [bound.occurrences[number].entry.id for number in zero_length]
     violations.add(
         "undecided",
         f"whether ranks exist is too hard to decide: {listed(names, len(names))} take no time, "
@@ -164,28 +179,30 @@ def _too_many_readings(subject: Subject, zero_length: list[int]) -> Violations:
     return violations
 
 
-def _follow(subject: Subject, story: Story, ranks: Sequence[int], violations: Violations) -> None:
+def _follow(
+    bound: BoundSchedule, story: Story, ranks: Sequence[int], violations: Violations
+) -> None:
     """Plays every variable through in the order of (time, rank): O(n log n)."""
     final: dict[str, Value] = {}
-    for name, variable in subject.variables.items():
+    for name, variable in bound.variables.items():
         timeline = story.timelines[name]
-        lost = frozenset() if subject.at is None else _lost_to_history(variable, timeline, ranks)
-        final[name] = Player(variable, violations, lost).play(timeline, ranks)
-    _check_state_goals(subject, final, violations)
+        lost = frozenset() if bound.at is None else _lost_to_history(variable, timeline, ranks)
+        final[name] = StateSimulator(variable, violations, lost).run(timeline, ranks)
+    _check_state_goals(bound, final, violations)
 
 
 def _lost_to_history(
     variable: StateVariable, timeline: Timeline, ranks: Sequence[int]
 ) -> frozenset[Demand]:
     """What the history alone, with the ranks that it has, does not give itself."""
-    history = Player(variable, Violations(""))
-    history.play(timeline.past, ranks)
+    history = StateSimulator(variable, Violations(""))
+    history.run(timeline.past, ranks)
     return frozenset(history.failed)
 
 
 def _check_state_goals(
-    subject: Subject, final: Mapping[str, Value], violations: Violations
+    bound: BoundSchedule, final: Mapping[str, Value], violations: Violations
 ) -> None:
-    for goal in dict.fromkeys(subject.task.goals):
+    for goal in dict.fromkeys(bound.task.goals):
         if isinstance(goal, StateGoal) and final[goal.var] != goal.value:
             add_unmet_goal(goal.var, goal.value, final[goal.var], violations)

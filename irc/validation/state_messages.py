@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from irc.model.base import StateValue
-from irc.validation.happenings import Access, Hold, Value, moment_text, value_text
+from irc.model.state_values import value_text
+from irc.validation.happenings import Access, Hold, Value, moment_text
 from irc.validation.verdict import Violations, listed
 
 

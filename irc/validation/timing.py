@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 from irc.model.quantities import Number
 from irc.model.times import format_number
+from irc.validation.bound_schedule import BoundSchedule, Occurrence
 from irc.validation.history import given_up
-from irc.validation.subject import Occurrence, Subject
 from irc.validation.verdict import Violations
 
 AT_END = MappingProxyType(
@@ -22,20 +22,20 @@ AT_END = MappingProxyType(
 """For each precedence type: whether it binds the end of `before`, and the end of `after`."""
 
 
-def check_windows(subject: Subject, violations: Violations) -> None:
+def check_windows(bound: BoundSchedule, violations: Violations) -> None:
     """Rule 2: mode, duration, release, fixed start and every deadline of each occurrence."""
-    deadlines = _group_deadlines(subject)
-    if subject.task.deadline is not None:
-        of_task = (subject.clock.number(subject.task.deadline), "the task's deadline")
+    deadlines = _group_deadlines(bound)
+    if bound.task.deadline is not None:
+        of_task = (bound.clock.number(bound.task.deadline), "the task's deadline")
     else:
         of_task = None
-    for occurrence in subject.occurrences:
+    for occurrence in bound.occurrences:
         _check_mode(occurrence, violations)
         _check_duration(occurrence, violations)
-        _check_start(subject, occurrence, violations)
+        _check_start(bound, occurrence, violations)
         limits = deadlines.get(occurrence.entry.id, [])
         if occurrence.action.deadline is not None:
-            own = subject.clock.number(occurrence.action.deadline)
+            own = bound.clock.number(occurrence.action.deadline)
             limits = [(own, "its deadline"), *limits]
         if of_task is not None:
             limits = [*limits, of_task]
@@ -51,12 +51,12 @@ def check_windows(subject: Subject, violations: Violations) -> None:
                 )
 
 
-def _group_deadlines(subject: Subject) -> dict[str, list[tuple[Number, str]]]:
+def _group_deadlines(bound: BoundSchedule) -> dict[str, list[tuple[Number, str]]]:
     limits: dict[str, list[tuple[Number, str]]] = {}
-    no_longer = given_up(subject)
-    for group in subject.groups.values():
+    no_longer = given_up(bound)
+    for group in bound.groups.values():
         if group.deadline is not None and group.id not in no_longer:
-            limit = (subject.clock.number(group.deadline), f"the deadline of group {group.id!r}")
+            limit = (bound.clock.number(group.deadline), f"the deadline of group {group.id!r}")
             for name in group.actions:
                 limits.setdefault(name, []).append(limit)
     return limits
@@ -102,9 +102,9 @@ def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
     )
 
 
-def _check_start(subject: Subject, occurrence: Occurrence, violations: Violations) -> None:
+def _check_start(bound: BoundSchedule, occurrence: Occurrence, violations: Violations) -> None:
     action, start = occurrence.action, occurrence.start
-    release = subject.clock.number(action.release)
+    release = bound.clock.number(action.release)
     if start < release or start < 0:
         limit = max(0, release)
         why = f"its release ({violations.time(limit)})" if limit else violations.time(0)
@@ -115,7 +115,7 @@ def _check_start(subject: Subject, occurrence: Occurrence, violations: Violation
             (start, limit),
             carried=occurrence.past is not None,
         )
-    if action.start is not None and start != (fixed := subject.clock.number(action.start)):
+    if action.start is not None and start != (fixed := bound.clock.number(action.start)):
         violations.add(
             "start",
             f"{occurrence.name} starts at {violations.time(start)}; "
@@ -126,14 +126,14 @@ def _check_start(subject: Subject, occurrence: Occurrence, violations: Violation
         )
 
 
-def check_precedence(subject: Subject, violations: Violations) -> None:
+def check_precedence(bound: BoundSchedule, violations: Violations) -> None:
     """Rule 3: every precedence between present actions, at both its lags; none binds what was
     cancelled.
 
     A minimum is compared with ranks, lexicographically; a maximum by time alone.
     """
-    number, present, ranked = subject.clock.number, subject.by_action, subject.ranked
-    for precedence in subject.task.precedence:
+    number, present, ranked = bound.clock.number, bound.by_action, bound.ranked
+    for precedence in bound.task.precedence:
         if precedence.before not in present or precedence.after not in present:
             continue
         before, after = present[precedence.before][0], present[precedence.after][0]
@@ -153,11 +153,11 @@ def check_precedence(subject: Subject, violations: Violations) -> None:
                 _add_too_late(before, from_end, after, to_end, longest, violations)
 
 
-def tight_precedences(subject: Subject) -> Iterator[tuple[Occurrence, bool, Occurrence, bool]]:
+def tight_precedences(bound: BoundSchedule) -> Iterator[tuple[Occurrence, bool, Occurrence, bool]]:
     """The precedences kept with no time to spare, so that ranks decide: `before`, whether its end
     is meant, `after`, whether its end is meant."""
-    present = subject.by_action
-    for precedence in subject.task.precedence:
+    present = bound.by_action
+    for precedence in bound.task.precedence:
         if precedence.before not in present or precedence.after not in present:
             continue
         before, after = present[precedence.before][0], present[precedence.after][0]
@@ -166,7 +166,7 @@ def tight_precedences(subject: Subject) -> Iterator[tuple[Occurrence, bool, Occu
         from_end, to_end = AT_END[precedence.type]
         base = before.end if from_end else before.start
         time = after.end if to_end else after.start
-        if time == base + subject.clock.number(precedence.min_lag):
+        if time == base + bound.clock.number(precedence.min_lag):
             yield before, from_end, after, to_end
 
 

@@ -9,6 +9,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any
 
+from irc.diagnostics.listing import and_more
 from irc.model.quantities import Number
 from irc.model.times import format_number, json_number
 
@@ -58,7 +59,7 @@ class Violation:
     actions: tuple[str, ...] = ()
     times: tuple[Number, ...] = ()
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The machine-readable form; times as in a schedule document."""
         return {
             "rule": self.rule,
@@ -86,11 +87,11 @@ class Verdict:
 
     violations: tuple[Violation, ...]
     objective: Mapping[str, Number]
-    omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    omitted: Mapping[str, int] = field(default_factory=dict)
     time_unit: str = "s"
     at: Number | None = None
     carried: tuple[Violation, ...] = ()
-    carried_omitted: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    carried_omitted: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def valid(self) -> bool:
@@ -107,7 +108,7 @@ class Verdict:
         """The latest end; 0 for an empty schedule."""
         return self.objective["makespan"]
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc validate --format json` prints."""
         document: dict[str, Any] = {
             "irc_verdict": "1",
@@ -115,14 +116,21 @@ class Verdict:
             "undecided": self.undecided,
             "makespan": json_number(self.makespan),
             "objective": {name: json_number(value) for name, value in self.objective.items()},
-            "violations": [v.as_json() for v in self.violations],
+            "violations": [v.to_dict() for v in self.violations],
             "omitted": dict(self.omitted),
         }
         if self.at is not None:
             document["at"] = json_number(self.at)
-            document["carried"] = [v.as_json() for v in self.carried]
+            document["carried"] = [v.to_dict() for v in self.carried]
             document["carried_omitted"] = dict(self.carried_omitted)
         return document
+
+    def _repr_html_(self) -> str:
+        """The same for notebooks."""
+        from irc.display.html import heading, items
+
+        head, *lines = str(self).split("\n")
+        return heading(head) + (items(line.strip() for line in lines) if lines else "")
 
     def __str__(self) -> str:
         if self.valid:
@@ -251,6 +259,4 @@ class Violations:
 
 def listed(names: Iterable[str], count: int) -> str:
     """ "'a', 'b' and 7 more": the first few of `count` names."""
-    shown = ", ".join(repr(name) for name in islice(names, _NAMED_IN_A_MESSAGE))
-    rest = count - _NAMED_IN_A_MESSAGE
-    return f"{shown} and {rest} more" if rest > 0 else shown
+    return and_more([repr(name) for name in islice(names, _NAMED_IN_A_MESSAGE)], count)

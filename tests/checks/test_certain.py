@@ -9,6 +9,7 @@ from laws import has_schedule, told_of
 TASKS, BATCHES = 1600, 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("batch", range(BATCHES))
 def test_no_task_with_a_schedule_is_called_impossible(batch: int) -> None:
     called = [seed for seed in range(batch, TASKS, BATCHES) if told_of(seed)]

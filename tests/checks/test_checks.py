@@ -883,7 +883,7 @@ def test_a_long_line_is_shown_around_the_caret() -> None:
 
 
 def test_the_machine_readable_form_has_the_fields_of_the_design() -> None:
-    (told,) = checked(actions(',\n "deadlin": 9')).as_json()
+    (told,) = checked(actions(',\n "deadlin": 9')).to_list()
     assert told == {
         "code": "IRC102",
         "severity": "error",
@@ -969,6 +969,7 @@ def told_of(task: Task) -> list[Diagnostic]:
     return list(run_checks(task).report)
 
 
+@pytest.mark.slow
 @settings(
     max_examples=60,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.

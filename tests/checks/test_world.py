@@ -264,6 +264,7 @@ def test_a_reward_without_end_is_refused(action: Document, fields: Document) -> 
 # --- size ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_long_chains_are_checked_in_linear_time() -> None:
     n = 20_000
     chain = [

@@ -378,6 +378,7 @@ def test_solve_prints_the_schedule_document(kitchen: Path) -> None:
         "irc_schedule",
         "task",
         "task_sha256",
+        "time_unit",
         "status",
         "makespan",
         "objective",
@@ -449,6 +450,7 @@ def kairos_output(folder: Path) -> str:
 ENGINES = {"cpsat": cp_sat_response, "pddl21": kairos_output}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_extract_reads_what_an_engine_made_of_the_files(
     kitchen: Path, tmp_path: Path, target: str
@@ -646,7 +648,7 @@ def test_convert_writes_one_task_for_each_instance(tmp_path: Path) -> None:
     assert (result.exit_code, result.stdout) == (0, "")
     assert result.stderr == f"wrote 2 tasks to {folder}\n"
     assert sorted(files_in(folder)) == ["nodes1_8.json", "nodes3_7.json"]
-    tea = irc.load(folder / "nodes3_7.json")
+    tea = irc.load(folder / "nodes3_7.json").ir
     assert (tea.name, tea.metadata) == ("brew tea", {"id": 7, "answer": 300})
     assert {a.id: (a.label, a.duration) for a in tea.actions} == {
         "step1": ("Boil the water", 120),
@@ -693,7 +695,7 @@ def test_convert_keeps_what_a_task_says(kitchen: Path, tmp_path: Path) -> None:
     out = tmp_path / "converted.json"
     result = run_irc("convert", kitchen, "-o", out, "--format", "json")
     assert json.loads(result.stdout) == {"written": [str(out)]}
-    assert irc.load(out) == irc.load(kitchen)
+    assert irc.load(out).ir == irc.load(kitchen).ir
 
 
 @pytest.mark.shared_data
@@ -703,7 +705,7 @@ def test_convert_takes_the_whole_benchmark(shared_data: Path, tmp_path: Path) ->
     instances = json.loads(source.read_text("utf-8"))
     result = run_irc("convert", source, "-o", tmp_path, "--from", "asyncplan")
     assert result.exit_code == 0
-    tasks = [irc.load(path) for path in tmp_path.iterdir()]
+    tasks = [irc.load(path).ir for path in tmp_path.iterdir()]
     assert len(tasks) == len(instances)
     assert sorted(t.metadata["id"] for t in tasks) == sorted(i["id"] for i in instances)
     assert {t.metadata["id"]: len(t.precedence) for t in tasks} == {
@@ -809,6 +811,7 @@ def test_the_schema_is_json_schema_of_the_ir() -> None:
 # In a process of its own
 
 
+@pytest.mark.slow
 def test_names_are_escaped_where_stdout_cannot_hold_them(kitchen: Path) -> None:
     kitchen.write_text(json.dumps({**KITCHEN, "name": "café 🤖"}), "utf-8")
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -820,6 +823,7 @@ def test_names_are_escaped_where_stdout_cannot_hold_them(kitchen: Path) -> None:
     assert json.loads(document.stdout)["task"] == "café 🤖"
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_makes_no_traceback(kitchen: Path) -> None:
     command = [sys.executable, "-m", "irc", "schema"]
     read, write = os.pipe()
@@ -829,6 +833,7 @@ def test_a_reader_that_goes_away_makes_no_traceback(kitchen: Path) -> None:
     assert ended.stderr == b""
 
 
+@pytest.mark.slow
 def test_the_module_and_the_script_are_the_same_command(kitchen: Path) -> None:
     script = Path(sys.executable).with_name("irc")
     if not script.exists():

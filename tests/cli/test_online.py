@@ -165,6 +165,7 @@ def test_the_next_step_goes_on_from_what_the_last_one_wrote(van: Path) -> None:
     assert step["schedule"]["makespan"] == 23
 
 
+@pytest.mark.slow
 def test_of_a_task_with_events_of_its_own_those_of_the_time_apply(tmp_path: Path) -> None:
     plan, first, second = (tmp_path / f"{k}.json" for k in range(3))
     run_irc("solve", MORNING, "-o", plan)
@@ -190,7 +191,8 @@ def test_of_a_task_with_events_of_its_own_those_of_the_time_apply(tmp_path: Path
         (("--at", "3", "--event", "#jam"), 1, "the task has no event '#jam'"),
         (("--at", "3", "--event", "no.json"), 1, "cannot read 'no.json'"),
         (("--at", "3", "--engine", "abacus"), 2, "there is no engine 'abacus'"),
-        (("--at", "3", "--stability", "-5"), 2, "stability"),
+        (("--at", "3", "--stability", "-5%"), 2, "stability"),
+        (("--at", "3", "--stability", "5"), 2, "5 is more than the whole"),
     ],
 )
 def test_wrong_use_is_told_in_a_line(

@@ -25,7 +25,6 @@ from irc.model import Task
 from irc.model.times import format_number
 from irc.passes import run_passes
 from irc.passes.serial_sgs import list_schedule
-from irc.problem import Bound
 from irc.retiming.retime import earliest_schedule, retime
 from irc.retiming.slack import slacks
 from irc.retiming.to_schedule import schedule_of
@@ -138,7 +137,7 @@ def test_a_proved_makespan_stands_beside_its_bound_and_the_reason() -> None:
 
 def test_an_answer_without_proof_tells_its_gap() -> None:
     answer = answer_of(SANDWICH)
-    problem = replace(answer.problem, bound=Bound(15, "energy of 'board'"))
+    problem = answer.problem.with_bound(15, "energy of 'board'")
     schedule = finish(
         Task.model_validate(SANDWICH),
         problem,
@@ -154,7 +153,7 @@ def test_an_answer_without_proof_tells_its_gap() -> None:
 
 def test_a_bound_that_the_engine_proved_is_not_given_our_reason() -> None:
     answer = answer_of(SANDWICH)
-    weaker = replace(answer.problem, bound=Bound(3, "critical path"))
+    weaker = answer.problem.with_bound(3, "critical path")
     text = shown(Answer(answer.schedule, weaker))
     assert "makespan 20 s, bound 20 s: proved by some-engine" in text
     assert "critical path" not in text
@@ -531,6 +530,7 @@ def hostile() -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii", "cp1252"])
 @pytest.mark.parametrize("width", [24, 40, 60, 80, 100, 173])
 def test_no_line_is_wider_than_the_console(width: int, encoding: str) -> None:

@@ -19,6 +19,7 @@ from oracles.state_generators import match_cellar, state_task
 TASKS, BATCHES = 300, 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("batch", range(BATCHES))
 def test_cpsat_finds_the_optimum_of_random_state_tasks(batch: int) -> None:
     found = 0

@@ -10,7 +10,7 @@ import irc
 from builders import document_of, engine_schedule
 from irc.driver.compile import compile_task
 from irc.model import Task
-from irc.problem import Activity, Arc, Problem, Shared, Window
+from irc.problem import Activity, Arc, ContendedPool, Contention, Problem, Window
 from irc.problem.horizon import within
 from irc.schedule import Status
 
@@ -182,10 +182,12 @@ def test_what_cannot_be_reached_becomes_the_first_tick_after_the_horizon() -> No
         "s",
         irc.compile({"actions": [{"id": "a", "duration": 1}]}, "cpsat").problem.tick,
         (Activity("a", 2, 900, release=3, start=800), Activity("b", 1, 1)),
-        shared=(Shared("r", 2, (0,), 1, (Window(4, 700, 2), Window(700, 800, 0))),),
+        contention=Contention(
+            (ContendedPool("r", 2, (0,), 1, (Window(4, 700, 2), Window(700, 800, 0))),)
+        ),
         arcs=(Arc(0, 1, min_lag=-500, max_lag=500), Arc(1, 0, min_lag=600, max_lag=-600)),
     )
     near = within(problem, 9)
     assert near.activities == (Activity("a", 2, 10, release=3, start=10), Activity("b", 1, 1))
-    assert near.shared == (Shared("r", 2, (0,), 1, (Window(4, 10, 2),)),)
+    assert near.contention.pools == (ContendedPool("r", 2, (0,), 1, (Window(4, 10, 2),)),)
     assert near.arcs == (Arc(0, 1, min_lag=-10, max_lag=None), Arc(1, 0, min_lag=10, max_lag=-10))

@@ -25,7 +25,7 @@ LAPS = {
 
 
 def problem(**fields: object) -> Problem:
-    return compile_task(irc.Task.model_validate({**LAPS, **fields}), "cpsat").problem
+    return compile_task(irc.Task.from_dict({**LAPS, **fields}).ir, "cpsat").problem
 
 
 def greatest(of: Problem) -> list[int | None]:
@@ -51,7 +51,7 @@ def test_without_a_limit_no_number_of_occurrences_is_enough() -> None:
 
 
 def test_a_schedule_of_one_occurrence_each_is_proven_among_all_numbers() -> None:
-    schedule = irc.solve(irc.Task.model_validate(LAPS), "cpsat", shortcut=False, time_limit=60)
+    schedule = irc.solve(irc.Task.from_dict(LAPS), "cpsat", shortcut=False, time_limit=60)
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, 6)
 
 
@@ -63,8 +63,8 @@ def test_what_needs_two_occurrences_gets_them() -> None:
         "produces": [{"resource": "juice"}],
     }
     drink = {"id": "drink", "duration": 1, "consumes": [{"resource": "juice", "amount": 2}]}
-    task = irc.Task.model_validate(
+    task = irc.Task.from_dict(
         {"resources": [{"id": "juice", "kind": "reservoir"}], "actions": [press, drink]}
-    )
+    ).ir
     schedule = irc.solve(task, "cpsat", shortcut=False, time_limit=60)
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, 5)

@@ -20,6 +20,7 @@ from typer.testing import Result
 
 import irc
 from irc.frontends.json.document import decode_bytes
+from irc.model import Task
 from runs import run_irc
 
 SECONDS = 15
@@ -330,6 +331,7 @@ def places(diagnostics: list[dict[str, Any]]) -> list[tuple[str, int, int]]:
     return [(d["code"], d["line"], d["column"]) for d in diagnostics if d["severity"] == "error"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
 def test_every_error_is_told_at_its_place(row: Bad, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
@@ -343,6 +345,7 @@ def test_every_error_is_told_at_its_place(row: Bad, tmp_path: Path) -> None:
     assert row.said in "\n".join(f"{d['message']} {d['hint']}" for d in report["diagnostics"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
 def test_the_text_for_people_points_at_the_same_place(row: Bad, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
@@ -450,7 +453,7 @@ def test_half_a_character_is_refused_wherever_it_stands(field: str) -> None:
 
 
 def test_decimals_in_the_metadata_are_carried_through() -> None:
-    task = irc.loads('{"actions": [], "metadata": {"rate": 0.1, "far": [1e400]}}')
+    task = irc.loads('{"actions": [], "metadata": {"rate": 0.1, "far": [1e400]}}').ir
     manifest = json.loads(irc.compile(task, "pddl21").manifest_text())
     assert manifest["task"]["metadata"] == {"rate": 0.1, "far": ["1E+400"]}
 
@@ -462,7 +465,7 @@ def test_decimals_in_the_metadata_are_carried_through() -> None:
 def test_text_with_a_byte_order_mark_is_read(encoding: str, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     file.write_bytes('{"actions": [{"id": "é", "duration": 3}]}'.encode(encoding))
-    assert [a.id for a in irc.load(file).actions] == ["é"]
+    assert [a.id for a in irc.load(file).ir.actions] == ["é"]
     assert irc_check(file).exit_code == 0
 
 
@@ -527,6 +530,7 @@ RUBBISH = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", RUBBISH)
 def test_fifty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
@@ -538,6 +542,7 @@ def test_fifty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_p
     assert RUBBISH[pattern] in {d.code.id for d in report.errors}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("begin", "pattern", "code"),
     [
@@ -560,6 +565,7 @@ def test_fifty_megabytes_within_a_document_are_refused_in_seconds(
     assert code in {d.code.id for d in report.errors}
 
 
+@pytest.mark.slow
 def test_fifty_megabytes_of_random_bytes_are_refused_in_seconds(tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     file.write_bytes(random.Random(1).randbytes(50 * MB))
@@ -570,6 +576,7 @@ def test_fifty_megabytes_of_random_bytes_are_refused_in_seconds(tmp_path: Path) 
     assert [d.code.id for d in report.errors] == ["IRC001"]
 
 
+@pytest.mark.slow
 def test_thousands_of_faults_are_told_without_a_flood(tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     lines = ",\n".join(f'{{"id": "a{i}", "duration": -1}}' for i in range(5000))
@@ -622,10 +629,10 @@ SEED = json.dumps(
 ).encode()
 
 
-def loaded(data: bytes) -> irc.Task | None:
+def loaded(data: bytes) -> Task | None:
     """The task, or None where an `InputError` says in words why there is none."""
     try:
-        return irc.loads(decode_bytes(data, "<test>"))
+        return irc.loads(decode_bytes(data, "<test>")).ir
     except irc.InputError as error:
         return None if error.report.errors and error.report.render() else pytest.fail("no reason")
 
@@ -644,6 +651,7 @@ def edited(changes: list[tuple[int, int, bytes]]) -> bytes:
     return bytes(data)
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(changes=edits)
 @example(changes=[(0, 0, b"\xff\xfe")])
@@ -693,6 +701,7 @@ def documents_with_a_wrong_value(draw: st.DrawFn) -> Any:
         return document
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(documents_with_a_wrong_value())
 def test_any_value_anywhere_raises_nothing_but_input_errors(document: Any) -> None:

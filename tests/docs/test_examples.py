@@ -73,6 +73,7 @@ def test_an_example_without_a_schedule_has_the_promised_conflict(file: str, coun
     assert len(explanation.conflict) == int(count)
 
 
+@pytest.mark.slow
 @each_example
 def test_nothing_is_to_be_said_of_an_example(promised: Promised) -> None:
     report = irc.check(promised.path)
@@ -81,17 +82,18 @@ def test_nothing_is_to_be_said_of_an_example(promised: Promised) -> None:
 
 @each_example
 def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
-    task = irc.load(promised.path)
+    task = irc.load(promised.path).ir
     schedule = irc.solve(task, "cpsat", time_limit=60, shortcut=False)
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, promised.makespan)
     assert task.time_unit == promised.time_unit
     assert validate(task, schedule).valid
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("kairos") is None, reason="kairos has wheels for Linux only")
 @each_example
 def test_kairos_answers_within_ten_seconds_or_the_target_refuses(promised: Promised) -> None:
-    task = irc.load(promised.path)
+    task = irc.load(promised.path).ir
     if refused_features(task, get_backend("pddl21")):
         with pytest.raises(irc.InputError) as refused:
             irc.compile(task, "pddl21")
@@ -110,4 +112,4 @@ def test_kairos_answers_within_ten_seconds_or_the_target_refuses(promised: Promi
 
 
 def test_the_house_has_a_hundred_steps() -> None:
-    assert len(irc.load(EXAMPLES / "house_build_100.json").actions) == 100
+    assert len(irc.load(EXAMPLES / "house_build_100.json").ir.actions) == 100

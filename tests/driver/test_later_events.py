@@ -38,13 +38,14 @@ def test_a_program_is_that_of_the_task_without_its_events(target: str) -> None:
 
 
 def test_an_answer_is_valid_as_of_the_start_and_not_even_an_event_at_0_is_seen() -> None:
-    task = irc.Task.model_validate(REVISED)
+    task = irc.Task.from_dict(REVISED).ir
     answer = solve_task(task)
     assert (answer.schedule.status, answer.schedule.makespan) == ("optimal", 7)
     assert irc.validate(task, answer.schedule).valid
     assert [note.code for note in answer.notes] == [Code.LATER_EVENTS]
 
 
+@pytest.mark.slow
 def test_an_answer_extracted_later_says_it_too() -> None:
     program = irc.compile(REVISED, "cpsat")
     answer = extract_answer(program.manifest, "solution: [0, 4, 7]\nstatus: OPTIMAL\n")

@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from irc import InputError, Task
+from irc import InputError
 from irc.checks import run_checks
 from irc.checks.events import check_event
 from irc.driver.judge import validate_schedule
 from irc.driver.solve import solve_task
 from irc.events.apply import apply
-from irc.model import Event
+from irc.model import Event, Task
 from irc.model.canonical import task_sha256, written_task
 from irc.schedule import Entry, Schedule
 
@@ -265,6 +265,7 @@ def _random_change(rng: random.Random, task: Task, at: int, number: int) -> Docu
     return rng.choice(changes)
 
 
+@pytest.mark.slow
 def test_saving_between_events_changes_nothing_and_every_revision_is_a_sound_task() -> None:
     applied: Counter[str] = Counter()
     for seed in range(500):

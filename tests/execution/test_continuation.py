@@ -14,7 +14,6 @@ from irc.execution import Execution
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
 from irc.execution.continuation import Remainder
-from irc.execution.executed import ticks_of
 from irc.execution.freeze import freeze
 from irc.execution.step import Means
 from irc.lowering.lower import lower
@@ -40,7 +39,7 @@ def remainder(execution: Execution) -> Remainder:
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     problem = lower(task, instants)
     problem = merge_pools(problem, overloaded(problem, history.state(at).running))
-    frozen = freeze(problem, history, at, ticks_of(problem, at))
+    frozen = freeze(problem, history, at, problem.whole_ticks(at))
     means = Means(limits=LIMITS)
     backend = get_backend("cpsat")
     return Remainder(task, frozen, history, at, backend, backend.engine(), means)
@@ -69,6 +68,7 @@ def executions(seeds: range) -> Iterator[tuple[int, Execution]]:
 
 
 # (Of the second range many once came to nothing: each has its own reason.)
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(3_000, 3_051), range(78, 79), range(130, 131)])
 def test_both_roads_come_to_the_same(seeds: range) -> None:
     different = {}

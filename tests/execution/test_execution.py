@@ -11,13 +11,13 @@ import irc
 from builders import task_of
 from irc.diagnostics import Code, InputError
 from irc.execution import Execution, simulate
-from irc.execution.stabilise import settled
+from irc.execution.stabilise import stabilised
 from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
-from irc.problem import Earlier
+from irc.problem import PreviousPlace, PreviousPlan
 from irc.schedule import Status
-from online_cases import LIMITS, action, entry, event, plan, repaired, starts
+from online_cases import OPTIONS, action, entry, event, plan, repaired, starts
 
 VAN = [{"id": "van"}]
 CHAIN = task_of(
@@ -33,7 +33,7 @@ LATE = {"op": "set_duration", "action": "a", "duration": 6}
 
 
 def running(whole: Task = CHAIN, at: int = 0, **means: object) -> Execution:
-    return Execution(whole, PLAN, at, **{"limits": LIMITS, **means})  # type: ignore[arg-type]
+    return Execution(whole, PLAN, at, **{"options": OPTIONS, **means})  # type: ignore[arg-type]
 
 
 # --- time ---
@@ -149,9 +149,11 @@ def test_among_equals_as_little_moves_as_can_be() -> None:
     assert [o.name for o in step.schedule.objective] == ["makespan", "changes"]
 
 
-@pytest.mark.parametrize(("percent", "makespan", "moved"), [(0, 14, 3), (6, 14, 3), (10, 15, 1)])
+@pytest.mark.parametrize(
+    ("stability", "makespan", "moved"), [(0, 14, 3), (0.06, 14, 3), ("10%", 15, 1)]
+)
 def test_stability_lets_the_makespan_grow_by_so_much_to_move_less(
-    percent: int, makespan: int, moved: int
+    stability: float | str, makespan: int, moved: int
 ) -> None:
     """`a` takes 1 longer: all others follow it, or `b` alone goes last."""
     shop = task_of(
@@ -168,7 +170,7 @@ def test_stability_lets_the_makespan_grow_by_so_much_to_move_less(
         entry("d", 11, 13, "m"),
     )
     longer = {"op": "set_duration", "action": "a", "duration": 6}
-    step = repaired(shop, old, 2, longer, stability=percent)
+    step = repaired(shop, old, 2, longer, stability=stability)
     assert (step.schedule.makespan, step.moved) == (makespan, moved)
 
 
@@ -203,12 +205,12 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
         action("c", 1),
         resources=VAN,
     )
-    earlier = (Earlier(0, None, (0,)), Earlier(2, 0, ()), Earlier(2, None, ()))
-    problem = replace(run_passes(lower(document)), earlier=earlier)
+    earlier = (PreviousPlace(0, None, (0,)), PreviousPlace(2, 0, ()), PreviousPlace(2, None, ()))
+    problem = replace(run_passes(lower(document)), previous=PreviousPlan(earlier))
     old = [entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3)]
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
     verdicts = iter([False, True])
-    new = settled(problem, found, old, Fraction(0), lambda _: next(verdicts))
+    new = stabilised(problem, found, old, Fraction(0), lambda _: next(verdicts))
     assert starts(new) == {"a": 0, "b": 2, "c": 2}
 
 
@@ -236,21 +238,21 @@ def test_a_simulation_ends_where_nothing_continues() -> None:
     after = event(3, {"op": "set_deadline", "deadline": 30})
     episode = CHAIN.model_copy(update={"events": (after, late)})
     seen: list[object] = []
-    done = simulate(episode, limits=LIMITS, on_step=lambda step: seen.append(step.at))
+    done = simulate(episode, options=OPTIONS, on_step=lambda step: seen.append(step.at))
     assert seen == [0, 2]
     assert done.final.status is Status.INFEASIBLE
-    assert done.as_json()["makespan"] is None
+    assert done.to_dict()["makespan"] is None
 
 
 def test_a_simulation_without_a_first_plan_has_one_step() -> None:
     impossible = CHAIN.model_copy(update={"deadline": 11, "events": (event(1, LATE),)})
-    done = simulate(impossible, limits=LIMITS)
+    done = simulate(impossible, options=OPTIONS)
     assert [step.schedule.status for step in done.steps] == [Status.INFEASIBLE]
 
 
 def test_a_simulation_begins_with_the_plan_that_is_given() -> None:
     episode = CHAIN.model_copy(update={"events": (event(2, LATE),)})
-    done = simulate(episode, schedule=PLAN, limits=LIMITS)
+    done = simulate(episode, schedule=PLAN, options=OPTIONS)
     assert done.steps[0].schedule is PLAN
     assert done.moved == done.steps[1].moved == 2
     assert starts(done.final)["d"] == 1

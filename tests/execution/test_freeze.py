@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from builders import task_of
-from irc.execution.executed import UnexplainedError, choices_of
 from irc.execution.freeze import with_groups
-from irc.execution.residual import PastError, Rebased, rebase
+from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.lowering.lower import lower
 from irc.problem import Arc
+from irc.problem.choices import UnexplainedError, choices_of
 from irc.schedule import Entry
 from online_cases import action, entry, frozen_at, plan, repaired, starts
 
@@ -62,10 +62,14 @@ def test_occurrences_that_have_begun_are_counted_and_the_others_follow() -> None
     entries = [entry("beat", 2 * k, 2 * k + 2, "r1", occurrence=k + 1) for k in range(3)]
     frozen = frozen_at(beat, entries, 3)
     rest, first, second = frozen.problem.activities
-    assert (rest.details.repeats, rest.details.occurrence, rest.details.previous) == ((1, 2), 3, 2)
+    assert (rest.details.repeats, rest.details.occurrence, rest.details.previous_occurrence) == (
+        (1, 2),
+        3,
+        2,
+    )
     assert [(a.start, a.details.occurrence) for a in (first, second)] == [(0, 1), (2, 2)]
-    assert second.details.previous == 1
-    assert {i: fact.running for i, fact in frozen.facts.items()} == {1: False, 2: True}
+    assert second.details.previous_occurrence == 1
+    assert {i: past.running for i, past in frozen.executed.items()} == {1: False, 2: True}
 
 
 def test_a_running_range_can_end_from_now_on_and_a_completed_one_has_ended() -> None:
@@ -105,9 +109,9 @@ LAGS: list[tuple[str, dict[str, int], bool, bool]] = [
 ]
 
 
-def left(document: object, entries: list[Entry], at: int) -> Rebased:
+def left(document: object, entries: list[Entry], at: int) -> ResidualProblem:
     frozen = frozen_at(document, entries, at)  # type: ignore[arg-type]
-    return rebase(frozen.problem, frozen.facts, frozen.now)
+    return residual_problem(frozen.problem, frozen.executed, frozen.now)
 
 
 @pytest.mark.parametrize(("kind", "lag", "from_end", "to_end"), LAGS)
@@ -194,18 +198,20 @@ def test_the_past_is_in_the_initial_stock_state_and_calendars() -> None:
     assert [(w.start, w.end, w.capacity) for w in oven.windows] == [(0, 7, 2)]
 
 
-def test_what_ended_just_now_is_ordered_against_what_happens_now() -> None:
-    """The lamp is put out at 2, just before or just after `lit` ends and lights it for `read`."""
+def test_what_ended_at_an_instant_comes_before_what_an_event_changes_then() -> None:
+    """`lit` ends at 2 and lights the lamp, then it is put out: nobody lights it for `read`."""
     lamp = task_of(
         action("lit", 2, effects=[{"at": "end", "var": "light", "value": True}]),
         action("read", 1, conditions=[{"at": "all", "var": "light", "value": True}]),
+        action("light again", 3, effects=[{"at": "end", "var": "light", "value": True}]),
         state=[{"id": "light", "initial": False}],
     )
-    old = plan(entry("lit", 0, 2), entry("read", 2, 3, rank=1))
+    old = plan(entry("lit", 0, 2), entry("read", 2, 3, rank=1), entry("light again", 2, 5))
     out = {"op": "set_state", "var": "light", "value": False}
     for target in ("cpsat", "pddl21"):
         step = repaired(lamp, old, 2, out, target=target)
-        assert starts(step.schedule) == {"lit": 0, "light at 2": 2, "read": 2}
+        assert starts(step.schedule) == {"lit": 0, "light at 2": 2, "light again": 2, "read": 5}
+        assert next(e for e in step.schedule.entries if e.id == "light at 2").rank == 1
 
 
 def test_a_range_that_took_no_time_still_had_a_start_and_an_end() -> None:

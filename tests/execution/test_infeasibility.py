@@ -51,7 +51,7 @@ TASK: dict[str, Any] = {
 
 def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
     """What a step that has no schedule says."""
-    task = irc.Task(**{**TASK, **fields})
+    task = irc.Task(**{**TASK, **fields}).ir
     event = Event.model_validate({"at": at, "changes": changes})
     step = replan(task, irc.solve(task), at, [event])
     assert step.schedule.status is Status.INFEASIBLE
@@ -77,8 +77,8 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "set_release", "action": "serve", "release": 40},
-            "'serve' must start at most 15 min after 'bake' ends, and the best plan found has "
-            "20 min",
+            "'serve' must start at most 15 min after the end of 'bake', and the best plan found "
+            "has 20 min",
         ),
         (
             {"op": "set_capacity", "resource": "cook", "capacity": 1},
@@ -86,11 +86,11 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "set_goals", "goals": [{"var": "table", "value": "bare"}]},
-            "the goal 'table' = \"bare\" cannot be reached any more",
+            "the goal 'table' = 'bare' cannot be reached any more",
         ),
         (
             {"op": "cancel_actions", "actions": ["lay"]},
-            "'table' does not become what is needed: \"laid\" for 'serve'",
+            "'table' does not become what is needed: 'laid' for 'serve'",
         ),
         (
             {
@@ -121,10 +121,10 @@ def test_of_several_limits_that_a_plan_breaks_only_those_in_the_way_are_named() 
     ]
     late = {"op": "set_release", "action": "serve", "release": 40}
     (message,) = told(late, precedence=precedence, deadline=None, at=1)
-    assert message.startswith("'serve' must start at most 15 min after 'bake' ends")
+    assert message.startswith("'serve' must start at most 15 min after the end of 'bake'")
 
 
 def test_limits_of_several_sorts_that_must_give_way_together_are_named_together() -> None:
     first, second = told({"op": "set_release", "action": "serve", "release": 70})
     assert first.startswith("everything must end by 60 min, and the best plan found has 75 min")
-    assert second.startswith("'serve' must start at most 15 min after 'bake' ends")
+    assert second.startswith("'serve' must start at most 15 min after the end of 'bake'")

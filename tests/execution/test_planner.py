@@ -8,7 +8,6 @@ import pytest
 
 from builders import task_of
 from irc.schedule import Status
-from irc.targets import Limits
 from irc_pddl21 import Pddl21
 from online_cases import action, entry, plan, repaired, starts
 
@@ -96,5 +95,5 @@ def test_where_the_planner_finds_nothing_it_is_proven_that_there_is_nothing() ->
     )
     old = plan(entry("wash", 0, 2), entry("dry", 4, 6), entry("cook", 4, 6))
     dirty = {"op": "set_state", "var": "clean", "value": False}
-    step = repaired(whole, old, 3, dirty, **PLANNER, limits=Limits(1, workers=1))
+    step = repaired(whole, old, 3, dirty, **PLANNER, time_limit=1, workers=1)
     assert step.schedule.status is Status.INFEASIBLE

@@ -9,13 +9,12 @@ import irc
 from irc.execution import Execution
 from irc.execution.freeze import freeze, with_groups
 from irc.execution.history import History
-from irc.execution.warm_start import repaired
+from irc.execution.warm_start import warm_start
 from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.passes import run_passes
 from irc.problem.decisions import Placed
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits
 
 OVEN = [{"id": "oven"}]
 
@@ -63,10 +62,10 @@ def places(task: Task, schedule: Schedule, at: int, **ends: int) -> dict[str, Pl
     for name, end in ends.items():
         history.entries[name, 1] = replace(history.entries[name, 1], end=end)
     problem = lower(task, [at])
-    ticks = int(at / problem.tick)
+    ticks = problem.whole_ticks(at)
     frozen = freeze(problem, history, at, ticks)
     whole = run_passes(with_groups(frozen, ()))
-    found = repaired(whole, frozen.facts, history.plan)
+    found = warm_start(whole, frozen.executed, history.plan)
     return {a.id: p for a, p in zip(whole.activities, found, strict=False)}
 
 
@@ -114,7 +113,7 @@ def test_an_engine_without_any_time_still_answers_with_it() -> None:
         }
     )
     plan = irc.solve(task, time_limit=20)
-    run = Execution(task, plan, limits=Limits(0.001, workers=1))
+    run = Execution(task, plan, time_limit=0.001, workers=1)
     broken = {"op": "set_capacity", "resource": "r0", "capacity": 0, "from": 20, "to": 30}
     run.apply(Event.model_validate({"at": 10, "changes": [broken]}))
     step = run.replan()

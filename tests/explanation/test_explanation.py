@@ -78,6 +78,7 @@ def _infeasible(seed: int) -> Task | None:
     return drawn if optimal_makespan(drawn) is None else None
 
 
+@pytest.mark.slow
 def test_random_infeasible_tasks_get_minimal_conflicts() -> None:
     found = [t for seed in range(70) if (t := _infeasible(seed)) is not None]
     by = set()
@@ -125,6 +126,7 @@ def test_a_conflict_of_time_is_told_in_the_order_of_time() -> None:
     assert irc.explain(case.document).reason == "one after another they need 1 s more than there is"
 
 
+@pytest.mark.slow
 def test_a_long_chain_needs_no_solver_and_little_time() -> None:
     actions = [a(f"step {k}", 2) for k in range(400)]
     arcs = [p(f"step {k}", f"step {k + 1}") for k in range(399)]
@@ -296,6 +298,7 @@ def _feasible(seed: int) -> Task | None:
     return drawn if optimal_makespan(drawn) is not None else None
 
 
+@pytest.mark.slow
 def test_the_lengths_of_a_chain_add_up_to_the_makespan() -> None:
     handed_over = 0
     for seed in range(60):
@@ -391,11 +394,11 @@ def test_an_answer_that_is_not_proven_says_so(monkeypatch: pytest.MonkeyPatch) -
 
     def unproven(*arguments: Any, **named: Any) -> Any:
         answer = solve(*arguments, **named)
-        bound = replace(answer.problem.bound, value=6, reason="the critical path")
+        bound = replace(answer.problem.bounds.makespan, value=6, reason="the critical path")
         return replace(
             answer,
             schedule=replace(answer.schedule, status=Status.FEASIBLE),
-            problem=replace(answer.problem, bound=bound),
+            problem=answer.problem.with_bound(bound.value, bound.reason),
         )
 
     monkeypatch.setattr(road, "solve_task", unproven)

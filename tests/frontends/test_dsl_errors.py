@@ -246,7 +246,7 @@ def test_a_binary_file_is_told_at_its_first_bad_byte(tmp_path: Path) -> None:
 def test_line_ends_of_windows_are_read(tmp_path: Path) -> None:
     report = checked(tmp_path, 'task "a"\r\nboil 3\r\n\r\nbake 4 after boil\r\n  deadline 20\r\n')
     assert list(report) == []
-    assert irc.load(tmp_path / "task.irc").actions[1].deadline == 20
+    assert irc.load(tmp_path / "task.irc").ir.actions[1].deadline == 20
 
 
 def test_a_byte_order_mark_is_noted(tmp_path: Path) -> None:
@@ -257,6 +257,7 @@ def test_a_byte_order_mark_is_noted(tmp_path: Path) -> None:
 LONG = 1_000_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "line",
     [
@@ -286,6 +287,7 @@ def test_a_line_of_a_megabyte_is_read_or_refused_in_seconds(tmp_path: Path, line
     assert ("IRC010", 2, 8) in errors(report)
 
 
+@pytest.mark.slow
 def test_rubbish_is_given_up_after_many_faults() -> None:
     began = time.process_time()
     report = told("boil 3 onn x\n" * 100_000)
@@ -353,6 +355,7 @@ PIECES = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(st.lists(PIECES, max_size=40))
 def test_no_text_ends_in_a_traceback(pieces: list[str]) -> None:
@@ -365,6 +368,7 @@ def test_no_text_ends_in_a_traceback(pieces: list[str]) -> None:
         assert parse_task(text, "task.irc").task is not None
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(st.text(max_size=80))
 def test_no_characters_end_in_a_traceback(text: str) -> None:

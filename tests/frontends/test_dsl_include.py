@@ -34,7 +34,7 @@ def told(report: Report) -> list[tuple[str, str, int | None, int | None]]:
 
 def test_what_a_file_declares_is_there_where_it_is_included(tmp_path: Path) -> None:
     path = files(tmp_path, task=TASK, kitchen=KITCHEN)
-    assert [r.id for r in irc.load(path).resources] == ["grill", "fryer", "board"]
+    assert [r.id for r in irc.load(path).ir.resources] == ["grill", "fryer", "board"]
     assert list(irc.check(path)) == []
 
 
@@ -73,10 +73,10 @@ def test_json_output_names_the_included_file(tmp_path: Path) -> None:
 def test_places_are_those_of_the_texts_that_were_read(tmp_path: Path) -> None:
     """A file that is changed or gone meanwhile does not move a place."""
     path = files(tmp_path, task=TASK, kitchen=KITCHEN + "prep 3 on bord\n")
-    task = irc.load(path)
+    task = irc.load(path).ir
     (tmp_path / "kitchen.irc").write_text("\n\n\n")
     assert told(irc.check(task)) == [("IRC201", "kitchen.irc", 3, 11)]
-    task = irc.load(files(tmp_path, task=TASK + "y 1 on z\n", kitchen=KITCHEN))
+    task = irc.load(files(tmp_path, task=TASK + "y 1 on z\n", kitchen=KITCHEN)).ir
     (tmp_path / "kitchen.irc").unlink()
     assert told(irc.check(task)) == [("IRC201", "", 5, 8)]
 

@@ -47,8 +47,8 @@ def test_a_question_becomes_json_that_means_the_same(tmp_path: Path) -> None:
     out = tmp_path / "tea.json"
     result = run_irc("convert", tmp_path / "tea.txt", "-o", out)
     assert result.exit_code == 0
-    assert irc.load(out) == irc.loads(QUESTION)
-    assert irc.load(out).name == "make tea"
+    assert irc.load(out).ir == irc.loads(QUESTION).ir
+    assert irc.load(out).ir.name == "make tea"
 
 
 def test_a_question_is_compiled_for_a_planner(tmp_path: Path) -> None:
@@ -74,7 +74,7 @@ def test_a_step_before_itself_is_told_at_its_sentence() -> None:
 
 
 def test_a_month_has_the_days_of_the_ir() -> None:
-    task = irc.loads("Step 1. Wait for the letter (1 month)")
+    task = irc.loads("Step 1. Wait for the letter (1 month)").ir
     assert (task.days_per_month, irc.solve(task).makespan) == (30, 30 * 86_400)
 
 
@@ -84,7 +84,7 @@ def test_the_answer_may_be_asked_for_in_a_unit() -> None:
 
 
 def test_line_ends_of_windows_and_a_byte_order_mark_change_nothing() -> None:
-    assert irc.loads("\ufeff" + QUESTION.replace("\n", "\r\n")) == irc.loads(QUESTION)
+    assert irc.loads("\ufeff" + QUESTION.replace("\n", "\r\n")).ir == irc.loads(QUESTION).ir
 
 
 def large(count: int, orders: int) -> str:
@@ -95,13 +95,14 @@ def large(count: int, orders: int) -> str:
     return "\n".join([*steps, "", "These ordering constraints need to be obeyed:", *told])
 
 
+@pytest.mark.slow
 def test_time_grows_with_the_length_of_the_text() -> None:
     irc.loads(QUESTION)
     began = time.process_time()
     irc.loads(large(500, 1500))
     small = time.process_time() - began
     began = time.process_time()
-    task = irc.loads(large(2000, 6000))
+    task = irc.loads(large(2000, 6000)).ir
     assert len(task.precedence) == 6000
     assert time.process_time() - began < 10 * small + 1
 
@@ -129,6 +130,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_text_is_refused_without_a_wait(name: str) -> None:
     text, code = HOSTILE[name]
@@ -154,4 +156,4 @@ def test_two_steps_of_one_number_are_told_at_the_second() -> None:
 
 
 def test_order_of_steps_is_kept() -> None:
-    assert order(irc.loads(QUESTION)) == "1>2 1>3 2>3"
+    assert order(irc.loads(QUESTION).ir) == "1>2 1>3 2>3"

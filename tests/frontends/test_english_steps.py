@@ -682,7 +682,7 @@ REFUSED_OTHER_AUTHORS = [
 
 @pytest.mark.parametrize(("text", "times", "orders"), [*STEPS, *OTHER_AUTHORS])
 def test_a_text_is_read_as_it_says(text: str, times: str, orders: str) -> None:
-    task = irc.loads(text)
+    task = irc.loads(text).ir
     assert (durations(task), order(task)) == (times, orders)
 
 

@@ -140,7 +140,7 @@ def test_state_orders_the_processing_and_holds_an_item_back_from_the_dish() -> N
     ]
     assert (
         actions["marinate_tofu"].duration
-        == irc.Task(actions=[{"id": "x", "duration": 6.5}]).actions[0].duration
+        == irc.Task(actions=[{"id": "x", "duration": 6.5}]).ir.actions[0].duration
     )
 
 
@@ -387,6 +387,7 @@ def random_instance(rng: random.Random) -> Raw:
     }
 
 
+@pytest.mark.slow
 def test_random_instances_can_be_scheduled_and_their_schedules_are_valid() -> None:
     rng = random.Random(11)
     for _ in range(40):
@@ -413,7 +414,7 @@ def test_the_command_reads_a_folder_in_order_and_writes_a_task_for_each(tmp_path
         "plate_.json",
         "menu_1.json",
     ]
-    assert irc.load(out / "menu_1.json") == imported({**MENU, "id": "menu / 1"})[0]
+    assert irc.load(out / "menu_1.json").ir == imported({**MENU, "id": "menu / 1"})[0]
 
 
 def test_a_bad_instance_in_a_folder_is_status_1_and_nothing_is_written(tmp_path: Path) -> None:
@@ -446,6 +447,7 @@ def benchmark(shared_data: Path) -> list[tuple[Raw, Task]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_every_witness_is_valid_and_has_the_stated_optimum(
     benchmark: list[tuple[Raw, Task]],
@@ -505,6 +507,7 @@ def moved(entries: tuple[Entry, ...], entry: Entry, start: Any) -> Schedule:
     return Schedule(tuple(later if e is entry else e for e in entries))
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_a_damaged_witness_is_invalid(benchmark: list[tuple[Raw, Task]]) -> None:
     tried = 0
@@ -532,6 +535,7 @@ def test_a_reward_above_the_stock_is_invalid(benchmark: list[tuple[Raw, Task]]) 
         assert "reservoir" in rules, rules
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_the_makespan_tasks_have_the_stated_optimum_when_solved(
     benchmark: list[tuple[Raw, Task]],

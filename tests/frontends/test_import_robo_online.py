@@ -61,7 +61,7 @@ def faults(raw: Raw) -> dict[str, str]:
     found = error.value.report.located()
     assert len(list(found)) == len({d.pointer for d in found}), "a fault is told twice"
     assert {(d.code, d.line is not None) for d in found} == {(Code.NOT_AN_IMPORT, True)}
-    return {d.as_json()["pointer"]: d.message for d in found}
+    return {d.to_dict()["pointer"]: d.message for d in found}
 
 
 def changes(event: Event) -> dict[str, Any]:
@@ -87,6 +87,7 @@ def episodes(shared_data: Path) -> list[tuple[Raw, Task]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_every_episode_is_a_sound_task_before_and_after_each_event(shared_data: Path) -> None:
     read = episodes(shared_data)
@@ -111,6 +112,7 @@ def _all(raw: Raw, field: str) -> Raw:
     return {k: v for e in raw["events"] for k, v in (e["delta"].get(field) or {}).items()}
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_the_known_optima_are_those_of_the_tasks_before_any_event(shared_data: Path) -> None:
     """The benchmark's candidate menus had a deadline, which their episodes leave out."""

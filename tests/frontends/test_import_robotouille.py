@@ -419,6 +419,7 @@ def benchmark(shared_data: Path) -> dict[str, Task]:
     return dict(import_robotouille(text, "robotouille_6.json"))
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 @pytest.mark.parametrize("name", RECIPES)
 def test_a_hand_made_plan_of_the_benchmark_is_valid(benchmark: dict[str, Task], name: str) -> None:

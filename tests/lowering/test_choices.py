@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from builders import Document, act, problem_of
-from irc.lowering.choices import NEVER
-from irc.problem import PLAIN, Condition, Details, Effect, Mode, StockChange
+from irc.problem import IMPOSSIBLE_DEADLINE, PLAIN, Condition, Details, Effect, Mode, StockChange
 
 
 def details(**fields: Any) -> Details:
@@ -33,7 +32,7 @@ def test_occurrences_are_optional_or_repeated(occurs: Any, optional: bool, repea
 
 def test_what_may_never_occur_has_a_deadline_before_all_times() -> None:
     (activity,) = problem_of(act("a", 1, occurs={"min": 0, "max": 0})).activities
-    assert (activity.details.optional, activity.deadline) == (True, NEVER)
+    assert (activity.details.optional, activity.deadline) == (True, IMPOSSIBLE_DEADLINE)
 
 
 def group(name: str = "g", *actions: str, **fields: Any) -> Document:
@@ -74,7 +73,7 @@ def test_modes_come_in_the_order_of_names_each_with_its_uses() -> None:
     assert a.details.modes == (Mode("fast", 0, 1), Mode("slow", 2, 2))
     assert [use.alternatives for use in a.uses] == [(0,), (1,)]
     assert [a.details.use_mode(k) for k in (0, 1)] == [None, 1]
-    assert [claim.use for claim in a.claims] == [0, 1]
+    assert [claim.use for claim in a.open_demands] == [0, 1]
 
 
 def test_a_mode_without_length_claims_nothing() -> None:
@@ -83,7 +82,7 @@ def test_a_mode_without_length_claims_nothing() -> None:
         {"id": "n", "duration": 2},
     ]
     (a,) = problem_of({"id": "a", "modes": modes}, resources=[{"id": "oven"}]).activities
-    assert (len(a.uses), a.claims) == (1, ())
+    assert (len(a.uses), a.open_demands) == (1, ())
 
 
 def test_stock_is_taken_at_the_start_and_given_at_the_end_unless_said_otherwise() -> None:
@@ -137,7 +136,7 @@ def test_goals_that_name_actions_are_wanted_once() -> None:
     problem = problem_of(
         act("a", 1, occurs="optional"), act("b", 1, occurs={"min": 0}), goals=["b", "a", "b"]
     )
-    assert problem.wanted == (0, 1)
+    assert problem.required == (0, 1)
 
 
 def test_objectives_keep_their_order() -> None:

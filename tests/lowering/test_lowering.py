@@ -197,8 +197,11 @@ def test_of_a_calendar_the_greatest_capacity_counts() -> None:
     window = {"from": 1, "to": 2, "capacity": 5}
     problem = problem_of(resources=[{"id": "r", "availability": [window]}], actions=[])
     assert problem.resources[0].windows == ((1, 2, 5),)
-    assert (problem.shared[0].capacity, problem.shared[0].least_capacity) == (5, 1)
-    assert mandatory_part(problem).resources[0].capacity == 5
+    assert (problem.contention.pools[0].capacity, problem.contention.pools[0].least_capacity) == (
+        5,
+        1,
+    )
+    assert mandatory_part(problem)[0].resources[0].capacity == 5
 
 
 def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
@@ -217,13 +220,14 @@ def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
         ],
         precedence=[["a", "b"], ["a", "c"], ["e", "f"]],
     )
-    problem = mandatory_part(whole)
+    problem, _ = mandatory_part(whole)
     assert [a.id for a in problem.activities] == ["a", "c", "d", "f"]
     assert problem.arcs == (Arc(0, 1, origin=1),)
     assert [a.id for a in whole.activities if a.details.optional] == ["b", "e"]
     assert whole.activities[3].details.repeats == (1, 2)
 
 
+@pytest.mark.slow
 @settings(
     max_examples=50,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.

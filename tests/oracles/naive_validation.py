@@ -124,7 +124,12 @@ def explained(task: Task, action: Action, entry: Entry) -> bool:
     return False
 
 
-def rule_4(task: Task, entries: Sequence[Entry]) -> bool:
+NO_RANKS: dict[tuple[int, str], int] = {}
+
+
+def rule_4(
+    task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int] = NO_RANKS
+) -> bool:
     known = {action.id: action for action in task.actions}
     for entry in entries:
         if entry.id in known and not explained(task, known[entry.id], entry):
@@ -134,38 +139,91 @@ def rule_4(task: Task, entries: Sequence[Entry]) -> bool:
             continue
         instants = {e.start for e in entries}
         instants |= {task.number(t) for w in resource.availability for t in (w.from_, w.to)}
-        for t in instants:
-            used = sum(
-                e.resources.get(resource.id, 0)
-                for e in entries
-                if e.id in known and e.start <= t < e.end
-            )
-            capacity = resource.capacity
+        last = 1 + max(ranks.values(), default=0)
+        for t, rank in product(instants, range(last + 1)):
+            # Behind all ranks of an instant there is what the time says; before, what touches it
+            # by ranks alone may have what there was until then.
+            capacities = [resource.capacity, resource.capacity]
             for w in resource.availability:
                 if task.number(w.from_) <= t < task.number(w.to):
-                    capacity = w.capacity
-            if used > capacity:
+                    capacities[0] = w.capacity
+                if task.number(w.from_) < t <= task.number(w.to):
+                    capacities[1] = w.capacity
+            used = sum(
+                e.resources.get(resource.id, 0)
+                for i, e in enumerate(entries)
+                if e.id in known
+                and e.start < e.end
+                and (e.start, ranks.get((i, "start"), 0)) <= (t, rank)
+                and (t, rank) < (e.end, ranks.get((i, "end"), 0))
+            )
+            if used > (capacities[0] if rank == last else max(capacities)):
                 return False
     return True
 
 
-def rule_5(task: Task, entries: Sequence[Entry]) -> bool:
-    for resource in task.resources:
-        if resource.kind != "reservoir":
-            continue
-        changes: list[tuple[Number, int]] = []
-        for entry, action, _, _ in end_points(task, entries):
-            for sign, default, parts in (
-                (-1, "start", action.consumes),
-                (1, "end", action.produces),
-            ):
-                for part in parts:
-                    if part.resource == resource.id:
-                        time = entry.start if (part.at or default) == "start" else entry.end
-                        changes.append((time, sign * part.amount))
-        for t in {0, *(time for time, _ in changes)}:
-            level = resource.initial + sum(amount for time, amount in changes if time <= t)
-            if level < resource.min or (resource.max is not None and level > resource.max):
+def rule_5(
+    task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int] = NO_RANKS
+) -> bool:
+    levels = {r.id: r.initial for r in task.resources if r.kind == "reservoir"}
+    happenings: dict[Point, dict[int, dict[str, int]]] = {}
+    for i, (_, action, start, end) in enumerate(end_points(task, entries, ranks)):
+        for sign, default, parts in ((-1, "start", action.consumes), (1, "end", action.produces)):
+            for part in parts:
+                point = start if (part.at or default) == "start" else end
+                its = happenings.setdefault(point, {}).setdefault(i, {})
+                its[part.resource] = its.get(part.resource, 0) + sign * part.amount
+    if not any(time <= 0 for time, _ in happenings) and not stock_is_within(task, levels):
+        return False
+    for point in sorted(happenings):
+        if not some_order_does(task, levels, list(happenings[point].values())):
+            return False
+        for change in happenings[point].values():
+            levels = added(levels, change)
+    return True
+
+
+def added(levels: dict[str, int], change: dict[str, int]) -> dict[str, int]:
+    return {name: level + change.get(name, 0) for name, level in levels.items()}
+
+
+def stock_is_within(task: Task, levels: dict[str, int]) -> bool:
+    return all(
+        r.min <= levels[r.id] and (r.max is None or levels[r.id] <= r.max)
+        for r in task.resources
+        if r.kind == "reservoir"
+    )
+
+
+def some_order_does(task: Task, levels: dict[str, int], changes: list[dict[str, int]]) -> bool:
+    if not changes:
+        return True
+    for k, change in enumerate(changes):
+        following = added(levels, change)
+        rest = changes[:k] + changes[k + 1 :]
+        if stock_is_within(task, following) and some_order_does(task, following, rest):
+            return True
+    return False
+
+
+def past_comes_first(
+    task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int]
+) -> bool:
+    """At the instant of a change of the world: what ended, then it, then what starts."""
+    concerned = [
+        (
+            action.id.startswith("p at"),
+            start,
+            end if not isinstance(action.duration, DurationRange) else start,
+        )
+        for _, action, start, end in end_points(task, entries, ranks)
+        if action.conditions or action.effects or action.consumes or action.produces
+    ]
+    for is_change, change, _ in concerned:
+        for other, start, end in concerned if is_change else ():
+            if start[0] < end[0] == change[0] and end > change:
+                return False
+            if not other and start[0] == change[0] and start < change:
                 return False
     return True
 
@@ -219,7 +277,7 @@ def rule_6_and_7(task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, st
 
 
 def some_ranks_do(task: Task, entries: Sequence[Entry]) -> bool:
-    """Rules 3, 6 and 7 under some ranks; as many different ones as there are nodes are enough."""
+    """Rules 3 to 7 under some ranks; as many different ones as there are nodes are enough."""
     known = {action.id: action for action in task.actions}
     nodes: list[list[tuple[int, str]]] = []
     own = [entry for entry in entries if entry.id in known]
@@ -231,9 +289,21 @@ def some_ranks_do(task: Task, entries: Sequence[Entry]) -> bool:
             nodes += [[(i, "start")], [(i, "end")]]
     for values in product(range(len(nodes)), repeat=len(nodes)):
         ranks = {key: rank for keys, rank in zip(nodes, values, strict=True) for key in keys}
-        if rule_3(task, own, ranks) and rule_6_and_7(task, own, ranks):
+        if all_rules_of_ranks(task, own, ranks):
             return True
     return False
+
+
+def all_rules_of_ranks(
+    task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int]
+) -> bool:
+    return (
+        rule_3(task, entries, ranks)
+        and rule_6_and_7(task, entries, ranks)
+        and past_comes_first(task, entries, ranks)
+        and rule_4(task, entries, ranks)
+        and rule_5(task, entries, ranks)
+    )
 
 
 # Tasks around schedules.
@@ -364,8 +434,8 @@ def stock_levels(actions: list[dict[str, Any]], entries: Sequence[Entry]) -> lis
             for part in action.get(kind, []):
                 at_start = part.get("at", default) == "start"
                 changes.append((entry.start if at_start else entry.end, sign * part["amount"]))
-    times = {0, *(time for time, _ in changes)}
-    return [sum(amount for time, amount in changes if time <= t) for t in times]
+    changes.sort(key=lambda change: change[0])
+    return [sum(amount for _, amount in changes[:k]) for k in range(len(changes) + 1)]
 
 
 def draw_groups(draw: Draw, entries: Sequence[Entry]) -> list[dict[str, Any]]:
@@ -452,7 +522,7 @@ def facts(draw: Draw, moments: list[str]) -> dict[str, Any]:
 
 
 @st.composite
-def state_cases(draw: Draw) -> tuple[Task, list[Entry]]:
+def state_cases(draw: Draw, with_levels: bool = False) -> tuple[Task, list[Entry]]:
     actions, entries, nodes = [], [], 0
     latest = draw(st.integers(0, 2))
     for name in "abcd"[: draw(st.integers(1, 4))]:
@@ -466,16 +536,37 @@ def state_cases(draw: Draw) -> tuple[Task, list[Entry]]:
             break
         conditions = [draw(facts(["start", "all", "end"])) for _ in range(draw(COUNTS))]
         effects = [draw(facts(["start", "end"])) for _ in range(draw(COUNTS))]
-        actions.append(
-            {"id": name, "duration": duration, "conditions": conditions, "effects": effects}
-        )
-        entries.append(Entry(name, start, start + length))
+        action = {"id": name, "duration": duration, "conditions": conditions, "effects": effects}
+        held = {}
+        if with_levels and draw(st.booleans()):
+            held = {"r": draw(st.integers(1, 2))}
+            action["uses"] = [{"resource": "r", "amount": held["r"]}]
+        for kind in draw(
+            st.sampled_from([[], ["consumes"], ["produces"], ["consumes", "produces"]])
+        ):
+            if with_levels:
+                stock = draw(st.sampled_from(["m", "n"]))
+                at = draw(st.sampled_from(["start", "end"]))
+                amount = draw(st.integers(1, 2))
+                action[kind] = [{"resource": stock, "amount": amount, "at": at}]
+        actions.append(action)
+        entries.append(Entry(name, start, start + length, held))
+    if with_levels and draw(st.booleans()):
+        start = draw(st.integers(0, latest))
+        effect = {"at": "start", "var": "p", "value": draw(st.booleans())}
+        actions.append({"id": f"p at {start}", "duration": 0, "start": start, "effects": [effect]})
+        entries.append(Entry(f"p at {start}", start, start))
     precedence = draw_precedence(draw, entries)
     goals = [
         {k: v for k, v in g.items() if k != "at"}
         for g in draw(st.lists(facts(["end"]), max_size=1))
     ]
-    task = Task.model_validate(
-        {"actions": actions, "precedence": precedence, "state": STATE, "goals": goals}
-    )
+    document = {"actions": actions, "precedence": precedence, "state": STATE, "goals": goals}
+    if with_levels:
+        document["resources"] = [
+            {"id": "r", "capacity": draw(st.integers(1, 4))},
+            {"id": "m", "kind": "reservoir", "initial": 1, "max": draw(st.integers(1, 3))},
+            {"id": "n", "kind": "reservoir", "initial": draw(st.integers(0, 2))},
+        ]
+    task = Task.model_validate(document)
     return task, entries

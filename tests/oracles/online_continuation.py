@@ -26,7 +26,7 @@ from irc.model import Action, DurationRange, Event, Group, Precedence, Resource,
 from irc.model.events import AddGroups, CancelActions, CancelGroups, Observe
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
-from oracles.state_brute_force import Optimum, TooLargeError, optimum
+from oracles.state_brute_force import Optimum, Past, TooLargeError, optimum
 
 CANCELLED = "cancelled"
 
@@ -42,6 +42,18 @@ class Frozen:
     entry: Entry
     least: Number
     most: Number
+    as_planned: bool = True
+    """Whether it started, and ended if it has, when it was to."""
+
+    @property
+    def ranks(self) -> tuple[int | None, int | None]:
+        """The ranks that its start and its end have had, where these are known.
+
+        What runs for a fixed duration ends with the rank of its start, so that one may be higher.
+        """
+        if not self.as_planned or self.least != self.most or self.cancelled:
+            return None, None
+        return self.entry.rank, self.entry.last_rank
 
     @property
     def is_settled(self) -> bool:
@@ -69,7 +81,8 @@ def frozen(
 
     Raises `NotCompared` where something is observed that the schedule did not plan.
     """
-    entries = {(e.id, e.occurrence): e for e in schedule.entries}
+    old = {(e.id, e.occurrence): e for e in schedule.entries}
+    entries = dict(old)
     started = {key for key, e in entries.items() if e.start < at}
     ended = {key for key, e in entries.items() if e.start < at and e.end <= at}
     for change in (change for event in events for change in event.changes):
@@ -87,7 +100,12 @@ def frozen(
     for key in sorted(started):
         entry = entries[key]
         if key in ended or entry.status == CANCELLED:
-            found.append(Frozen(entry, entry.end, entry.end))
+            planned = old.get(key)
+            as_planned = planned is not None and (planned.start, planned.end) == (
+                entry.start,
+                entry.end,
+            )
+            found.append(Frozen(entry, entry.end, entry.end, as_planned))
         elif entry.id in gone:
             found.append(Frozen(replace(entry, end=at, status=CANCELLED), at, at))
         else:
@@ -129,7 +147,7 @@ def _running(task: Task, entry: Entry, at: Number) -> Frozen:
             raise NotCompared("a range that has passed")
         return Frozen(replace(entry, end=least), least, most)
     end = entry.start + task.number(duration)
-    return Frozen(replace(entry, end=end), end, end)
+    return Frozen(replace(entry, end=end), end, end, as_planned=False)
 
 
 def continuation(
@@ -146,13 +164,13 @@ def continuation(
     `world` are the actions that stand for changes of the world at `at`: facts as well.
     Raises `NotCompared`, or `TooLargeError` from the brute force.
     """
-    draft = _Draft(task, facts, at, frozenset(over))
+    draft = _Draft(task, facts, at, frozenset(over), world)
     _require_peace(draft, world, max_situations)
     half_done = draft.half_done()
     for count in range(len(half_done) + 1):
         found: list[Optimum] = []
         for given_up in combinations(half_done, count):
-            best = _optimum(draft.task(frozenset(given_up)), max_situations)
+            best = _optimum(draft.task(frozenset(given_up)), max_situations, draft.been)
             found += [] if best is None else [best]
         if found:
             best = min(found, key=lambda o: _order(o, draft.objective))
@@ -160,9 +178,9 @@ def continuation(
     return Continuation(None, draft.objective, 0)
 
 
-def _optimum(task: Task, max_situations: int) -> Optimum | None:
+def _optimum(task: Task, max_situations: int, past: Past) -> Optimum | None:
     try:
-        return optimum(task, max_situations=max_situations)
+        return optimum(task, max_situations=max_situations, past=past)
     except ValueError as error:
         raise NotCompared(str(error)) from error
 
@@ -174,7 +192,7 @@ def _order(found: Optimum, objective: Sequence[str]) -> tuple[Number, ...]:
 
 def _require_peace(draft: _Draft, world: Collection[str], max_situations: int) -> None:
     """What started must be possible once time and capacity are relaxed, or it is about state."""
-    if _optimum(draft.past(world), max_situations) is None:
+    if _optimum(draft.past(world), max_situations, draft.been) is None:
         raise NotCompared("a conflict about stock or state that is carried")
 
 
@@ -182,13 +200,24 @@ class _Draft:
     """The ordinary task that a continuation is."""
 
     def __init__(
-        self, task: Task, facts: Sequence[Frozen], at: Number, over: frozenset[str]
+        self,
+        task: Task,
+        facts: Sequence[Frozen],
+        at: Number,
+        over: frozenset[str],
+        world: Collection[str],
     ) -> None:
         self.source, self.at, self.over = task, at, over
         self.facts: dict[str, list[Frozen]] = defaultdict(list)
         for fact in facts:
             self.facts[fact.entry.id].append(fact)
         self.actions = {a.id: a for a in task.actions}
+        self.been = Past(
+            at,
+            world,
+            {self._name(fact): fact.ranks for fact in facts},
+            [resource.id for resource in self._own_time()],
+        )
         cut = next((k for k, n in enumerate(task.objective) if n == "minimize_changes"), None)
         self.objective: tuple[str, ...] = task.objective[:cut] or ("minimize_makespan",)
 
@@ -238,7 +267,9 @@ class _Draft:
         deciding = {name for g in groups if not g.required for name in g.actions}
         actions = [self._fact(fact) for facts in self.facts.values() for fact in facts]
         for action in self.actions.values():
-            if action.id not in self.over and action.id not in absent:
+            if action.id in self.been.world:
+                actions.append(action)
+            elif action.id not in self.over and action.id not in absent:
                 actions += self._open(action, action.id in deciding)
         present = {a.id for a in actions}
         return self._made(

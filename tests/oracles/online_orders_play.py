@@ -65,8 +65,15 @@ def play(
     )
     if not first.answered:
         return
-    execution = Execution(task, first, target=target, engine=engine, limits=limits)
-    before = _json(first.as_json())
+    execution = Execution(
+        task,
+        first,
+        target=target,
+        engine=engine,
+        time_limit=limits.seconds,
+        workers=limits.workers,
+    )
+    before = _json(first.to_dict())
     events: list[Document] = []
     at = Fraction(0)
     for number in range(1, 1 + rng.randint(1, 4)):
@@ -79,7 +86,7 @@ def play(
         begun, new = kitchen.take(deepcopy(event), old)
         began = time.perf_counter()
         execution.apply(Event.model_validate(deepcopy(event)))
-        step = _json(execution.replan().as_json())
+        step = _json(execution.replan().to_dict())
         seconds = time.perf_counter() - began
         still = {name: run for name, run in old.items() if name not in kitchen.over}
         judged = judge(kitchen, begun, still, new, at, step)

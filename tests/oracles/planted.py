@@ -164,18 +164,19 @@ def _repeat(rng: random.Random, document: Document) -> list[Entry]:
 
 
 def _plant_stock(rng: random.Random, actors: list[_Actor]) -> Document:
-    changes: dict[int, int] = {}
+    """A reservoir with just the room that one happening after another needs."""
+    changes: dict[tuple[Key, str], int] = {}
     for actor in actors:
         for part, sign, at in (("consumes", -1, "start"), ("produces", 1, "end")):
             if rng.random() < 0.35:
                 amount = rng.randint(1, 2)
                 actor.document[part] = [{"resource": "flour", "amount": amount}]
-                time = actor.key(at)[0]
-                changes[time] = changes.get(time, 0) + sign * amount
+                happening = actor.key(at), actor.name
+                changes[happening] = changes.get(happening, 0) + sign * amount
     initial = level = rng.randint(0, 3)
     levels = [initial]
-    for time in sorted(changes):
-        level += changes[time]
+    for happening in sorted(changes):
+        level += changes[happening]
         levels.append(level)
     stock: Document = {"id": "flour", "kind": "reservoir", "initial": initial, "min": min(levels)}
     if rng.random() < 0.6:
@@ -183,10 +184,16 @@ def _plant_stock(rng: random.Random, actors: list[_Actor]) -> Document:
     return stock
 
 
+_RANKS = 4
+
+
 def _plant_resources(
     rng: random.Random, actions: list[Document], entries: list[Entry]
 ) -> Iterable[Document]:
-    """An oven with a calendar and two robots; each has just the capacity that is used."""
+    """An oven with a calendar and two robots; each has just the capacity that is used.
+
+    (From moment to moment: `_RANKS` to a tick.)
+    """
     loads: dict[str, list[tuple[int, int, int]]] = {"oven": [], "ann": [], "bob": []}
     for action in actions:
         uses: list[Document] = []
@@ -202,11 +209,14 @@ def _plant_resources(
         for k, entry in enumerate(entries):
             if entry.id == action["id"]:
                 entries[k] = replace(entry, resources=held)
-                for name, amount in held.items():
-                    loads[name].append((int(entry.start), int(entry.end), amount))
+                start = int(entry.start) * _RANKS + entry.rank
+                end = int(entry.end) * _RANKS + entry.last_rank
+                for name, amount in held.items() if entry.start < entry.end else ():
+                    loads[name].append((start, end, amount))
 
     def peak(name: str, times: Iterable[int]) -> int:
-        return max((sum(a for s, e, a in loads[name] if s <= t < e) for t in times), default=0)
+        moments = (t * _RANKS + rank for t in times for rank in range(_RANKS))
+        return max((sum(a for s, e, a in loads[name] if s <= m < e) for m in moments), default=0)
 
     for name in ("ann", "bob"):
         yield {"id": name, "capacity": max(1, peak(name, range(30)))}

@@ -35,9 +35,9 @@ from irc.model.quantities import Number
 from irc.schedule import Schedule
 from oracles.state_relaxation import Windows, promises, relaxed_windows
 from oracles.state_task import Plain, read
-from oracles.state_walk import TooLargeError, Walk, Worth
+from oracles.state_walk import Past, TooLargeError, Walk, Worth
 
-__all__ = ["Optimum", "TooLargeError", "optimum"]
+__all__ = ["Optimum", "Past", "TooLargeError", "optimum"]
 
 _NAMES = MappingProxyType(
     {
@@ -63,10 +63,14 @@ class Optimum:
 
 
 def optimum(
-    task: Task, most_occurrences: int = 3, max_situations: int = 1_000_000
+    task: Task,
+    most_occurrences: int = 3,
+    max_situations: int = 1_000_000,
+    past: Past | None = None,
 ) -> Optimum | None:
     """The lexicographic optimum over all valid schedules of `task`; None if there is none.
 
+    With a `past`, of those that an execution can have come to.
     Raises `ValueError` for what this oracle does not know, `TooLargeError` where it would have to
     look at more than `max_situations`.
     """
@@ -77,7 +81,7 @@ def optimum(
     for bound, counts, windows in sorted(_selections(plain, most_occurrences), key=lambda s: s[:2]):
         if incumbent is not None and bound >= incumbent:
             break
-        walk = Walk(plain, counts, windows, incumbent, room)
+        walk = Walk(plain, counts, windows, incumbent, room, past)
         walk.run()
         room -= walk.visited
         if walk.best is not None:

@@ -68,6 +68,11 @@ class Job:
         """Whether it reads or changes a variable."""
         return bool(self.conditions or self.effects)
 
+    @property
+    def shares(self) -> bool:
+        """Whether it holds a resource or changes stock."""
+        return bool(self.stock) or any(option.held for option in self.options)
+
 
 @dataclass(frozen=True)
 class Arc:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, permutations
 
 from irc.model import Task
 from irc.schedule import Entry, Schedule
@@ -53,8 +53,9 @@ def is_valid(task: Task, schedule: Schedule) -> bool:
         plain.is_selection(counts)
         and all(_occurrences_in_order(cases, j) for j in range(len(plain.jobs)))
         and all(_arc_holds(arc, cases) for arc in plain.arcs)
-        and _capacities_suffice(plain, cases)
-        and _stocks_hold(plain, cases)
+        # (What no order within an instant mends, ranks do not mend either.)
+        and _capacities_suffice(plain, cases, _one_rank(cases))
+        and _stocks_hold(plain, cases, _one_rank(cases))
         and any(_story_holds(plain, cases, ranks) for ranks in _all_ranks(plain, cases))
     )
 
@@ -107,32 +108,70 @@ def _arc_holds(arc: Arc, cases: Sequence[_Case]) -> bool:
     return arc.least <= lag and (arc.most is None or lag <= arc.most)
 
 
-def _capacities_suffice(plain: Plain, cases: Sequence[_Case]) -> bool:
-    """Use and capacity are constant between these instants."""
+def _capacities_suffice(
+    plain: Plain, cases: Sequence[_Case], ranks: Mapping[tuple[int, bool], int]
+) -> bool:
+    """Use and capacity are constant between these instants, and between the ranks of one."""
+    behind = 1 + max(ranks.values(), default=0)
+    places = [((c.start, ranks[i, False]), (c.end, ranks[i, True])) for i, c in enumerate(cases)]
     for name, resource in plain.renewables.items():
         instants = {c.start for c in cases} | {Fraction(w[0]) for w in resource.windows}
         instants |= {Fraction(w[1]) for w in resource.windows}
         for instant in instants:
-            running = [c for c in cases if c.start <= instant < c.end]
-            capacity = resource.capacity
+            capacity = earlier = resource.capacity
             for begin, end, other in resource.windows:
-                if begin <= instant < end:
-                    capacity = other
-            if running and sum(dict(c.option.held).get(name, 0) for c in running) > capacity:
-                return False
+                capacity = other if begin <= instant < end else capacity
+                earlier = other if begin < instant <= end else earlier
+            for rank in range(behind + 1):
+                running = [
+                    c
+                    for c, (start, end) in zip(cases, places, strict=True)
+                    if c.lasts and start <= (instant, rank) < end
+                ]
+                used = sum(dict(c.option.held).get(name, 0) for c in running)
+                if running and used > (capacity if rank == behind else max(capacity, earlier)):
+                    return False
     return True
 
 
-def _stocks_hold(plain: Plain, cases: Sequence[_Case]) -> bool:
+def _stocks_hold(
+    plain: Plain, cases: Sequence[_Case], ranks: Mapping[tuple[int, bool], int]
+) -> bool:
+    """One happening after another: by time, by rank, and in some order within a rank."""
+    happenings: dict[Place, dict[int, dict[str, int]]] = {}
+    for i, c in enumerate(cases):
+        for name, amount, at_end in c.job.stock:
+            place = (c.end, ranks[i, True]) if at_end else (c.start, ranks[i, False])
+            own = happenings.setdefault(place, {}).setdefault(i, {})
+            own[name] = own.get(name, 0) + amount
+    levels = {name: stock.initial for name, stock in plain.stocks.items()}
     for name, stock in plain.stocks.items():
-        changes = [
-            (c.end if at_end else c.start, amount)
-            for c in cases
-            for resource, amount, at_end in c.job.stock
-            if resource == name
-        ]
-        for instant in {Fraction(0), *(time for time, _ in changes)}:
-            if not stock.holds(stock.initial + sum(a for time, a in changes if time <= instant)):
+        touched = any(
+            time <= 0 and name in changes
+            for (time, _), its in happenings.items()
+            for changes in its.values()
+        )
+        if not touched and not stock.holds(stock.initial):
+            return False
+    for _, its in sorted(happenings.items()):
+        if not any(
+            _keeps_stock(plain, levels, order) for order in permutations(list(its.values()))
+        ):
+            return False
+        for changes in its.values():
+            for name, amount in changes.items():
+                levels[name] += amount
+    return True
+
+
+def _keeps_stock(
+    plain: Plain, levels: Mapping[str, int], order: Sequence[Mapping[str, int]]
+) -> bool:
+    now = dict(levels)
+    for changes in order:
+        for name, amount in changes.items():
+            now[name] += amount
+            if not plain.stocks[name].holds(now[name]):
                 return False
     return True
 
@@ -143,13 +182,13 @@ def _stocks_hold(plain: Plain, cases: Sequence[_Case]) -> bool:
 def _all_ranks(plain: Plain, cases: Sequence[_Case]) -> Iterator[dict[tuple[int, bool], int]]:
     """Every order, with ties, of all ranks: a map from (entry, whether its end) to a rank.
 
-    The rank of what neither touches state nor has a precedence is of no account. The others are
-    tried in all orders: seven of them have 47,293, so this is for a handful of entries.
+    The rank of what touches no state, shares nothing and has no precedence is of no account. The
+    others are tried in all orders: seven of them have 47,293, so this is for a handful of entries.
     """
     bound = {j for arc in plain.arcs for j in (arc.before, arc.after)}
     nodes: list[tuple[int, bool]] = []
     for i, case in enumerate(cases):
-        if not case.job.touches_state and case.j not in bound:
+        if not (case.job.touches_state or case.job.shares) and case.j not in bound:
             continue
         nodes.append((i, False))
         if case.option.ends_freely:
@@ -161,6 +200,10 @@ def _all_ranks(plain: Plain, cases: Sequence[_Case]) -> Iterator[dict[tuple[int,
             ranks.setdefault((i, False), 0)
             ranks.setdefault((i, True), ranks[i, False])
         yield ranks
+
+
+def _one_rank(cases: Sequence[_Case]) -> dict[tuple[int, bool], int]:
+    return {(i, at_end): 0 for i in range(len(cases)) for at_end in (False, True)}
 
 
 def _weak_orders(
@@ -183,6 +226,8 @@ def _story_holds(
     return (
         all(_duration_keeps_ranks(c, ranks[i, False], ranks[i, True]) for i, c in enumerate(cases))
         and all(_arc_keeps_ranks(arc, cases, ranks) for arc in plain.arcs)
+        and _capacities_suffice(plain, cases, ranks)
+        and _stocks_hold(plain, cases, ranks)
         and _plays_through(plain, cases, ranks)
     )
 

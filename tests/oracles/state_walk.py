@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import permutations, product
 from typing import NamedTuple
 
+from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from oracles.state_instant import (
     Demand,
@@ -17,6 +20,7 @@ from oracles.state_instant import (
     orders,
     whole_happening,
 )
+from oracles.state_levels import Party, combined, hand_over_orders, level_orders
 from oracles.state_ranks import closure, only, ranks
 from oracles.state_relaxation import Windows, occurrences
 from oracles.state_task import Arc, Fact, Option, Plain
@@ -42,6 +46,18 @@ class Worth:
         """One number for each objective."""
         timed = {"minimize_makespan": makespan, "minimize_tardiness": tardiness, **self.fixed}
         return tuple(timed[name] for name in self.objective)
+
+
+@dataclass(frozen=True)
+class Past:
+    """What is known of an execution: at `at` what ended comes first, then the `world` changes by
+    itself, then others start. `ranks` are those that starts and ends have had, by action. Of the
+    resources `by_time` only time is asked."""
+
+    at: Number
+    world: Collection[str]
+    ranks: Mapping[str, tuple[int | None, int | None]]
+    by_time: Collection[str] = ()
 
 
 class Run(NamedTuple):
@@ -126,6 +142,7 @@ class Walk:
         windows: Windows,
         incumbent: tuple[int, ...] | None,
         room: int,
+        past: Past | None = None,
     ) -> None:
         self.plain, self.counts, self.windows = plain, tuple(counts), windows
         self.owners = occurrences(counts)
@@ -154,15 +171,39 @@ class Walk:
         self.outcomes: dict[object, list[Outcome]] = {}
         self.orders: dict[object, frozenset[Demand] | None] = {}
         self.ranked = self._ranked()
+        self.past = past
+        self.at = None if past is None else Fraction(past.at) / plain.tick
+        self.known = tuple(self._known_order())
 
     def _ranked(self) -> list[bool]:
-        """Whose ranks can matter: who touches state, or passes demands on between such ones."""
+        """Whose ranks can matter: who touches state, or passes demands on between such ones.
+
+        (So may who shares resources or stock with others.)
+        """
         touching = {i for i, job in enumerate(self.jobs) if job.touches_state}
+        if touching:
+            sharing = (i for i, job in enumerate(self.jobs) if job.shares)
+            touching |= set(sharing)
         onward, back = set(touching), set(touching)
         for _ in range(self.size):
             onward |= {v for u, v, _ in self.arcs if u in onward}
             back |= {u for u, v, _ in self.arcs if v in back}
         return [i in onward and i in back for i in range(self.size)]
+
+    def _known_order(self) -> Iterator[Demand]:
+        """The order of all ranks that have been."""
+        nodes: list[tuple[int, int]] = []
+        for i, job in enumerate(self.jobs):
+            start, end = (
+                (None, None) if self.past is None else self.past.ranks.get(job.id, (None, None))
+            )
+            if start is not None:
+                nodes.append((2 * i, start))
+            if end is not None and any(option.ends_freely for option in job.options):
+                nodes.append((2 * i + 1, end))
+        for (a, one), (b, two) in permutations(nodes, 2):
+            if one <= two:
+                yield a, b, int(one < two)
 
     # --- the walk, tick by tick ------------------------------------------------------------------
 
@@ -328,11 +369,15 @@ class Walk:
         levels = self._levels(situation, starts, due)
         if levels is None:
             return
+        orders_of_levels = self._orders_of_levels(situation, starts, due, now)
+        if not orders_of_levels:
+            return
         asked = self._lags(situation, now, starts)
         if asked is None:
             return
         lags, demands = asked
         demands += [d for i, run in starts for d in self._duration_demands(i, run)]
+        demands += self._past_first(situation, starts, due, now)
         states, runs = list(situation.states), list(situation.runs)
         ended = [*due, *(i for i, run in starts if run.lasts == 0)]
         for i, run in starts:
@@ -342,8 +387,10 @@ class Walk:
         late = self._lateness(ended, states, now)
         clipped = _clipped(lags, now)
         alive = self._alive(runs, clipped)
-        for values, wanted in self._outcomes(situation, starts, due):
-            kept = self._kept(frozenset([*situation.order, *demands, *wanted]), alive)
+        outcomes = product(self._outcomes(situation, starts, due), orders_of_levels)
+        for (values, by_state), by_levels in outcomes:
+            wanted = by_state | by_levels
+            kept = self._kept(frozenset([*situation.order, *demands, *wanted, *self.known]), alive)
             if kept is None:
                 continue
             after = Situation(tuple(states), tuple(runs), clipped, values, levels, kept)
@@ -364,6 +411,93 @@ class Walk:
         if all(self.plain.stocks[name].holds(level) for name, level in levels.items()):
             return tuple(levels.values())
         return None
+
+    def _past_first(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> Iterator[Demand]:
+        """What ended at an event's instant, then what it changes, then what starts."""
+        if self.past is None or now != self.at:
+            return
+        # (An end that can be chosen may be chosen at the event, behind its changes.)
+        ended = [
+            _end_node(i, run)
+            for i in due
+            if (run := situation.runs[i]) is not None and not run.option.ends_freely
+        ]
+        changes = [2 * i for i, _ in starts if self.jobs[i].id in self.past.world]
+        others = [2 * i for i, _ in starts if self.jobs[i].id not in self.past.world]
+        for earlier, later in ((ended, changes), (ended, others), (changes, others)):
+            yield from ((a, b, 0) for a, b in product(earlier, later) if self._matter(a, b))
+
+    def _matter(self, *nodes: int) -> bool:
+        return all(self.ranked[node // 2] for node in nodes)
+
+    def _orders_of_levels(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> list[frozenset[Demand]]:
+        """What each way to order those who share resources or stock demands; none: there is no way.
+
+        Where no rank matters a way need only exist.
+        """
+        choices = []
+        parties = self._stock_parties(situation, starts, due)
+        if parties:
+            levels = dict(zip(self.stocks, situation.levels, strict=True))
+            choices.append(level_orders(self.plain.stocks, levels, parties))
+        if any(self.ranked):
+            choices += self._hand_overs(situation, starts, due, now)
+        ways = combined(choices)
+        return ways if any(self.ranked) else [frozenset()] if ways else []
+
+    def _stock_parties(
+        self, situation: Situation, starts: Sequence[tuple[int, Run]], due: Sequence[int]
+    ) -> list[Party]:
+        found: dict[int, dict[str, int]] = {}
+        ends = [(i, run) for i in due if (run := situation.runs[i]) is not None]
+        ends += [(i, run) for i, run in starts if run.lasts == 0]
+        points = [(i, 2 * i, False) for i, _ in starts]
+        # (Where nothing has a rank, both ends of what takes no time are one happening.)
+        points += [(i, _end_node(i, run), True) for i, run in ends]
+        for i, node, end in points:
+            for name, amount, at_end in self.jobs[i].stock:
+                if at_end == end:
+                    changes = found.setdefault(node, {})
+                    changes[name] = changes.get(name, 0) + amount
+        return list(found.items())
+
+    def _hand_overs(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> Iterator[list[tuple[Demand, ...]]]:
+        by_time = () if self.past is None else self.past.by_time
+        for name, renewable in self.plain.renewables.items():
+            if name in by_time:
+                continue
+            ending, starting, others = [], [], 0
+            for i, run in enumerate(situation.runs):
+                amount = 0 if run is None else dict(run.option.held).get(name, 0)
+                if run is not None and amount and i in due:
+                    ending.append((_end_node(i, run), amount))
+                else:
+                    others += amount
+            for i, run in starts:
+                amount = dict(run.option.held).get(name, 0)
+                if amount and run.lasts:
+                    starting.append((2 * i, amount))
+            if ending and starting:
+                capacity = max(renewable.at(now), renewable.at(now - 1))
+                yield hand_over_orders(capacity - others, ending, starting)
 
     def _lateness(self, ended: Sequence[int], states: Sequence[int], now: int) -> int:
         """The tardiness of what has ended now, if that is an objective."""

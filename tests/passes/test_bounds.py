@@ -23,7 +23,17 @@ from irc.passes.critical_path import heads_and_tails
 from irc.passes.destructive import destructive_bound
 from irc.passes.energy import energy_bound, loads, thinned
 from irc.passes.reduction import reduce_transitively
-from irc.problem import Activity, Arc, Bound, Claim, Problem, Renewable, Requirement, Shared
+from irc.problem import (
+    Activity,
+    Arc,
+    Bound,
+    ContendedPool,
+    Contention,
+    OpenDemand,
+    Problem,
+    Renewable,
+    Requirement,
+)
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, contended_task, random_task
 from paths import SHARED_DATA
@@ -53,7 +63,7 @@ def energy_of(**document: Any) -> tuple[Number, str]:
 
 
 def in_units(problem: Problem) -> tuple[Number, str]:
-    return problem.to_units(problem.bound.value), problem.bound.reason
+    return problem.to_units(problem.bounds.makespan.value), problem.bounds.makespan.reason
 
 
 def action(name: str, duration: Any, resource: str | None = None, **more: Any) -> Document:
@@ -83,16 +93,17 @@ def small_problems(kind: str, count: int) -> Iterator[tuple[Problem, int | None]
             assert best is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", SMALL_TASKS)
 def test_no_bound_exceeds_the_optimum(kind: str) -> None:
     compared = 0
     for problem, best in small_problems(kind, 100):
         by_energy = energy_bound(problem)
         bounds = [by_energy, destructive_bound(problem), destructive_bound(by_energy)]
-        assert by_energy.bound.value >= problem.bound.value
-        assert bounds[2].bound.value >= by_energy.bound.value
+        assert by_energy.bounds.makespan.value >= problem.bounds.makespan.value
+        assert bounds[2].bounds.makespan.value >= by_energy.bounds.makespan.value
         if best is not None:
-            assert max(p.bound.value for p in bounds) <= best
+            assert max(p.bounds.makespan.value for p in bounds) <= best
             compared += problem.has_contention
     assert compared > 40
 
@@ -104,8 +115,8 @@ def test_an_early_end_of_the_budget_leaves_a_true_bound(
     monkeypatch.setattr(destructive, "BASE_STEPS", steps)
     monkeypatch.setattr(destructive, "STEPS_PER_ACTIVITY", 0)
     for problem, best in small_problems("everything", 60):
-        value = destructive_bound(problem).bound.value
-        assert value >= problem.bound.value
+        value = destructive_bound(problem).bounds.makespan.value
+        assert value >= problem.bounds.makespan.value
         assert best is None or value <= best
 
 
@@ -113,15 +124,15 @@ def test_an_early_end_of_the_budget_leaves_a_true_bound(
 def test_long_times_leave_a_true_bound(factor: int) -> None:
     for problem, best in small_problems("robots", 15):
         assert best is not None
-        value = bounded(scaled(problem, factor)).bound.value
-        assert problem.bound.value * factor <= value <= best * factor
+        value = bounded(scaled(problem, factor)).bounds.makespan.value
+        assert problem.bounds.makespan.value * factor <= value <= best * factor
 
 
 def scaled(problem: Problem, factor: int) -> Problem:
     """A task of robots and minimum lags with all times multiplied, in the same ticks."""
     return replace(
         problem,
-        bound=Bound(0, ""),
+        bounds=replace(problem.bounds, makespan=Bound(0, "")),
         activities=tuple(
             replace(a, duration_min=a.duration_min * factor, duration_max=a.duration_max * factor)
             for a in problem.activities
@@ -191,6 +202,7 @@ TIGHTNESS: dict[str, Callable[[random.Random, int], Task]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TIGHTNESS)
 def test_the_bound_is_the_optimum_in_19_of_20_contended_tasks(kind: str) -> None:
     reached = by_energy = total = 0
@@ -201,7 +213,10 @@ def test_the_bound_is_the_optimum_in_19_of_20_contended_tasks(kind: str) -> None
         if not problem.has_contention:
             continue
         best = cpsat_makespan(task.model_dump(mode="json"))
-        energy, both = energy_bound(problem).bound.value, bounded(lower(task)).bound.value
+        energy, both = (
+            energy_bound(problem).bounds.makespan.value,
+            bounded(lower(task)).bounds.makespan.value,
+        )
         assert energy <= both <= best
         by_energy += energy == best
         reached += both == best
@@ -251,13 +266,14 @@ def robo_task(document: Document) -> Task:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 @pytest.mark.skipif(not ROBO_CHALLENGE.is_dir(), reason="needs the benchmark data")
 def test_the_bound_is_the_optimum_of_every_robo_challenge_task() -> None:
     missed = []
     for path in sorted(ROBO_CHALLENGE.glob("*.json")):
         document = json.loads(path.read_text(encoding="utf-8"))
-        bound = bounded(lower(robo_task(document))).bound
+        bound = bounded(lower(robo_task(document))).bounds.makespan
         if bound.value != document["optimal_makespan"]:
             missed.append((path.stem, bound, document["optimal_makespan"]))
     assert not missed
@@ -335,15 +351,15 @@ def test_the_energy_is_the_best_over_all_sets_of_activities() -> None:
         capacity = 2 + seed % 3
         jobs = random_jobs(random.Random(seed), 2 + seed % 7, capacity)
         problem = on_one_resource(capacity, jobs)
-        best = problem.bound.value
+        best = problem.bounds.makespan.value
         for load in loads(problem):
             users = list(zip(load.activities, load.amounts, strict=True))
             for some in chain.from_iterable(combinations(users, k + 1) for k in range(len(users))):
                 work = sum(problem.activities[i].duration_min * amount for i, amount in some)
-                head = min(problem.heads[i] for i, _ in some)
-                tail = min(problem.tails[i] for i, _ in some)
+                head = min(problem.bounds.heads[i] for i, _ in some)
+                tail = min(problem.bounds.tails[i] for i, _ in some)
                 best = max(best, head - (-work // load.capacity) + tail)
-        assert energy_bound(problem).bound.value == best
+        assert energy_bound(problem).bounds.makespan.value == best
 
 
 def test_the_reason_names_the_resource_and_the_terms_in_the_tasks_unit() -> None:
@@ -426,8 +442,8 @@ def test_two_orders_that_both_end_late_raise_the_bound(unit: int, release: int) 
     """However long the times are in ticks: the second release is no multiple of the rest."""
     jobs = [Job(4 * unit, head=0, tail=5 * unit), Job(2 * unit, head=release, tail=6 * unit)]
     problem = energy_bound(on_one_resource(1, jobs))
-    assert problem.bound.value < 12 * unit
-    raised = destructive_bound(problem).bound
+    assert problem.bounds.makespan.value < 12 * unit
+    raised = destructive_bound(problem).bounds.makespan
     assert raised.value == 12 * unit
     assert raised.reason.startswith(f"a makespan of {12 * unit - 1} ")
 
@@ -458,7 +474,7 @@ def test_propagation_alone_raises_the_bound(rule: str, monkeypatch: pytest.Monke
     monkeypatch.setattr(destructive, "DEPTH_LIMIT", 0)
     capacity, jobs, value = RULES[rule]
     problem = energy_bound(on_one_resource(capacity, jobs))
-    assert problem.bound.value < value
+    assert problem.bounds.makespan.value < value
     assert in_units(destructive_bound(problem))[0] == value
 
 
@@ -532,7 +548,7 @@ def test_deadlines_of_actions_that_cannot_be_kept_leave_the_bound_as_it_is() -> 
         )
     )
     assert destructive_bound(problem) is problem
-    assert problem.bound.value == 6
+    assert problem.bounds.makespan.value == 6
 
 
 def test_a_range_that_may_shrink_to_nothing_is_in_nobodys_way() -> None:
@@ -565,14 +581,15 @@ def test_without_contention_the_problem_is_returned_as_it_is() -> None:
 # --- determinism and size -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_order_of_the_input_does_not_matter() -> None:
     for seed in range(20):
         rng = random.Random(seed)
         document = kitchen_task(rng, 12).model_dump(mode="json", exclude_unset=True)
-        first = bounded(lower(Task.model_validate(document))).bound
+        first = bounded(lower(Task.model_validate(document))).bounds.makespan
         for part in ("actions", "resources", "precedence"):
             rng.shuffle(document[part])
-        assert bounded(lower(Task.model_validate(document))).bound == first
+        assert bounded(lower(Task.model_validate(document))).bounds.makespan == first
 
 
 def layered(activities: int, resources: int) -> Problem:
@@ -592,7 +609,9 @@ def layered(activities: int, resources: int) -> Problem:
             _user(f"a{i}", rng.randint(1, 9), rng.randrange(resources)) for i in range(activities)
         ),
         resources=tuple(stations),
-        shared=tuple(Shared(r.id, r.capacity, (k,)) for k, r in enumerate(stations)),
+        contention=Contention(
+            tuple(ContendedPool(r.id, r.capacity, (k,)) for k, r in enumerate(stations))
+        ),
         arcs=tuple(sorted(arcs)),
     )
 
@@ -603,22 +622,23 @@ def _user(name: str, duration: int, resource: int) -> Activity:
         duration,
         duration,
         uses=(Requirement((resource,), 1),),
-        claims=(Claim(0, (resource,), 1),),
+        open_demands=(OpenDemand(0, (resource,), 1),),
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("activities", "seconds"), [(100, 1), (1_000, 3), (10_000, 5)])
 def test_the_bounds_take_little_time_on_large_problems(activities: int, seconds: float) -> None:
     problem = prepared(layered(activities, 20))
     began = time.process_time()
     both = destructive_bound(energy_bound(problem))
     assert time.process_time() - began < seconds
-    assert both.bound.value > problem.bound.value
+    assert both.bounds.makespan.value > problem.bounds.makespan.value
 
 
 def test_beyond_the_size_limit_only_the_energy_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = energy_bound(prepared(layered(300, 6)))
-    assert destructive_bound(problem).bound.value > problem.bound.value
+    assert destructive_bound(problem).bounds.makespan.value > problem.bounds.makespan.value
     monkeypatch.setattr(destructive, "SIZE_LIMIT", 299)
     assert destructive_bound(problem) is problem
 
@@ -628,7 +648,7 @@ def test_beyond_the_pairs_limit_the_bound_is_still_true(monkeypatch: pytest.Monk
     problem = energy_bound(on_one_resource(capacity, jobs))
     monkeypatch.setattr(destructive, "DEPTH_LIMIT", 0)
     monkeypatch.setattr(destructive, "PAIRS_LIMIT", 1)
-    assert problem.bound.value <= destructive_bound(problem).bound.value < value
+    assert problem.bounds.makespan.value <= destructive_bound(problem).bounds.makespan.value < value
 
 
 def test_of_many_times_an_even_choice_is_looked_at() -> None:

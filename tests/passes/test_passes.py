@@ -19,7 +19,7 @@ from irc.passes import PASSES, reduction, run_passes
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.reduction import reduce_transitively, redundant_arcs
-from irc.problem import Activity, Arc, Claim, Problem
+from irc.problem import Activity, Arc, OpenDemand, Problem
 from irc.schedule import Status
 from irc.targets import Limits, Program, get_backend
 from irc.validation import validate
@@ -66,6 +66,7 @@ def before(problem: Problem) -> nx.DiGraph:
     return graph
 
 
+@pytest.mark.slow
 @given(orders())
 def test_reduction_keeps_who_is_before_whom(problem: Problem) -> None:
     reduced = reduce_transitively(problem)
@@ -73,6 +74,7 @@ def test_reduction_keeps_who_is_before_whom(problem: Problem) -> None:
     assert set(closures[0]) == set(closures[1])
 
 
+@pytest.mark.slow
 @given(orders())
 def test_reduction_takes_away_every_plain_arc_that_follows_and_nothing_else(
     problem: Problem,
@@ -82,15 +84,16 @@ def test_reduction_takes_away_every_plain_arc_that_follows_and_nothing_else(
     assert list(reduce_transitively(problem).arcs) == expected
 
 
+@pytest.mark.slow
 @given(orders())
 def test_reduction_moves_nothing(problem: Problem) -> None:
     try:
-        heads, bound = (p := heads_and_tails(problem)).heads, p.bound
+        heads, bound = (p := heads_and_tails(problem)).bounds.heads, p.bounds.makespan
     except ValueError:
         return
     reduced = heads_and_tails(reduce_transitively(problem))
-    assert (reduced.heads, reduced.bound) == (heads, bound)
-    assert reduced.tails == p.tails
+    assert (reduced.bounds.heads, reduced.bounds.makespan) == (heads, bound)
+    assert reduced.bounds.tails == p.bounds.tails
 
 
 @settings(max_examples=60)
@@ -145,11 +148,11 @@ def uses(*wanted: list[dict[str, Any]], capacities: Sequence[int] = (1, 1, 1)) -
 
 def test_resources_that_are_only_asked_for_together_become_one() -> None:
     problem = merge_pools(uses([POOL], [POOL, {"resource": "r3"}], [POOL], capacities=(1, 2, 1)))
-    assert [(s.id, s.capacity, s.members) for s in problem.shared] == [
+    assert [(s.id, s.capacity, s.members) for s in problem.contention.pools] == [
         ("r3", 1, (2,)),
         ("r1|r2", 3, (0, 1)),
     ]
-    assert problem.activities[1].claims == (Claim(0, (1,), 1), Claim(1, (0,), 1))
+    assert problem.activities[1].open_demands == (OpenDemand(0, (1,), 1), OpenDemand(1, (0,), 1))
 
 
 @pytest.mark.parametrize(
@@ -186,15 +189,18 @@ def test_claims_on_resources_with_room_for_all_at_once_are_settled() -> None:
             capacities=(2, 2, 1),
         )
     )
-    assert [a.claims for a in problem.activities] == [(Claim(1, (2,), 1),), (Claim(1, (2,), 1),)]
-    assert problem.settled == {(0, 0): 0, (1, 0): 1}
+    assert [a.open_demands for a in problem.activities] == [
+        (OpenDemand(1, (2,), 1),),
+        (OpenDemand(1, (2,), 1),),
+    ]
+    assert problem.contention.fixed_choices == {(0, 0): 0, (1, 0): 1}
 
 
 def test_a_settled_choice_relieves_the_other_resources() -> None:
     both = [{"one_of": ["r1", "r2"]}]
     problem = drop_uncontended(uses(both, [{"resource": "r1"}], capacities=(1, 1)))
     assert not problem.has_contention
-    assert problem.settled == {(0, 0): 1, (1, 0): 0}
+    assert problem.contention.fixed_choices == {(0, 0): 1, (1, 0): 0}
 
 
 def test_contended_claims_stay() -> None:
@@ -222,6 +228,7 @@ def small_tasks(count: int) -> list[Task]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("road", ROADS)
 def test_the_passes_keep_the_optimum(road: str) -> None:
     backend = get_backend("cpsat")
@@ -229,7 +236,9 @@ def test_the_passes_keep_the_optimum(road: str) -> None:
     changed = 0
     for task in small_tasks(40):
         problem = run_passes(lower(task), ROADS[road])
-        changed += problem.shared != lower(task).shared or bool(problem.settled)
+        changed += problem.contention.pools != lower(task).contention.pools or bool(
+            problem.contention.fixed_choices
+        )
         outcome = engine.solve(Program(backend, task, problem), Limits(workers=1))
         assert outcome.status is Status.OPTIMAL
         assert outcome.schedule is not None
@@ -272,18 +281,20 @@ def test_heads_and_tails_are_longest_paths(seed: int) -> None:
     problem = heads_and_tails(lower(task))
     tick, graph = problem.tick, distances(task)
     lengths = nx.single_source_bellman_ford_path_length(graph, "zero")
-    for activity, head, tail in zip(problem.activities, problem.heads, problem.tails, strict=True):
+    for activity, head, tail in zip(
+        problem.activities, problem.bounds.heads, problem.bounds.tails, strict=True
+    ):
         assert head * tick == -lengths[activity.id, "start"]
         to_end = nx.bellman_ford_path_length(graph, (activity.id, "finish"), "makespan")
         assert tail * tick == -to_end
-    assert problem.bound.value * tick == -lengths["makespan"]
+    assert problem.bounds.makespan.value * tick == -lengths["makespan"]
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_without_resources_the_critical_path_is_the_optimum(seed: int) -> None:
     task = random_task(random.Random(f"critical {seed}"), **RESOURCE_FREE)
     problem = heads_and_tails(lower(task))
-    assert problem.to_units(problem.bound.value) == optimal_makespan(task)
+    assert problem.to_units(problem.bounds.makespan.value) == optimal_makespan(task)
 
 
 def test_a_contradiction_is_an_error_of_the_caller() -> None:

@@ -35,6 +35,7 @@ def random_tasks(count: int) -> list[Task]:
     return tasks
 
 
+@pytest.mark.slow
 def test_what_the_rule_finds_is_valid_and_never_better_than_the_optimum() -> None:
     found_ones = 0
     for task in random_tasks(150):
@@ -63,7 +64,7 @@ def taken(problem: Problem, i: int, choice: tuple[int, ...]) -> tuple[int, ...]:
     """What has no length claims nothing, but names its resources all the same."""
     if not choice:
         return tuple(use.alternatives[0] for use in problem.activities[i].uses)
-    return tuple(problem.shared[shared].members[0] for shared in choice)
+    return tuple(problem.contention.pools[shared].members[0] for shared in choice)
 
 
 def test_with_pools_the_rule_keeps_the_summed_capacity() -> None:
@@ -71,7 +72,7 @@ def test_with_pools_the_rule_keeps_the_summed_capacity() -> None:
     for seed in range(60):
         task = contended_task(random.Random(f"pools {seed}"), 6 + seed % 9)
         problem = run_passes(lower(task))
-        pooled += any(len(shared.members) > 1 for shared in problem.shared)
+        pooled += any(len(shared.members) > 1 for shared in problem.contention.pools)
         found = list_schedule(problem)
         assert found is not None
         decisions = [Decision(d.start, d.end) for d in found[0]]
@@ -88,8 +89,8 @@ def test_without_contention_the_rule_is_the_critical_path() -> None:
         problem = with_heads_and_tails(task)
         found = list_schedule(problem)
         assert found is not None
-        assert tuple(d.start for d in found[0]) == problem.heads
-        assert max(d.end for d in found[0]) == problem.bound.value
+        assert tuple(d.start for d in found[0]) == problem.bounds.heads
+        assert max(d.end for d in found[0]) == problem.bounds.makespan.value
 
 
 def test_the_longest_way_to_the_end_goes_first() -> None:
@@ -149,6 +150,7 @@ def test_where_the_rule_is_defeated_there_is_no_schedule(
     assert list_schedule(problem) is None
 
 
+@pytest.mark.slow
 def test_two_thousand_jobs_take_little_time() -> None:
     task = contended_task(random.Random("many"), 2000)
     found = list_schedule(run_passes(lower(task)))
@@ -159,6 +161,7 @@ def test_two_thousand_jobs_take_little_time() -> None:
 # --- the horizon --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_some_optimal_schedule_has_ended_by_the_horizon() -> None:
     compared = 0
     for seed in range(300):

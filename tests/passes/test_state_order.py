@@ -31,7 +31,7 @@ def ordered(*actions: Document, **fields: Any) -> Problem:
 
 def pairs(problem: Problem) -> set[tuple[str, str]]:
     names = [a.id for a in problem.activities]
-    return {(names[a], names[b]) for a, b in problem.sequel}
+    return {(names[a], names[b]) for a, b in problem.state_precedences}
 
 
 CUT, FRY = step("cut", "raw", "cut"), step("fry", "cut", "fried")
@@ -42,7 +42,7 @@ def test_changes_that_follow_each_other_become_precedence() -> None:
     problem = ordered(FRY, SERVE, CUT)
     assert problem.variables == ()
     assert pairs(problem) == {("cut", "fry"), ("fry", "serve")}
-    assert {(a.before, a.after) for a in problem.arcs} == set(problem.sequel)
+    assert {(a.before, a.after) for a in problem.arcs} == set(problem.state_precedences)
     assert all(not (a.details.conditions or a.details.effects) for a in problem.activities)
 
 
@@ -95,7 +95,7 @@ def test_state_that_says_more_than_an_order_stays(what: str) -> None:
     actions, fields = MORE_THAN_ORDER[what]
     problem = ordered(*actions, **fields)
     assert [v.id for v in problem.variables] == ["food"]
-    assert problem.sequel == ()
+    assert problem.state_precedences == ()
     assert any(a.details.effects for a in problem.activities)
 
 
@@ -150,6 +150,7 @@ def chains(size: int, length: int = 4) -> Problem:
     )
 
 
+@pytest.mark.slow
 def test_a_thousand_variables_take_no_longer_than_their_number_says() -> None:
     problem = chains(1_000)
     began = time.process_time()

@@ -215,6 +215,7 @@ def test_every_name_in_the_text_is_told_in_the_manifest() -> None:
         assert {f for f in facts if f.startswith("free_")} | counters == set(names["tokens"])
 
 
+@pytest.mark.slow
 def test_planners_read_every_text(tmp_path: Path) -> None:
     kairos = pytest.importorskip("kairos")
     reader = up_reader()
@@ -438,6 +439,7 @@ def crowd(capacity: int, amount: int, users: int = 3) -> Task:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("capacity", "amount", "operators_each"),
     [(10, 5, 252), (16, 15, 16), (3, 2, 3), (11, 5, None), (20, 10, None), (100, 60, None)],
@@ -516,10 +518,10 @@ def test_without_bounds_from_above_one_tick_is_one_unit() -> None:
 def fits(program: Program, uses: dict[str, str], action: str, held: dict[str, int]) -> bool:
     """Whether an operator's choices are those of an action that holds these amounts."""
     problem = program.problem
-    members = {s.id: [problem.resources[m].id for m in s.members] for s in problem.shared}
+    members = {s.id: [problem.resources[m].id for m in s.members] for s in problem.contention.pools}
     (activity,) = [a for a in problem.activities if a.id == action]
     taken = Counter[str]()
-    for claim in activity.claims:
+    for claim in activity.open_demands:
         pool = members[uses[str(claim.use)]]
         taken[pool[0] if len(pool) == 1 else ""] += claim.amount
         if held.keys().isdisjoint(pool):
@@ -543,6 +545,7 @@ def plan_of(program: Program, best: Optimum) -> str:
     return "\n".join(random.Random(0).sample(lines, len(lines))) + "\n"
 
 
+@pytest.mark.slow
 def test_a_plan_is_read_back_as_the_schedule_it_stands_for() -> None:
     compared = 0
     for task, program in random_programs(90):

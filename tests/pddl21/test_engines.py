@@ -220,6 +220,7 @@ def test_a_flood_is_cut_off_and_the_plan_before_it_kept(optic) -> None:
     assert makespan(outcome) == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("plan", "why"),
     [
@@ -274,7 +275,7 @@ def test_a_plan_beyond_the_capacity_does_not_displace_a_valid_one(optic) -> None
 def under_a_deadline(plan: str) -> str:
     """The plan in the finer units of the files that hold the bound as a deadline."""
     problem = irc.compile(TASK, "pddl21").problem
-    scale = encode(replace(problem, deadline=problem.bound.value)).scale
+    scale = encode(replace(problem, deadline=problem.bounds.makespan.value)).scale
     assert scale > 1
     return re.sub(r"[\d.]+(?=:|\])", lambda time: f"{float(time[0]) * scale:.3f}", plan)
 
@@ -363,6 +364,7 @@ def test_what_fits_optics_clock_once_divided_by_the_tick_is_not_refused(optic) -
     assert started.exists()
 
 
+@pytest.mark.slow
 def test_auto_goes_on_with_another_planner_where_optics_clock_is_too_short(optic) -> None:
     started = optic(POOR, "exits")
     schedule = irc.solve(long_task(2_000_000), "pddl21", time_limit=20)
@@ -451,6 +453,7 @@ def test_a_missing_optic_is_told_with_the_name_that_was_tried(
 # The command, ended from outside
 
 
+@pytest.mark.slow
 def test_a_planner_ends_with_the_command_that_started_it(optic, tmp_path: Path) -> None:
     started = optic("", "ignores")
     task = tmp_path / "task.json"

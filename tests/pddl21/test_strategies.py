@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
@@ -170,16 +169,18 @@ def test_what_is_not_free_keeps_its_order_and_its_resource() -> None:
     uses = {"uses": [{"one_of": ["r1", "r2"]}, {"resource": "oven"}]}
     resources = [{"id": "r1", "capacity": 1}, {"id": "r2"}, {"id": "oven"}]
     problem = problem_of(uses, uses, {**uses, "uses": [{"resource": "r1"}]}, resources=resources)
-    shared = [r.id for r in problem.shared]
+    shared = [r.id for r in problem.contention.pools]
 
     def taken(i: int, *names: str) -> tuple[int, ...]:
         return tuple(
             next(r for r in claim.alternatives if shared[r] in names)
-            for claim in problem.activities[i].claims
+            for claim in problem.activities[i].open_demands
         )
 
     def robots(less: Problem) -> list[str]:
-        (claim,) = [c for c in less.activities[0].claims if shared[c.alternatives[0]] != "oven"]
+        (claim,) = [
+            c for c in less.activities[0].open_demands if shared[c.alternatives[0]] != "oven"
+        ]
         return [shared[r] for r in claim.alternatives]
 
     known = {
@@ -281,6 +282,7 @@ def test_the_cheapest_way_is_found_and_proven() -> None:
     assert schedule.status is Status.OPTIMAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 5, 6])
 def test_random_reward_tasks_are_never_called_optimal_wrongly(seed: int) -> None:
     task = reward_task(seed)
@@ -323,17 +325,19 @@ def test_a_reward_that_was_not_proven_is_feasible_and_says_how_much_more_there_c
     assert [(o.value, o.bound) for o in schedule.objective] == [(5, 10)]
 
 
+@pytest.mark.slow
 def test_a_planner_gets_one_time_limit_over_all_of_its_runs() -> None:
     needs_kairos()
     task = contended_task(random.Random("strategy 17"), 19)
     backend = get_backend("pddl21")
-    problem = replace(lower_for(task, backend), bound=irc.problem.Bound(1, "too low to be met"))
+    problem = lower_for(task, backend).with_bound(1, "too low to be met")
     program = irc.targets.Program(backend, task, problem)
     outcome = backend.engines()["kairos"].solve(program, Limits(seconds=2.0))
     assert outcome.seconds < 3.5
     assert outcome.status is Status.FEASIBLE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 2, 4, 6])
 def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
     """Some want a mend to end before its match and to follow another mend at once."""
@@ -348,6 +352,7 @@ def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
     assert mine.makespan == best.makespan
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(16))
 def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int) -> None:
     needs_kairos()
@@ -372,11 +377,11 @@ def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int
 def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity() -> None:
     task = contended_task(random.Random("strategy 7"), 18)
     problem = lower_for(task, get_backend("pddl21"))
-    known = short_list_schedule(problem, problem.bound.value, 1.0, random.Random(0))
+    known = short_list_schedule(problem, problem.bounds.makespan.value, 1.0, random.Random(0))
     quick = quick_makespan(problem)
     assert known is not None
     assert quick is not None
-    assert problem.bound.value <= makespan_of(known) <= quick
+    assert problem.bounds.makespan.value <= makespan_of(known) <= quick
     followed = near(problem, known, frozenset())
     assert retime(problem, [known[i][0] for i in range(len(problem.activities))])
     assert len(followed.arcs) > len(problem.arcs)

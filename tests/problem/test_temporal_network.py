@@ -61,6 +61,7 @@ def positive_components(size: int, edges: list[Edge]) -> set[frozenset[int]]:
     return found
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(graphs())
 def test_times_are_those_of_bellman_ford(case: tuple[int, list[Edge], list[int]]) -> None:
@@ -72,6 +73,7 @@ def test_times_are_those_of_bellman_ford(case: tuple[int, list[Edge], list[int]]
         assert times.t == expected
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(graphs())
 def test_every_component_with_a_positive_cycle_shows_one(
@@ -163,6 +165,7 @@ def test_the_points_of_a_contradiction_keep_what_came_from_outside() -> None:
     assert times.t == [1, 6, 0, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", [0, 10_000, 19_998])
 def test_a_contradiction_in_a_long_chain_is_found_in_little_time(where: int) -> None:
     size = 20_000
@@ -181,6 +184,7 @@ def test_many_small_components_in_a_row_are_settled_in_little_time() -> None:
     assert times.t[-1] == 3 * size - 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [2_000, 20_000])
 def test_a_long_cycle_of_lags_is_settled_in_little_time(size: int) -> None:
     forward = [(i, i + 1, 2) for i in range(size - 1)]

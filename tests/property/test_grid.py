@@ -13,7 +13,7 @@ from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.grid import grid_of
-from irc.problem import Earlier, Problem
+from irc.problem import PreviousPlace, PreviousPlan, Problem
 from irc.targets import Limits, Outcome, Program, get_backend
 from oracles.brute_force import optimal_makespan
 from oracles.coarse import coarse_task
@@ -60,7 +60,7 @@ def test_what_brute_force_finds_is_on_the_grid(seed: int) -> None:
     for problem in (raw, run_passes(raw)):
         ticks = int(best / problem.tick)
         assert grid_of(problem).up(ticks) == ticks
-        assert problem.bound.value <= ticks
+        assert problem.bounds.makespan.value <= ticks
 
 
 def comparable() -> Iterator[tuple[int, Task, Problem]]:
@@ -70,11 +70,12 @@ def comparable() -> Iterator[tuple[int, Task, Problem]]:
             yield seed, task, lower(task)
 
 
+@pytest.mark.slow
 def test_answers_are_the_same_with_and_without_what_the_compiler_knows() -> None:
     different = {}
     for seed, task, raw in comparable():
         problem = run_passes(raw)
-        if problem.deadline is not None and problem.bound.value > problem.deadline:
+        if problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
             continue
         plain, usual = solved(task, raw, PLAIN), solved(task, problem, USUAL)
         if (plain.status, levels(plain)) != (usual.status, levels(usual)):
@@ -111,5 +112,5 @@ def test_what_should_stay_in_place_keeps_its_time_on_the_grid() -> None:
     """(The release makes ticks of 1.)"""
     actions = [{"id": "a", "duration": 6}, {"id": "b", "duration": 6, "release": 1}]
     task = Task.model_validate({"actions": actions, "objective": "minimize_changes"})
-    problem = replace(lower(task), earlier=(Earlier(2, None, ()), None))
+    problem = replace(lower(task), previous=PreviousPlan((PreviousPlace(2, None, ()), None)))
     assert grid_of(problem).residues == (0, 1, 2)

@@ -61,11 +61,19 @@ def test_who_makes_waits_for_room() -> None:
     assert spans(schedule) == [("mill", 2, 4), ("bake", 4, 6)]
 
 
-def test_changes_that_only_fit_together_stay_in_one_instant() -> None:
-    """Neither 2 more nor 2 less than 1 is within [0, 2], so both come at once."""
+def test_changes_that_only_fit_together_are_no_answer() -> None:
+    """Neither 2 more nor 2 less than 1 is within [0, 2], and one of them comes first."""
     task = stock_task(makes("a_mill", 2), takes("bake", 2, release=5), initial=1, max=2)
-    schedule = retimed(lower(task), task, Decision(8, 10), Decision(10, 12))
-    assert spans(schedule) == [("a_mill", 3, 5), ("bake", 5, 7)]
+    with pytest.raises(AnswerError, match="no order of 'a_mill', 'bake' at one instant"):
+        retime(lower(task), (Decision(8, 10), Decision(10, 12)))
+
+
+def test_a_swap_of_what_one_happening_takes_and_gives_counts_together() -> None:
+    """A milestone that takes 2 and gives 2 leaves [0, 2] at no time."""
+    swap = {**takes("swap", 2), **makes("swap", 2), "duration": 0}
+    task = stock_task(swap, initial=1, max=2)
+    schedule = retimed(lower(task), task, Decision(4, 4))
+    assert spans(schedule) == [("swap", 0, 0)]
 
 
 def test_a_level_that_may_be_passed_either_way_ties_nobody() -> None:

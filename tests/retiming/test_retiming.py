@@ -172,6 +172,7 @@ def test_drift_and_rounding_within_the_tolerance_change_nothing() -> None:
         assert retime(problem, drifted, EPSILON * Fraction(3, 2)) == placed
 
 
+@pytest.mark.slow
 def test_an_optimal_schedule_stays_optimal() -> None:
     for seed in range(80):
         task = random_task(random.Random(f"optimum {seed}"), tighten=0.0)

@@ -16,7 +16,7 @@ from irc.passes.serial_sgs import list_schedule
 from irc.problem import Activity, Problem, Renewable, Requirement
 from irc.problem.decisions import AnswerError, Decision, Placed
 from irc.retiming.retime import earliest_schedule, retime
-from irc.retiming.slack import slacks, to_ticks
+from irc.retiming.slack import slacks
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
@@ -36,9 +36,9 @@ def by_rule(problem: Problem) -> tuple[Placed, ...] | None:
     decisions = []
     for i, (decision, choice) in enumerate(zip(*found, strict=True)):
         activity = problem.activities[i]
-        chosen = [problem.settled.get((i, u)) for u in range(len(activity.uses))]
-        for claim, r in zip(activity.claims, choice, strict=True):
-            members = problem.shared[r].members
+        chosen = [problem.contention.fixed_choices.get((i, u)) for u in range(len(activity.uses))]
+        for claim, r in zip(activity.open_demands, choice, strict=True):
+            members = problem.contention.pools[r].members
             chosen[claim.use] = members[0] if len(members) == 1 else None
         decisions.append(replace(decision, chosen=tuple(chosen)))
     return retime(problem, decisions)
@@ -63,6 +63,7 @@ def delayed(
     return later if met else None
 
 
+@pytest.mark.slow
 def test_any_action_can_be_delayed_by_its_slack_and_not_by_a_tick_more() -> None:
     judged = delays = 0
     for seed in range(250):
@@ -182,7 +183,7 @@ def test_slack_is_in_ticks() -> None:
     problem = after_passes(document)
     found = slacks(problem, schedule_of(problem, earliest_schedule(problem)))
     assert problem.to_units(found["short"]) == 100 - problem.to_units(1)
-    assert to_ticks(problem, problem.to_units(found["short"])) == found["short"]
+    assert problem.to_ticks(problem.to_units(found["short"])) == found["short"]
 
 
 def test_what_was_chosen_to_have_no_length_keeps_none() -> None:

@@ -269,7 +269,7 @@ def kitchen() -> tuple[Task, Problem]:
         state_action("fry", 3, (at("start", "cut"),)),
     )
     problem = run_passes(lower(task))
-    assert problem.sequel
+    assert problem.state_precedences
     return task, problem
 
 
@@ -285,7 +285,7 @@ def test_what_state_made_precedence_of_still_gets_ranks() -> None:
 
 def test_ranks_are_written_only_where_they_are_not_0() -> None:
     _, problem = kitchen()
-    entries = schedule_of(problem, earliest_schedule(problem)).as_json()["actions"]
+    entries = schedule_of(problem, earliest_schedule(problem)).to_dict()["actions"]
     assert entries == [
         {"id": "cut", "start": 0, "end": 2},
         {"id": "fry", "start": 2, "end": 5, "rank": 1},

@@ -19,7 +19,7 @@ from irc.schedule import Schedule
 from irc.service.journal import Journal
 from irc.service.protocol import MAX_LINE
 from irc.service.session import Session
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_random import play
 from runs import run_irc
 
@@ -38,7 +38,7 @@ JAM = '{"do": "apply", "event": "#jam", "replan": true, "id": "j"}'
 
 
 def session() -> Session:
-    task = irc.Task.model_validate(VAN)
+    task = irc.Task.from_dict(VAN).ir
     return Session.start(Execution(task, irc.solve(task)))
 
 
@@ -73,6 +73,7 @@ def run(
 # --- requests -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_each_request_gets_one_answer_on_one_line_with_its_id(file: Path) -> None:
     code, answers, errors = run(
         file,
@@ -275,12 +276,12 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
 def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    limits = Limits(20.0, None, 1, 0)
-    first, *more = play(seed, None, lambda t, s, at, e: replan(t, s, at, e, limits=limits))
+    options = SolveOptions(time_limit=20.0, workers=1)
+    first, *more = play(seed, None, lambda t, s, at, e: replan(t, s, at, e, options=options))
     journal, _ = Journal.open(path := tmp_path / "run.journal")
 
     def begun(schedule: Schedule) -> Execution:
-        return Execution(first.task, schedule, limits=limits)
+        return Execution(first.task, schedule, options=options)
 
     held = Session.start(begun(first.schedule), journal)
     states = [held.state()]
@@ -303,6 +304,7 @@ def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
 # --- crashes ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
 def test_killed_at_random_points_it_forgets_nothing_that_it_acknowledged(tmp_path: Path) -> None:
     kitchen = Kitchen(tmp_path, random.Random(5))
@@ -316,6 +318,7 @@ def test_killed_at_random_points_it_forgets_nothing_that_it_acknowledged(tmp_pat
     process.communicate()
 
 
+@pytest.mark.slow
 def test_a_second_process_cannot_have_the_journal(file: Path) -> None:
     command = [sys.executable, "-m", "irc", "run", str(file), "--stdio"]
     command += ["--journal", str(file.with_name("run.journal"))]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,19 +14,20 @@ from irc.schedule import Entry, Schedule
 from irc.validation import validate
 from oracles.naive_validation import (
     SLOW,
+    all_rules_of_ranks,
     damage,
     rule_1,
     rule_2,
     rule_3,
     rule_4,
     rule_5,
-    rule_6_and_7,
     some_ranks_do,
     state_cases,
     tasks_and_schedules,
 )
 
 
+@pytest.mark.slow
 @SLOW
 @given(tasks_and_schedules())
 def test_a_schedule_valid_by_construction_is_accepted(case: tuple[Task, list[Entry]]) -> None:
@@ -32,6 +35,7 @@ def test_a_schedule_valid_by_construction_is_accepted(case: tuple[Task, list[Ent
     assert validate(task, Schedule(tuple(entries))).violations == ()
 
 
+@pytest.mark.slow
 @SLOW
 @given(st.data(), tasks_and_schedules())
 def test_each_rule_is_broken_exactly_where_the_naive_check_says(
@@ -50,6 +54,7 @@ def test_each_rule_is_broken_exactly_where_the_naive_check_says(
     assert found == expected, verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=350)
 @given(state_cases())
 def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]) -> None:
@@ -59,8 +64,21 @@ def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]
     assert verdict.valid is some_ranks_do(task, entries), verdict
 
 
-@settings(SLOW, max_examples=350)
-@given(st.data(), state_cases())
+@pytest.mark.slow
+@settings(SLOW, max_examples=700)
+@given(state_cases(with_levels=True))
+def test_ranks_suit_resources_stock_and_changes_of_the_world(
+    case: tuple[Task, list[Entry]],
+) -> None:
+    task, entries = case
+    verdict = validate(task, Schedule(tuple(entries)))
+    assert not verdict.undecided
+    assert verdict.valid is some_ranks_do(task, entries), verdict
+
+
+@pytest.mark.slow
+@settings(SLOW, max_examples=700)
+@given(st.data(), state_cases(with_levels=True))
 def test_given_ranks_are_judged_as_the_naive_check_does(
     data: Any, case: tuple[Task, list[Entry]]
 ) -> None:
@@ -69,12 +87,12 @@ def test_given_ranks_are_judged_as_the_naive_check_does(
     for entry in entries:
         rank = data.draw(st.integers(0, 2))
         end_rank = data.draw(st.sampled_from([None, None, 0, 1, 2]))
-        ranked.append(Entry(entry.id, entry.start, entry.end, rank=rank, end_rank=end_rank))
-    ranked[0] = Entry(entries[0].id, entries[0].start, entries[0].end, rank=3)
+        ranked.append(replace(entry, rank=rank, end_rank=end_rank))
+    ranked[0] = replace(entries[0], rank=3)
     ranks = {}
     for i, entry in enumerate(ranked):
         ranks[i, "start"] = entry.rank
         ranks[i, "end"] = entry.rank if entry.end_rank is None else entry.end_rank
-    expected = rule_3(task, ranked, ranks) and rule_6_and_7(task, ranked, ranks)
+    expected = all_rules_of_ranks(task, ranked, ranks)
     verdict = validate(task, Schedule(tuple(ranked)))
     assert verdict.valid is expected, verdict

@@ -52,7 +52,7 @@ def test_without_a_time_nothing_is_carried_and_nothing_is_said_of_it() -> None:
     task, schedule = task_of(act("a", 3, deadline=2)), Schedule((Entry("a", 0, 3),))
     verdict = validate(task, schedule)
     assert (told(verdict), verdict.at) == ((["deadline"], []), None)
-    assert "carried" not in verdict.as_json()
+    assert "carried" not in verdict.to_dict()
 
 
 def test_times_are_exact() -> None:
@@ -411,7 +411,7 @@ def test_what_is_carried_is_a_note_in_the_text_and_a_list_in_json() -> None:
         "note: 1 violation carried, which only what began before 1 s causes:\n"
         "  rule 2, deadline: 'a' ends at 3 s, after its deadline (2 s)"
     )
-    document = verdict.as_json()
+    document = verdict.to_dict()
     assert (document["valid"], document["at"], document["violations"]) == (True, 1, [])
     (carried,) = document["carried"]
     assert (carried["rule"], carried["actions"], carried["times"]) == ("deadline", ["a"], [3, 2])

@@ -296,4 +296,4 @@ def test_statuses_survive_json() -> None:
     task, schedule = order(), Schedule((BAKED,))
     from irc.schedule import schedule_from_json
 
-    assert irc.validate(task, schedule_from_json(schedule.as_json())).valid
+    assert irc.validate(task, schedule_from_json(schedule.to_dict())).valid

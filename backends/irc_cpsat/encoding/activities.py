@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ortools.sat.python import cp_model
 
-from irc.problem import Activity
+from irc.problem import Activity, Ranks
 from irc_cpsat.encoding.builder import Builder, name_of
 
 
@@ -23,7 +23,7 @@ def _points(
 ) -> tuple[cp_model.IntVar, cp_model.IntVar | None]:
     deadline = builder.problem.effective_deadline(i)
     latest_end = builder.horizon if deadline is None else min(builder.horizon, deadline)
-    earliest = max(activity.release, builder.problem.heads[i] if builder.bounds else 0)
+    earliest = max(activity.release, builder.problem.bounds.heads[i] if builder.bounds else 0)
     fits = earliest + activity.duration_min <= latest_end
     present = builder.present[i]
     if not fits and present is not None:
@@ -79,15 +79,33 @@ def _add_ranks(builder: Builder) -> None:
     constrained = {i for arc in builder.problem.arcs for i in (arc.before, arc.after)}
     for i, activity in enumerate(builder.problem.activities):
         details = activity.details
-        touches = bool(details.conditions or details.effects) or i in constrained
-        last = builder.rank_count - 1 if touches else 0
-        start = builder.model.new_int_var(0, last, f"rank {name_of(activity)}")
+        touches = bool(
+            details.conditions or details.effects or details.stock or activity.open_demands
+        )
+        last = builder.rank_count - 1 if touches or i in constrained else 0
+        known = details.ranks or Ranks(None, None)
+        start = _rank(builder, last, known.start, f"rank {name_of(activity)}", known.at_least)
         if activity.is_fixed:
             builder.ranks.append((start, start))
             continue
-        end = builder.model.new_int_var(0, last, f"end rank {name_of(activity)}")
+        end = _rank(builder, last, known.end, f"end rank {name_of(activity)}")
         builder.ranks.append((start, end))
-        _add_duration_in_moments(builder, i, activity)
+        if known.start is None or known.end is None:
+            _add_duration_in_moments(builder, i, activity)
+    for i, activity in enumerate(builder.problem.activities):
+        if activity.details.not_before is not None:
+            time, rank = activity.details.not_before
+            moment = builder.moment(i, at_end=False)
+            builder.enforced(builder.model.add(moment >= time * builder.rank_count + rank), i)
+
+
+def _rank(
+    builder: Builder, last: int, known: int | None, name: str, at_least: bool = False
+) -> cp_model.IntVar:
+    first = 0 if known is None else known
+    if known is not None and not at_least:
+        last = known
+    return builder.model.new_int_var(first, max(first, last), name)
 
 
 def _add_duration_in_moments(builder: Builder, i: int, activity: Activity) -> None:

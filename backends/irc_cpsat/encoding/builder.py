@@ -1,6 +1,6 @@
 """The model under construction: its variables, and the constraints that all elements share.
 
-An activity has a start and, where its duration can vary, an end; what may be absent has a literal.
+An activity has a start and, where its duration can vary, an end; an optional one has a literal.
 Where there is state, every happening also has a rank, and `moment = time × ranks + rank` is one
 integer that orders happenings (docs/semantics.md, rule 6).
 """
@@ -14,24 +14,24 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.passes.serial_sgs import quick_schedule
-from irc.problem import PLAIN, Activity, Claim, Problem
+from irc.problem import PLAIN, Activity, OpenDemand, Problem
 from irc.problem.decisions import Decision
 from irc.problem.horizon import safe_horizon, within
 
 Hint = tuple[list[Decision], list[tuple[int, ...]]]
-"""A list schedule: a decision for each activity, and the shared resource of each claim."""
+"""A list schedule: a decision for each activity, and the pool of each open demand."""
 
 Literal = cp_model.IntVar
 Expression = Any
 """A linear expression, a variable or a number."""
 
-ClaimLiterals = list[list[list[tuple[int, Literal]]]]
-"""`[i][c]` lists, for claim c of activity i, (shared resource, literal that takes it)."""
+DemandLiterals = list[list[list[tuple[int, Literal]]]]
+"""`[i][c]` lists, for open demand c of activity i, (pool, literal that takes it)."""
 
 
 @dataclass
 class ResourceUses:
-    """The intervals that take from one shared resource, with their amounts."""
+    """The intervals that take from one pool, with their amounts."""
 
     intervals: list[cp_model.IntervalVar] = field(default_factory=list)
     amounts: list[int] = field(default_factory=list)
@@ -46,9 +46,10 @@ class ResourceUses:
 class Model:
     """A CP-SAT model and the variables that carry its answer.
 
-    A claim with one alternative has no `literals`. `present[i]` is None where activity i always is;
-    `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of its start's and
-    its end's rank, None where there is no state. `values` are the objectives' expressions.
+    A demand with one alternative has no `literals`. `present[i]` is None where activity i is always
+    present; `modes[i]` has a literal for each of its modes. `ranks[i]` are the variables of the
+    ranks of its start and its end, None where there is no state. `values` are the expressions of
+    the objectives.
     """
 
     model: cp_model.CpModel
@@ -56,7 +57,7 @@ class Model:
     starts: list[cp_model.IntVar]
     ends: list[cp_model.IntVar | None]
     makespan: cp_model.IntVar
-    literals: ClaimLiterals
+    literals: DemandLiterals
     sizes: dict[int, cp_model.IntVar]
     positive: dict[int, Literal]
     present: list[Literal | None]
@@ -77,7 +78,9 @@ class Builder:
         self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
     ) -> None:
         found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
-        by_makespan = bounds and problem.objectives[:1] == ("makespan",) and not problem.stability
+        by_makespan = (
+            bounds and problem.objectives[:1] == ("makespan",) and not problem.previous.stability
+        )
         self.bounds = bounds
         self.hints = hints
         self.hint = found if hints else None
@@ -89,7 +92,8 @@ class Builder:
             self.safe_horizon, problem, found[0] if by_makespan and found else None
         )
         self.problem = within(problem, self.horizon)
-        self.uses = [ResourceUses() for _ in problem.shared]
+        self.uses = [ResourceUses() for _ in problem.contention.pools]
+        self.uses_in_moments = [ResourceUses() for _ in problem.contention.pools]
         self.starts: list[cp_model.IntVar] = []
         self.ends: list[cp_model.IntVar | None] = []
         self.sizes: dict[int, cp_model.IntVar] = {}
@@ -98,6 +102,7 @@ class Builder:
         self.groups: list[Literal | None] = []
         self.modes: list[list[Literal]] = []
         self.ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None] = []
+        self.points: dict[tuple[int, bool], cp_model.IntVar] = {}
         self.conjunctions: dict[tuple[int, int], tuple[Literal, Literal, Literal]] = {}
 
     def end(self, i: int) -> Any:
@@ -110,6 +115,21 @@ class Builder:
         time = self.end(i) if at_end else self.starts[i]
         ranks = self.ranks[i] if self.ranked else None
         return time if ranks is None else time * self.rank_count + ranks[at_end]
+
+    def point(self, i: int, *, at_end: bool) -> Any:
+        """The moment of a happening as a variable and an offset: intervals take no more."""
+        activity = self.problem.activities[i]
+        if not self.ranked:
+            return self.end(i) if at_end else self.starts[i]
+        if at_end and activity.is_fixed:
+            return self.point(i, at_end=False) + activity.duration_min * self.rank_count
+        key = i, at_end
+        if key not in self.points:
+            reach = max(activity.duration_min, 0) + (activity.start or 0)
+            latest = (2 * (self.horizon + 1) + reach) * self.rank_count
+            self.points[key] = self.model.new_int_var(0, latest, "")
+            self.model.add(self.points[key] == self.moment(i, at_end=at_end))
+        return self.points[key]
 
     def enforced(self, constraint: Any, *whose: int, also: Sequence[Any] = ()) -> None:
         """Makes a constraint bind only where some activities (and other literals) are present."""
@@ -128,8 +148,10 @@ class Builder:
             self.conjunctions[key] = both, a, b
         return self.conjunctions[key][0]
 
-    def taking(self, i: int, claim: Claim, r: int, *literals: Literal | None) -> Literal | None:
-        """A literal under which the claim takes shared resource r; None where it always does."""
+    def taking(
+        self, i: int, demand: OpenDemand, r: int, *literals: Literal | None
+    ) -> Literal | None:
+        """A literal under which the open demand takes pool r; None where it always does."""
         together: Literal | None = None
         for literal in literals:
             if literal is not None:
@@ -145,14 +167,18 @@ def name_of(activity: Activity) -> str:
 
 
 def _rank_count(problem: Problem) -> int:
-    """The number of ranks that is enough: one for each happening that can have its own."""
+    """The number of ranks that is enough: one for each happening that can have its own, behind
+    those that are known."""
     if not problem.variables:
         return 1
-    return 1 + sum(1 if a.is_fixed else 2 for a in problem.activities)
+    known = [rank for a in problem.activities for rank in a.details.ranks or () if rank is not None]
+    known += [a.details.not_before[1] for a in problem.activities if a.details.not_before]
+    free = sum(1 if a.is_fixed else 2 for a in problem.activities)
+    return 1 + free + max(known, default=0)
 
 
 def _tightened(horizon: int, problem: Problem, known: Sequence[Decision] | None) -> int:
     """The horizon, no later than the end of a known schedule, no earlier than the bound."""
     if known is not None:
         horizon = min(horizon, max((int(d.end) for d in known), default=0))
-    return max(horizon, problem.bound.value)
+    return max(horizon, problem.bounds.makespan.value)

@@ -2,27 +2,46 @@
 
 from __future__ import annotations
 
-from irc.problem import Shared
+from itertools import pairwise
+
+from irc.problem import ContendedPool
 from irc_cpsat.encoding.builder import Builder, ResourceUses
 
 
-def with_windows(builder: Builder, shared: Shared, uses: ResourceUses) -> ResourceUses:
-    """The uses of a resource, and a fixed interval for what each window lacks of its capacity."""
+def with_windows(
+    builder: Builder, pool: ContendedPool, uses: ResourceUses, moments: int
+) -> ResourceUses:
+    """The uses of a resource, and a fixed interval for the capacity that each window lacks.
+
+    With several `moments` a tick, one for each rank, a capacity that falls does so behind all
+    ranks of its instant, and one that rises before them.
+    """
     filled = ResourceUses(list(uses.intervals), list(uses.amounts))
-    base = shared.capacity if shared.base is None else shared.base
-    at = 0
-    for window in (*shared.windows, None):
-        until = builder.horizon + 1 if window is None else window.start
-        _fill(builder, filled, shared, at, until, base)
-        if window is not None:
-            _fill(builder, filled, shared, window.start, window.end, window.capacity)
-            at = window.end
+    steps = _steps(builder, pool)
+    capacity = steps[0][1]
+    placed = []
+    for time, following in steps:
+        falls = following < capacity
+        placed.append(((time + 1) * moments - 1 if falls else time * moments, following))
+        capacity = following
+    for (start, capacity), (end, _) in pairwise(placed):
+        if start < end and capacity < pool.capacity:
+            away = builder.model.new_fixed_size_interval_var(start, end - start, f"away {pool.id}")
+            filled.add(away, pool.capacity - capacity)
     return filled
 
 
-def _fill(
-    builder: Builder, filled: ResourceUses, shared: Shared, start: int, end: int, capacity: int
-) -> None:
-    if start < end and capacity < shared.capacity:
-        away = builder.model.new_fixed_size_interval_var(start, end - start, f"away {shared.id}")
-        filled.add(away, shared.capacity - capacity)
+def _steps(builder: Builder, pool: ContendedPool) -> list[tuple[int, int]]:
+    """From when on the resource has which capacity; the last one is behind the horizon."""
+    base = pool.capacity if pool.base is None else pool.base
+    steps: list[tuple[int, int]] = []
+    at = 0
+    for window in pool.windows:
+        if at < window.start:
+            steps.append((at, base))
+        steps.append((window.start, window.capacity))
+        at = window.end
+    until = max(builder.horizon + 1, at)
+    if at < until:
+        steps.append((at, base))
+    return [*steps, (until, pool.capacity)]

@@ -1,9 +1,9 @@
 """`Problem` → CP-SAT model.
 
-An activity is an interval; a resource of which only one claim fits at a time is a
+An activity is an interval; a resource of which only one demand fits at a time is a
 `NoOverlap`, any other a `Cumulative`; a choice is one optional interval for each alternative.
-An interval of size 0 must not be seen by `NoOverlap` (it would break inside another), so what
-may have no length is optional there.
+An interval of size 0 must be hidden from `NoOverlap` (it could not lie inside another), so an
+interval that may have no length is optional there.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from irc_cpsat.encoding.occurrences import FILE_DEPTH, add_occurrences
 from irc_cpsat.encoding.overflow import refuse_overflow
 from irc_cpsat.encoding.precedence import add_precedence
 from irc_cpsat.encoding.presence import add_presence
-from irc_cpsat.encoding.reservoirs import add_reservoirs
+from irc_cpsat.encoding.reservoirs import add_reservoirs, order_count
 from irc_cpsat.encoding.resources import add_resources
 from irc_cpsat.encoding.state import add_state
 
@@ -42,7 +42,11 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
 
     Raises `Refusal` where sums would not fit 64 bits.
     """
-    refuse_overflow(builder.problem, builder.safe_horizon, builder.rank_count)
+    refuse_overflow(
+        builder.problem,
+        builder.safe_horizon,
+        builder.rank_count * order_count(builder.problem),
+    )
     add_presence(builder)
     add_activities(builder)
     add_precedence(builder)
@@ -105,8 +109,8 @@ def _variables(built: Model, i: int) -> dict[str, Any]:
     else:
         shown["end"] = end.index
     choices = {
-        str(claim.use): {problem.shared[r].id: literal.index for r, literal in literals}
-        for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+        str(demand.use): {problem.contention.pools[r].id: literal.index for r, literal in literals}
+        for demand, literals in zip(activity.open_demands, built.literals[i], strict=True)
         if literals
     }
     if choices:

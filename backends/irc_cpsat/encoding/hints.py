@@ -8,7 +8,7 @@ from irc.problem.decisions import Decision, Placed
 from irc_cpsat.encoding.builder import Builder, Model
 
 Takes = Callable[[int, int, int], bool]
-"""Whether an activity (index) takes a shared resource (index) for one of its claims (number)."""
+"""Whether an activity (index) takes a pool (index) for one of its open demands (number)."""
 
 
 def add_hints(builder: Builder, built: Model) -> None:
@@ -18,9 +18,9 @@ def add_hints(builder: Builder, built: Model) -> None:
         decisions, choices = builder.hint
         _add_assignment(builder, built, decisions, lambda i, c, r: choices[i][c] == r)
         built.hint = builder.hint
-    elif problem.start_from and builder.hints:
-        _add_known_schedule(builder, built, problem.start_from)
-    elif any(problem.earlier) and builder.hints:
+    elif problem.previous.warm_start and builder.hints:
+        _add_known_schedule(builder, built, problem.previous.warm_start)
+    elif any(problem.previous.places) and builder.hints:
         _add_earlier_schedule(builder, built)
 
 
@@ -45,14 +45,14 @@ def _add_assignment(
     for both, a, b in builder.conjunctions.values():
         hints[both.index] = hints.get(a.index, 0) * hints.get(b.index, 0)
     latest = max((int(place.end) for place in places), default=0)
-    hints[built.makespan.index] = max(latest, builder.problem.bound.value)
+    hints[built.makespan.index] = max(latest, builder.problem.bounds.makespan.value)
     hint = builder.model.proto.solution_hint
     hint.vars.extend([*hints])
     hint.values.extend([*hints.values()])
 
 
 def _derived(built: Model, places: Sequence[Decision | Placed]) -> dict[int, int]:
-    """The durations and ranks of what is present."""
+    """The durations and ranks of the activities that are present."""
     hints: dict[int, int] = {}
     for i, size in built.sizes.items():
         if places[i].present:
@@ -71,33 +71,33 @@ def _add_known_schedule(builder: Builder, built: Model, places: Sequence[Placed]
     problem = builder.problem
 
     def takes(i: int, c: int, r: int) -> bool:
-        taken = places[i].resources[problem.activities[i].claims[c].use]
-        return taken in problem.shared[r].members
+        taken = places[i].resources[problem.activities[i].open_demands[c].use]
+        return taken in problem.contention.pools[r].members
 
     _add_assignment(builder, built, places, takes)
 
 
 def _add_earlier_schedule(builder: Builder, built: Model) -> None:
-    """Adds an incomplete assignment near to good solutions: the places of an earlier schedule.
+    """Adds an incomplete assignment near to good solutions: the places of the previous plan.
 
     Starts are pushed to where they may be now; modes and resources are the earlier ones.
     """
     problem = builder.problem
     hinted: set[int] = set()
-    for i, earlier in enumerate(problem.earlier):
-        if earlier is None:
+    for i, place in enumerate(problem.previous.places):
+        if place is None:
             continue
         activity = problem.activities[i]
         builder.model.add_hint(
-            built.starts[i], max(earlier.start, activity.release, problem.heads[i])
+            built.starts[i], max(place.start, activity.release, problem.bounds.heads[i])
         )
         present = built.present[i]
         if present is not None and present.index not in hinted:
             hinted.add(present.index)
             builder.model.add_hint(present, 1)
         for k, chosen in enumerate(built.modes[i]):
-            builder.model.add_hint(chosen, int(k == earlier.mode))
-        for claim, choices in zip(activity.claims, built.literals[i], strict=True):
+            builder.model.add_hint(chosen, int(k == place.mode))
+        for demand, choices in zip(activity.open_demands, built.literals[i], strict=True):
             for r, literal in choices:
-                taken = earlier.resources[claim.use] in problem.shared[r].members
+                taken = place.resources[demand.use] in problem.contention.pools[r].members
                 builder.model.add_hint(literal, int(taken))

@@ -11,7 +11,7 @@ from irc.passes.grid import grid_of
 from irc.problem import Activity
 from irc_cpsat.encoding.builder import (
     Builder,
-    ClaimLiterals,
+    DemandLiterals,
     Expression,
     Literal,
     Model,
@@ -24,7 +24,7 @@ MAX_MAKESPAN_VALUES = 5_000
 
 def add_makespan(builder: Builder) -> cp_model.IntVar:
     """A variable that no end exceeds; with bounds one of the makespans of best schedules."""
-    least = builder.problem.bound.value if builder.bounds else 0
+    least = builder.problem.bounds.makespan.value if builder.bounds else 0
     domain = cp_model.Domain(least, builder.horizon)
     grid = grid_of(builder.problem)
     if builder.bounds and 1 < grid.count(least, builder.horizon) <= MAX_MAKESPAN_VALUES:
@@ -32,13 +32,13 @@ def add_makespan(builder: Builder) -> cp_model.IntVar:
         domain = cp_model.Domain.from_values([*grid.between(least, last)])
     makespan = builder.model.new_int_var_from_domain(domain, "makespan")
     for i in range(len(builder.starts)):
-        tail = builder.problem.tails[i] if builder.bounds else 0
+        tail = builder.problem.bounds.tails[i] if builder.bounds else 0
         builder.enforced(builder.model.add(makespan >= builder.end(i) + tail), i)
     return makespan
 
 
 def values_of(
-    builder: Builder, makespan: cp_model.IntVar, literals: ClaimLiterals
+    builder: Builder, makespan: cp_model.IntVar, literals: DemandLiterals
 ) -> dict[str, Expression]:
     """The expression of each objective of the problem, and of the makespan."""
     problem = builder.problem
@@ -76,26 +76,28 @@ def set_objective(model: cp_model.CpModel, name: str, value: Any) -> None:
         model.minimize(value)
 
 
-def _changes(builder: Builder, literals: ClaimLiterals) -> Expression:
-    """The number of activities that are not where the earlier schedule has them."""
+def _changes(builder: Builder, literals: DemandLiterals) -> Expression:
+    """The number of activities that are not where the previous plan has them."""
     changed: list[Expression] = []
-    for i, earlier in enumerate(builder.problem.earlier):
-        if earlier is None:
+    for i, place in enumerate(builder.problem.previous.places):
+        if place is None:
             continue
         activity = builder.problem.activities[i]
         stays = builder.model.new_bool_var(f"as before {name_of(activity)}")
         changed.append(~stays)
         implied = [] if (present := builder.present[i]) is None else [present]
-        if earlier.mode is not None:
-            implied.append(builder.modes[i][earlier.mode])
-        for claim, choices in zip(activity.claims, literals[i], strict=True):
-            taken = earlier.resources[claim.use]
+        if place.mode is not None:
+            implied.append(builder.modes[i][place.mode])
+        for demand, choices in zip(activity.open_demands, literals[i], strict=True):
+            taken = place.resources[demand.use]
             implied += [
-                literal for r, literal in choices if taken in builder.problem.shared[r].members
+                literal
+                for r, literal in choices
+                if taken in builder.problem.contention.pools[r].members
             ]
         for literal in implied:
             builder.model.add_implication(stays, literal)
-        start = builder.model.add(builder.starts[i] == earlier.start)
+        start = builder.model.add(builder.starts[i] == place.start)
         start.only_enforce_if(stays)
     return sum(changed) if changed else 0
 

@@ -14,7 +14,7 @@ FILE_DEPTH = 4
 def add_occurrences(builder: Builder) -> None:
     """Orders the occurrences of one action, without gaps in their numbers."""
     for i, activity in enumerate(builder.problem.activities):
-        previous = activity.details.previous
+        previous = activity.details.previous_occurrence
         if previous is None:
             continue
         builder.enforced(builder.model.add(builder.starts[i] >= builder.end(previous)), i)

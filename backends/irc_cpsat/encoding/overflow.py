@@ -29,13 +29,13 @@ def refuse_overflow(problem: Problem, horizon: int, rank_count: int) -> None:
 
 
 def _refuse_capacities(problem: Problem, horizon: int, times: int) -> None:
-    claimed = {r for a in problem.activities for c in a.claims for r in c.alternatives}
-    for shared in (problem.shared[r] for r in sorted(claimed)):
-        if times * shared.capacity >= MAX_SUM:
+    demanded = {r for a in problem.activities for c in a.open_demands for r in c.alternatives}
+    for pool in (problem.contention.pools[r] for r in sorted(demanded)):
+        if times * pool.capacity >= MAX_SUM:
             raise Refusal(
-                f"{shared.capacity} units of {shared.id!r} over {horizon} ticks are beyond what "
+                f"{pool.capacity} units of {pool.id!r} over {horizon} ticks are beyond what "
                 "CP-SAT's 64-bit sums can hold",
-                problem.resources[shared.members[0]].origin,
+                problem.resources[pool.members[0]].origin,
                 hint="count its capacity and amounts in larger units",
             )
 

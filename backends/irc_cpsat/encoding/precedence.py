@@ -8,7 +8,7 @@ from irc_cpsat.encoding.builder import Builder
 
 def add_precedence(builder: Builder) -> None:
     """Adds every arc; where ranks exist, minimum lags hold in moments."""
-    state_precedences = frozenset(builder.problem.sequel)
+    state_precedences = frozenset(builder.problem.state_precedences)
     for arc in builder.problem.arcs:
         follows_by_state = builder.ranked and (arc.before, arc.after) in state_precedences
         _add_arc(builder, arc, follows_by_state)

@@ -17,7 +17,7 @@ def add_presence(builder: Builder) -> None:
             builder.present.append(by_group[i])
         else:
             builder.present.append(model.new_bool_var(f"present {name_of(activity)}"))
-    for i in problem.wanted:
+    for i in problem.required:
         if (literal := builder.present[i]) is not None:
             model.add(literal == 1)
     for i, activity in enumerate(problem.activities):

@@ -1,28 +1,33 @@
-"""Renewable resources in a CP-SAT model: an interval for each claim, a constraint for each pool."""
+"""Renewable resources in a CP-SAT model: an interval for a demand, a constraint for a pool."""
 
 from __future__ import annotations
 
 from ortools.sat.python import cp_model
 
-from irc.problem import Activity, Claim, Shared
-from irc_cpsat.encoding.builder import Builder, ClaimLiterals, Literal, ResourceUses, name_of
+from irc.problem import Activity, ContendedPool, OpenDemand
+from irc_cpsat.encoding.builder import Builder, DemandLiterals, Literal, ResourceUses, name_of
 from irc_cpsat.encoding.calendars import with_windows
 
 
-def add_resources(builder: Builder) -> ClaimLiterals:
-    """Adds the claims of all activities and the capacities; returns the claims' literals."""
+def add_resources(builder: Builder) -> DemandLiterals:
+    """Adds the open demands of all activities and the capacities; returns the demands' literals."""
     activities = enumerate(builder.problem.activities)
-    literals = [_add_claims(builder, i, activity) for i, activity in activities]
-    for shared, uses in zip(builder.problem.shared, builder.uses, strict=True):
-        _add_capacity(builder, shared, uses)
+    literals = [_add_demands(builder, i, activity) for i, activity in activities]
+    for pool, uses in zip(builder.problem.contention.pools, builder.uses, strict=True):
+        _add_capacity(builder, pool, uses, 1)
+    for pool, uses in zip(builder.problem.contention.pools, builder.uses_in_moments, strict=True):
+        _add_capacity(builder, pool, uses, builder.rank_count)
     return literals
 
 
-def _add_claims(builder: Builder, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
-    if not activity.claims:
+def _add_demands(builder: Builder, i: int, activity: Activity) -> list[list[tuple[int, Literal]]]:
+    if not activity.open_demands:
         return []
     has_length = _has_length(builder, i, activity)
-    return [_add_claim(builder, i, claim, c, has_length) for c, claim in enumerate(activity.claims)]
+    return [
+        _add_demand(builder, i, demand, c, has_length)
+        for c, demand in enumerate(activity.open_demands)
+    ]
 
 
 def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
@@ -36,23 +41,22 @@ def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
     return literal
 
 
-def _add_claim(
-    builder: Builder, i: int, claim: Claim, c: int, has_length: Literal | None
+def _add_demand(
+    builder: Builder, i: int, demand: OpenDemand, c: int, has_length: Literal | None
 ) -> list[tuple[int, Literal]]:
-    mode = builder.problem.activities[i].details.use_mode(claim.use)
+    mode = builder.problem.activities[i].details.use_mode(demand.use)
     needed = builder.present[i] if mode is None else builder.modes[i][mode]
-    if len(claim.alternatives) > 1:
-        return _add_choice(builder, i, claim, c, needed, has_length)
-    (r,) = claim.alternatives
-    taken = builder.taking(i, claim, r, needed, has_length)
-    builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+    if len(demand.alternatives) > 1:
+        return _add_choice(builder, i, demand, c, needed, has_length)
+    (r,) = demand.alternatives
+    _take(builder, i, demand, r, builder.taking(i, demand, r, needed, has_length))
     return []
 
 
 def _add_choice(
     builder: Builder,
     i: int,
-    claim: Claim,
+    demand: OpenDemand,
     c: int,
     needed: Literal | None,
     has_length: Literal | None,
@@ -60,18 +64,44 @@ def _add_choice(
     """An optional interval for each alternative, exactly one of them where one is needed."""
     model, activity = builder.model, builder.problem.activities[i]
     literals: list[tuple[int, Literal]] = []
-    for r in claim.alternatives:
-        shared = builder.problem.shared[r]
-        literal = model.new_bool_var(f"use {c} of {name_of(activity)} on {shared.id}")
+    for r in demand.alternatives:
+        pool = builder.problem.contention.pools[r]
+        literal = model.new_bool_var(f"use {c} of {name_of(activity)} on {pool.id}")
         literals.append((r, literal))
-        if claim.amount > shared.capacity and activity.duration_min > 0:
+        if demand.amount > pool.capacity and activity.duration_min > 0:
             model.add(literal == 0)
             continue
-        taken = builder.taking(i, claim, r, has_length, literal)
-        builder.uses[r].add(_interval(builder, i, taken), claim.amount)
+        _take(builder, i, demand, r, builder.taking(i, demand, r, has_length, literal))
     absent = [] if needed is None else [~needed]
     model.add_exactly_one([*(literal for _, literal in literals), *absent])
     return literals
+
+
+def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal | None) -> None:
+    """Adds a use of a shared resource: over time, and where there are ranks over moments too.
+
+    (The first follows from the second, but says more about time.)
+    """
+    builder.uses[r].add(_interval(builder, i, taken), demand.amount)
+    if builder.ranked:
+        builder.uses_in_moments[r].add(_interval_of_moments(builder, i, taken), demand.amount)
+
+
+def _interval_of_moments(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+    model, activity = builder.model, builder.problem.activities[i]
+    name = name_of(activity)
+    start = builder.point(i, at_end=False)
+    if activity.is_fixed:
+        size = activity.duration_min * builder.rank_count
+        if literal is None:
+            return model.new_fixed_size_interval_var(start, size, name)
+        return model.new_optional_fixed_size_interval_var(start, size, literal, name)
+    end = builder.point(i, at_end=True)
+    longest = (builder.horizon + 1 + activity.duration_min) * builder.rank_count
+    length = model.new_int_var(0, 2 * longest, "")
+    if literal is None:
+        return model.new_interval_var(start, length, end, name)
+    return model.new_optional_interval_var(start, length, end, literal, name)
 
 
 def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
@@ -88,12 +118,13 @@ def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.Int
     return model.new_optional_interval_var(start, length, end, literal, name)
 
 
-def _add_capacity(builder: Builder, shared: Shared, uses: ResourceUses) -> None:
+def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses, moments: int) -> None:
+    """Adds the capacity of a resource, for uses in so many moments a tick."""
     if not uses.intervals:
         return
-    if shared.base is not None:
-        uses = with_windows(builder, shared, uses)
-    capacity = shared.capacity
+    if pool.base is not None:
+        uses = with_windows(builder, pool, uses, moments)
+    capacity = pool.capacity
     if 2 * min(uses.amounts) > capacity and max(uses.amounts) <= capacity:
         builder.model.add_no_overlap(uses.intervals)
     else:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from irc.problem import Activity, Condition
+from irc.problem import Condition
 from irc_cpsat.encoding.builder import Builder, Literal
 
 _BEFORE_ALL = -1
@@ -42,12 +42,13 @@ def add_state(builder: Builder) -> None:
 
 
 class _StateEncoder:
+    """Adds variables one by one; happenings and literals that they share are made once."""
+
     def __init__(self, builder: Builder) -> None:
         self.builder = builder
         self.model = builder.model
         self.problem = builder.problem
         self.last = (builder.horizon + 1) * builder.rank_count
-        self.points: dict[tuple[int, bool], Any] = {}
         self.stretched: dict[int, Literal] = {}
         self.effects: list[list[tuple[int, int, bool]]] = [[] for _ in self.problem.variables]
         self.conditions: list[list[tuple[int, Condition]]] = [[] for _ in self.problem.variables]
@@ -78,13 +79,7 @@ class _StateEncoder:
         return self._variable(i, at_end=at_end)
 
     def _variable(self, i: int, *, at_end: bool) -> Any:
-        key = i, at_end
-        if key not in self.points:
-            latest = 2 * self.last + self.builder.rank_count * _reach(self.problem.activities[i])
-            point = self.model.new_int_var(0, latest, "")
-            self.model.add(point == self.builder.moment(i, at_end=at_end))
-            self.points[key] = point
-        return self.points[key]
+        return self.builder.point(i, at_end=at_end)
 
     def _one_happening(self, i: int) -> bool | None:
         """Whether start and end are one happening; None where that is open."""
@@ -255,8 +250,3 @@ class _StateEncoder:
             self.model.add_bool_or([*literals, *unneeded])
             self.model.add_at_most_one(literals)
         return found
-
-
-def _reach(activity: Activity) -> int:
-    """How far behind the horizon an absent activity's end may lie."""
-    return max(activity.duration_min, 0) + (activity.start or 0)

@@ -73,7 +73,7 @@ class DeepeningSearch:
         """The answer at a depth that leaves nothing out, or a note that this one may."""
         problem = self.problem
         if best.schedule is not None and problem.objectives[0] == "makespan":
-            problem = within(problem, int(best.schedule.makespan / problem.tick))
+            problem = within(problem, problem.whole_ticks(best.schedule.makespan))
         needed = enough(problem, problem.deadline)
         complete = needed is not None and needed <= depth
         proven = best.status in (Status.OPTIMAL, Status.INFEASIBLE)

@@ -88,7 +88,7 @@ def solve_levels(built: Model, solve: Solve, seconds: float | None) -> Lexicogra
 def _is_optimal(built: Model, result: LexicographicResult) -> bool:
     own = len(built.problem.objectives)
     proven = [level.proven for level in result.levels[:own]]
-    return len(proven) == own and all(proven) and not built.problem.stability
+    return len(proven) == own and all(proven) and not built.problem.previous.stability
 
 
 def _tie_break_seconds(spent: float, left: float | None, seconds: float | None) -> float:
@@ -105,12 +105,12 @@ def _aim(built: Model, name: str) -> None:
 
 def _given_up(built: Model, level: LevelResult, following: str) -> int:
     """The part of a level's value that may be lost to make fewer changes."""
-    share = built.problem.stability if following == "changes" else Fraction(0)
+    share = built.problem.previous.stability if following == "changes" else Fraction(0)
     return int(abs(level.value) * share)
 
 
 def _keep(built: Model, level: LevelResult, given_up: int, solver: cp_model.CpSolver) -> None:
-    """Keeps a level's value, but for what may be given up; the solution becomes the next hint."""
+    """Keeps a level's value, less `given_up`; the solution becomes the next hint."""
     value = built.values[level.name]
     if not isinstance(value, int):
         if level.name == "reward":

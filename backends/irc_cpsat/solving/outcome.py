@@ -50,7 +50,9 @@ def _known_schedule(problem: Problem, built: Model) -> Schedule | None:
     """The schedule that was given as a hint, if there was one."""
     if built.hint is not None:
         return hinted_schedule(problem, built.hint)
-    return schedule_of(problem, problem.start_from) if problem.start_from else None
+    return (
+        schedule_of(problem, problem.previous.warm_start) if problem.previous.warm_start else None
+    )
 
 
 def _values(outcome: Outcome) -> tuple[Number, ...]:

@@ -1,9 +1,9 @@
 """Conflicts: CP-SAT as the solver behind `irc explain`.
 
 The statements of a task are assumptions over the model of a problem that states nothing. Times
-are posted as differences of time points, each enforced by its statement; a claim's interval is
-present only under the statement of its use and those of the capacities it takes from. Everything
-else is the encoding of `irc_cpsat.encoding`.
+are posted as differences of time points, each enforced by its statement; the interval of an open
+demand is present only under the statement of its use and those of the capacities it takes from.
+Everything else is the encoding of `irc_cpsat.encoding`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.problem import Claim, Problem
+from irc.problem import OpenDemand, Problem
 from irc.problem.decisions import AnswerError
 from irc.problem.statements import ORIGIN, Statement
 from irc.schedule import Status
@@ -89,7 +89,7 @@ class _AssumptionBuilder(Builder):
         """The model in which every statement is an assumption."""
         write_model(self, objective=False)
         for src, dst, weight, statement in self.assumptions.differences:
-            # What reaches beyond the horizon never binds, and may be beyond 64 bits.
+            # A difference beyond the horizon never binds, and may be beyond 64 bits.
             if weight > -self.horizon and statement is not None:
                 apart = self.model.add(self._time(dst) - self._time(src) >= weight)
                 apart.only_enforce_if(self._literal(statement))
@@ -108,12 +108,12 @@ class _AssumptionBuilder(Builder):
         return self.end(activity) if is_end else self.starts[activity]
 
     def taking(
-        self, i: int, claim: Claim, r: int, *literals: cp_model.IntVar | None
+        self, i: int, demand: OpenDemand, r: int, *literals: cp_model.IntVar | None
     ) -> cp_model.IntVar | None:
         """As without statements, and only if the use and the capacities are stated."""
         capacities: Mapping[int, Statement] = self.assumptions.capacities
         stated = [
-            self.assumptions.uses[i, claim.use],
-            *(capacities[member] for member in self.problem.shared[r].members),
+            self.assumptions.uses[i, demand.use],
+            *(capacities[member] for member in self.problem.contention.pools[r].members),
         ]
-        return super().taking(i, claim, r, *literals, *map(self._literal, stated))
+        return super().taking(i, demand, r, *literals, *map(self._literal, stated))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from ortools.sat.python import cp_model
 
 from irc.problem import Problem
+from irc.problem.choices import members_taken
 from irc.problem.decisions import ABSENT, Decision
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
@@ -28,7 +29,7 @@ def hinted_schedule(problem: Problem, hint: Hint) -> Schedule:
     """The list schedule that the model was given as a hint."""
     decisions, choices = hint
     chosen = [
-        replace(decision, chosen=_members_taken(problem, i, choices[i]))
+        replace(decision, chosen=members_taken(problem, problem.activities[i], choices[i]))
         for i, decision in enumerate(decisions)
     ]
     return schedule_of(problem, retime(problem, chosen))
@@ -44,24 +45,14 @@ def _decision(built: Model, solver: cp_model.CpSolver, i: int) -> Decision:
     mode = next((m for m, chosen in enumerate(built.modes[i]) if solver.value(chosen)), None)
     ranks = built.ranks[i] if built.ranks else None
     taken = tuple(
-        next((r for r, literal in literals if solver.value(literal)), claim.alternatives[0])
-        for claim, literals in zip(activity.claims, built.literals[i], strict=True)
+        next((r for r, literal in literals if solver.value(literal)), demand.alternatives[0])
+        for demand, literals in zip(activity.open_demands, built.literals[i], strict=True)
     )
     return Decision(
         start,
         start + activity.duration_min if end is None else solver.value(end),
-        _members_taken(problem, i, taken),
+        members_taken(problem, activity, taken),
         mode=mode,
         rank=0 if ranks is None else solver.value(ranks[0]),
         end_rank=0 if ranks is None else solver.value(ranks[1]),
     )
-
-
-def _members_taken(problem: Problem, i: int, taken: tuple[int, ...]) -> tuple[int | None, ...]:
-    """The resource of each use, where the shared resource taken is not a pool."""
-    activity = problem.activities[i]
-    chosen: list[int | None] = [None] * len(activity.uses)
-    for claim, r in zip(activity.claims, taken, strict=True):
-        members = problem.shared[r].members
-        chosen[claim.use] = members[0] if len(members) == 1 else None
-    return tuple(chosen)

@@ -147,13 +147,13 @@ def _chosen(problem: Problem, i: int, uses: Mapping[str, str]) -> tuple[int | No
     """The resources that a plan names; the others are for the re-timing to find."""
     activity = problem.activities[i]
     chosen: list[int | None] = [None] * len(activity.uses)
-    for claim in activity.claims:
-        named = uses.get(str(claim.use))
+    for demand in activity.open_demands:
+        named = uses.get(str(demand.use))
         if named is None:
-            continue  # Not held in this mode, or there was enough of it in what was asked.
-        taken = [r for r in claim.alternatives if problem.shared[r].id == named]
+            continue  # Not held in this mode, or ample in the problem that was asked.
+        taken = [r for r in demand.alternatives if problem.contention.pools[r].id == named]
         if not taken:
             raise AnswerError(f"{activity.id!r} takes something it cannot use")
-        members = problem.shared[taken[0]].members
-        chosen[claim.use] = members[0] if len(members) == 1 else None
+        members = problem.contention.pools[taken[0]].members
+        chosen[demand.use] = members[0] if len(members) == 1 else None
     return tuple(chosen)

@@ -25,7 +25,7 @@ class PlanStep:
 
     @property
     def end(self) -> Fraction:
-        """When the step ends; its start where it has no duration."""
+        """The end of the step; its start where it has no duration."""
         return self.start if self.duration is None else self.start + self.duration
 
 
@@ -76,7 +76,7 @@ class PlanLog:
     blocks: int = 0
     """How many plans were printed, repetitions counted."""
     unsolvable: bool = False
-    """The planner says that there is no plan, and prints none. This is its word, not a proof.
+    """The planner says that there is no plan, and prints none. This is a claim, not a proof.
 
     The same words below a plan mean "no better one" and leave this `False`.
     """

@@ -1,4 +1,4 @@
-"""Read the plans in what a temporal planner printed.
+"""The plans in the output of a temporal planner.
 
 A planner's output is progress chatter with plans in it, and it may stop anywhere. `read_plans`
 finds the plans of OPTIC and POPF, of kairos, of LPG, and bare IPC plan files, with exact times. It
@@ -13,7 +13,7 @@ Where a plan begins
     - Blank lines and chatter do not end a plan, because planners print warnings between steps.
       A step that goes back in time behind such a gap begins another plan.
 
-What is damage
+Damage
     - A line where a step belongs that is not one, as the grammar `plan.lark` has it.
     - A time that is negative or not a number: past its 32-bit clock OPTIC prints
       `-2147483.00-647`.
@@ -54,7 +54,7 @@ _SHOWN = 200
 
 
 def read_plans(text: str) -> PlanLog:
-    """All plans in a planner's raw output; see the module for what counts as a plan and as damage.
+    """All plans in a planner's raw output; the module says where plans begin, and what is damage.
 
     Never raises for any text. Line ends may be of any system; colour codes are ignored.
 

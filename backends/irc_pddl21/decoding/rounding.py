@@ -21,7 +21,7 @@ Node = tuple[int, bool]
 
 
 def rounded(problem: Problem, decisions: Sequence[Decision]) -> list[Decision]:
-    """The decisions at whole ticks, with ranks that keep the order of what touches a variable.
+    """The decisions at whole ticks, with ranks that keep the order of happenings on a variable.
 
     Raises `AnswerError` where no ranks keep it.
     """

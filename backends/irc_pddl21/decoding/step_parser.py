@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING
 
+from irc.errors import IrcError
 from irc_pddl21.decoding.plan_log import PlanStep
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}(?:\.[0-9]{0,40})?|\.[0-9]{1,40})(?:[eE
 _WRAPPED = re.compile(r"-[0-9]+\.[0-9]*-[0-9]+")
 
 
-class UnreadableStep(ValueError):
+class UnreadableStep(IrcError, ValueError):
     """A line is not a step; the text says why."""
 
 

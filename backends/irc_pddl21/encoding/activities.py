@@ -49,7 +49,7 @@ def add_activities(builder: Builder, elements: Elements) -> None:
 
     Raises `Refusal` where an activity that must be present cannot be carried out.
     """
-    activities, tails = builder.problem.activities, builder.problem.tails
+    activities, tails = builder.problem.activities, builder.problem.bounds.tails
     encoder = _ActivityEncoder(builder, elements)
     for i in sorted(
         range(len(activities)), key=lambda i: (-(activities[i].duration_min + tails[i]), i)
@@ -58,6 +58,8 @@ def add_activities(builder: Builder, elements: Elements) -> None:
 
 
 class _ActivityEncoder:
+    """Adds activities one by one."""
+
     def __init__(self, builder: Builder, elements: Elements) -> None:
         self.builder, self.elements = builder, elements
         self.names, self.encoding = builder.names, builder.encoding
@@ -65,7 +67,7 @@ class _ActivityEncoder:
     def add(self, i: int, activity: Activity) -> None:
         """Adds the operators of one activity."""
         amounts = self.elements.objective.amounts
-        if activity.details is PLAIN and not activity.claims and i not in amounts:
+        if activity.details is PLAIN and not activity.open_demands and i not in amounts:
             self._add_plain(i, activity)
             return
         occurrences = occurrences_of(activity)
@@ -118,7 +120,7 @@ class _ActivityEncoder:
             self._add_variants(i, own, variants, facts)
 
     def _add_reusable(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
-        """Adds what can happen again and again: once the previous occurrence has ended."""
+        """Adds an operator that can be used again once the previous occurrence has ended."""
         base = self.builder.base[i]
         idle = f"idle_{base}"
         if not occurrences.written:
@@ -172,13 +174,13 @@ class _ActivityEncoder:
         )
 
     def _meaning(self, activity: Activity, variant: Variant) -> Meaning:
-        shared = self.builder.problem.shared
+        pools = self.builder.problem.contention.pools
         return Meaning(
             activity.id,
             None if variant.mode is None else activity.details.modes[variant.mode].id,
             tuple(
-                (claim.use, shared[r].id)
-                for claim, r in zip(variant.claims, variant.resources, strict=True)
+                (demand.use, pools[r].id)
+                for demand, r in zip(variant.demands, variant.resources, strict=True)
             ),
         )
 

@@ -1,4 +1,4 @@
-"""A problem's arcs, sorted by what each becomes in PDDL: a condition, a wait or an envelope."""
+"""A problem's arcs, sorted by their form in PDDL: conditions, waits and envelopes."""
 
 from __future__ import annotations
 

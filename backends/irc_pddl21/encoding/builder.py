@@ -13,7 +13,7 @@ Point = int
 
 
 class Builder:
-    """Holds the encoding of a problem, and what its elements must know of each other.
+    """Holds the encoding of a problem, and the names that its elements share.
 
     `base` is the name of each activity. `begun` are the activities whose start others wait for,
     `lag_facts` the facts that waits after an activity give, `deadline_facts` those that hold until

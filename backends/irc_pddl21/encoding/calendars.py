@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from irc.problem import Shared
+from irc.problem import ContendedPool
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.pddl import TimedLiteral
 
 
-def add_calendar(builder: Builder, shared: Shared, tokens: list[str]) -> dict[str, str]:
+def add_calendar(builder: Builder, pool: ContendedPool, tokens: list[str]) -> dict[str, str]:
     """The fact that says the unit is there, for each token whose unit is not always there.
 
     The k-th unit is there while the capacity is at least k; units gone together share a fact. It
     goes a slack late: an action may end when its unit goes.
     """
-    steps = _capacities(shared)
+    steps = _capacities(pool)
     here: dict[str, str] = {}
     facts: dict[tuple[bool, ...], str] = {}
     for k, token in enumerate(tokens, start=1):
@@ -38,11 +38,11 @@ def _add_literals(builder: Builder, fact: str, times: list[int], there: tuple[bo
             builder.encoding.timed.append(TimedLiteral(time, fact, there[n]))
 
 
-def _capacities(shared: Shared) -> list[tuple[int, int]]:
+def _capacities(pool: ContendedPool) -> list[tuple[int, int]]:
     """(From when on, capacity), in order of time."""
-    base = shared.capacity if shared.base is None else shared.base
+    base = pool.capacity if pool.base is None else pool.base
     steps = [(0, base)]
-    for window in shared.windows:
+    for window in pool.windows:
         if window.start <= steps[-1][0]:
             steps[-1] = (window.start, window.capacity)
         else:

@@ -10,14 +10,14 @@ from irc_pddl21.encoding.pddl import Encoding
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """The meaning of an operator: an action, its mode, the shared resource of each use."""
+    """The meaning of an operator: an action, its mode, the pool of each use."""
 
     action: str
     mode: str | None = None
     uses: tuple[tuple[int, str], ...] = ()
 
-    def as_json(self) -> dict[str, Any]:
-        """The meaning as it stands in the manifest."""
+    def to_dict(self) -> dict[str, Any]:
+        """As it stands in the manifest."""
         shown: dict[str, Any] = {"action": self.action}
         if self.mode is not None:
             shown["mode"] = self.mode
@@ -64,7 +64,7 @@ def names_of(grounded: Grounded) -> dict[str, Any]:
     names: dict[str, Any] = {
         "planner_units_per_tick": grounded.scale,
         "slack": grounded.slack,
-        "actions": {name: meaning.as_json() for name, meaning in grounded.actions.items()},
+        "actions": {name: meaning.to_dict() for name, meaning in grounded.actions.items()},
         "planner_only": grounded.planner_only,
         "tokens": grounded.tokens,
         "facts": {

@@ -1,8 +1,8 @@
-"""Modes of an activity: their durations, and the claims that they have."""
+"""Modes of an activity: their durations, and the open demands that they have."""
 
 from __future__ import annotations
 
-from irc.problem import Activity, Claim
+from irc.problem import Activity, OpenDemand
 
 
 def modes_of(activity: Activity) -> range | tuple[None]:
@@ -18,11 +18,11 @@ def span_of(activity: Activity, mode: int | None) -> tuple[int, int]:
     return chosen.duration_min, chosen.duration_max
 
 
-def claims_in(activity: Activity, mode: int | None) -> tuple[Claim, ...]:
-    """The claims of an activity in a mode; a mode without duration has none."""
+def demands_in(activity: Activity, mode: int | None) -> tuple[OpenDemand, ...]:
+    """The open demands of an activity in a mode; a mode without duration has none."""
     if mode is None:
-        return activity.claims
+        return activity.open_demands
     if not span_of(activity, mode)[1]:
         return ()
     use_mode = activity.details.use_mode
-    return tuple(c for c in activity.claims if use_mode(c.use) in (None, mode))
+    return tuple(c for c in activity.open_demands if use_mode(c.use) in (None, mode))

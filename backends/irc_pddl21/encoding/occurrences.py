@@ -1,8 +1,8 @@
 """Occurrences of repeated actions in PDDL.
 
-Occurrences that must be there, and a few optional ones, are a chain of once-only operators. What
-may happen more often is one more operator that can be used again and again: it waits until the
-occurrence before has ended, and where there is a greatest number a counter of what is left.
+Mandatory occurrences, and a few optional ones, are a chain of once-only operators. Further ones are
+one more operator that can be used again and again: it waits until the previous occurrence has
+ended, and where there is a greatest number a counter says how many are left.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Renewable resources in PDDL: the units of shared resources.
+"""Renewable resources in PDDL: the units of pools.
 
 Capacity is one token fact for each unit; where tokens would multiply beyond the budget a counter
 takes their place. A unit that a calendar takes away at times has a fact that says it is there.
@@ -13,7 +13,7 @@ from irc.problem import Activity, Problem
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.calendars import add_calendar
-from irc_pddl21.encoding.modes import claims_in, modes_of
+from irc_pddl21.encoding.modes import demands_in, modes_of
 
 MAX_VARIANTS = 256
 """An activity with more ground variants gets counters instead of tokens, or is refused."""
@@ -21,7 +21,7 @@ MAX_VARIANTS = 256
 
 @dataclass
 class ResourceUnits:
-    """The units of shared resources: token facts, or a counter.
+    """The units of pools: token facts, or a counter.
 
     `here` maps a token to the fact that its unit is there, where it is not always.
     """
@@ -39,25 +39,27 @@ def add_resources(builder: Builder) -> ResourceUnits:
     problem, grounded = builder.problem, builder.grounded
     units = ResourceUnits()
     for r in _resources_by_counter(problem):
-        name = builder.names.new(f"left_of_{problem.shared[r].id}")
+        name = builder.names.new(f"left_of_{problem.contention.pools[r].id}")
         units.counters[r] = name
-        builder.encoding.counters[name] = problem.shared[r].capacity
-        grounded.tokens[name] = f"units of {problem.shared[r].id!r} left"
-    for r in sorted({r for a in problem.activities for c in a.claims for r in c.alternatives}):
+        builder.encoding.counters[name] = problem.contention.pools[r].capacity
+        grounded.tokens[name] = f"units of {problem.contention.pools[r].id!r} left"
+    for r in sorted(
+        {r for a in problem.activities for c in a.open_demands for r in c.alternatives}
+    ):
         if r in units.counters:
             continue
-        shared = problem.shared[r]
-        tokens = [builder.names.new(f"free_{shared.id}_{k + 1}") for k in range(shared.capacity)]
+        pool = problem.contention.pools[r]
+        tokens = [builder.names.new(f"free_{pool.id}_{k + 1}") for k in range(pool.capacity)]
         units.tokens[r] = tokens
         builder.encoding.facts += tokens
         builder.encoding.initial += tokens
-        grounded.tokens.update(dict.fromkeys(tokens, f"a unit of {shared.id!r}"))
-        units.here |= add_calendar(builder, shared, tokens)
+        grounded.tokens.update(dict.fromkeys(tokens, f"a unit of {pool.id!r}"))
+        units.here |= add_calendar(builder, pool, tokens)
     return units
 
 
 def _resources_by_counter(problem: Problem) -> list[int]:
-    """The shared resources whose tokens would multiply beyond the budget.
+    """The pools whose tokens would multiply beyond the budget.
 
     Raises `Refusal` where even counters leave an activity too many variants, or where a counter
     would be needed for a resource that has a calendar.
@@ -67,11 +69,11 @@ def _resources_by_counter(problem: Problem) -> list[int]:
         while _variant_count(problem, activity, by_counter) > MAX_VARIANTS:
             candidates = {
                 r
-                for claim in activity.claims
-                for r in claim.alternatives
+                for demand in activity.open_demands
+                for r in demand.alternatives
                 if r not in by_counter
-                and problem.shared[r].capacity > 1
-                and not problem.shared[r].windows
+                and problem.contention.pools[r].capacity > 1
+                and not problem.contention.pools[r].windows
             }
             if not candidates:
                 raise Refusal(
@@ -80,7 +82,7 @@ def _resources_by_counter(problem: Problem) -> list[int]:
                     (*activity.origin, "modes" if activity.details.modes else "uses"),
                     "use fewer alternatives, or target 'cpsat'",
                 )
-            by_counter.add(max(candidates, key=lambda r: (problem.shared[r].capacity, r)))
+            by_counter.add(max(candidates, key=lambda r: (problem.contention.pools[r].capacity, r)))
     return sorted(by_counter)
 
 
@@ -89,10 +91,12 @@ def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -
     total = 0
     for mode in modes_of(activity):
         count = 1
-        for claim in claims_in(activity, mode):
+        for demand in demands_in(activity, mode):
             count *= sum(
-                1 if r in by_counter else _token_sets(problem.shared[r].capacity, claim.amount)
-                for r in claim.alternatives
+                1
+                if r in by_counter
+                else _token_sets(problem.contention.pools[r].capacity, demand.amount)
+                for r in demand.alternatives
             )
         total += count
     return total

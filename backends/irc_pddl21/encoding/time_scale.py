@@ -1,7 +1,7 @@
-"""The planner's unit of time: units per tick, and the slack of what bounds time from above.
+"""The planner's unit of time: units per tick, and the slack of bounds from above.
 
 Planners separate dependent happenings by an epsilon, so a chain of k of them ends k epsilons
-late. What bounds time from above therefore gets `slack`, and one tick is `units_per_tick` planner
+late. Every bound from above therefore gets `slack`, and one tick is `units_per_tick` planner
 units, so that all slack together stays below one tick: then an exact integer schedule with the
 same choices and order exists (a relaxed cycle of the temporal network is short of 0 by less than
 1, and weights are whole).
@@ -20,7 +20,7 @@ EPSILON = Fraction(1, 1000)
 """The separation of dependent happenings in OPTIC and kairos, in planner time."""
 
 ENDLESS = 64
-"""The number of occurrences assumed of what may happen without end, where epsilons add up.
+"""The number of occurrences assumed of an action that may happen without end.
 (A plan with more of them may miss a limit by an epsilon; a plan that cannot be re-timed is not
 used.)"""
 
@@ -76,4 +76,6 @@ def time_scale(
 
 
 def _has_calendar(problem: Problem, activity: Activity) -> bool:
-    return any(problem.shared[r].windows for c in activity.claims for r in c.alternatives)
+    return any(
+        problem.contention.pools[r].windows for c in activity.open_demands for r in c.alternatives
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from irc.lowering.choices import NEVER
+from irc.problem import IMPOSSIBLE_DEADLINE
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.pddl import TimedLiteral
 
@@ -31,8 +31,8 @@ def _released(builder: Builder, release: int, opened: dict[int, str]) -> str:
 
 
 def _open_until(builder: Builder, time: int, closed: dict[int, str]) -> str:
-    time = max(time, NEVER)
-    if time == NEVER and time not in closed:
+    time = max(time, IMPOSSIBLE_DEADLINE)
+    if time == IMPOSSIBLE_DEADLINE and time not in closed:
         closed[time] = builder.fact("open_never")  # Literals cannot come before the beginning.
     if time not in closed:
         closed[time] = builder.fact(f"open_{time}", initially=True)

@@ -1,4 +1,4 @@
-"""The ways to carry out an activity: its mode, the resource of each claim, the units it takes."""
+"""The ways to carry out an activity: its mode, the pool of each open demand, the units it takes."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from irc.problem import Activity, Claim, Problem
-from irc_pddl21.encoding.modes import claims_in, modes_of
+from irc.problem import Activity, OpenDemand, Problem
+from irc_pddl21.encoding.modes import demands_in, modes_of
 from irc_pddl21.encoding.resources import ResourceUnits
 
 
@@ -15,28 +15,28 @@ from irc_pddl21.encoding.resources import ResourceUnits
 class Variant:
     """One way to ground an activity.
 
-    `resources` gives the shared resource of each of the `claims` that this mode has.
+    `resources` gives the pool of each of the `demands` that this mode has.
     """
 
     mode: int | None
-    claims: tuple[Claim, ...] = ()
+    demands: tuple[OpenDemand, ...] = ()
     resources: tuple[int, ...] = ()
     tokens: tuple[str, ...] = ()
     takes: tuple[tuple[str, int], ...] = ()
 
 
 def variants_of(problem: Problem, activity: Activity, units: ResourceUnits) -> Iterator[Variant]:
-    """Every mode, in it every choice of resources, and of each the tokens.
+    """Every mode, with every choice of resources, with every choice of tokens.
 
-    Claims on one resource add up.
+    Open demands on one pool add up.
     """
     for mode in modes_of(activity):
-        claims = claims_in(activity, mode)
-        for resources in product(*(claim.alternatives for claim in claims)):
+        demands = demands_in(activity, mode)
+        for resources in product(*(demand.alternatives for demand in demands)):
             amounts: dict[int, int] = {}
-            for claim, r in zip(claims, resources, strict=True):
-                amounts[r] = amounts.get(r, 0) + claim.amount
-            if any(amount > problem.shared[r].capacity for r, amount in amounts.items()):
+            for demand, r in zip(demands, resources, strict=True):
+                amounts[r] = amounts.get(r, 0) + demand.amount
+            if any(amount > problem.contention.pools[r].capacity for r, amount in amounts.items()):
                 continue
             counters = units.counters
             takes = tuple((counters[r], n) for r, n in amounts.items() if r in counters)
@@ -45,4 +45,4 @@ def variants_of(problem: Problem, activity: Activity, units: ResourceUnits) -> I
             )
             for chosen in product(*token_sets):
                 tokens = tuple(t for some in chosen for t in some)
-                yield Variant(mode, claims, resources, tokens, takes)
+                yield Variant(mode, demands, resources, tokens, takes)

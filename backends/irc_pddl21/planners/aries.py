@@ -45,7 +45,7 @@ class AriesPlanner(Planner):
         ]
 
     def environment(self, given: PlannerInput) -> Mapping[str, str]:
-        """aries plans up to a horizon of 10,000 units unless told otherwise."""
+        """The horizon for aries, which plans up to 10,000 units by default."""
         horizon = _planner_horizon(given.request.problem, given.names["planner_units_per_tick"])
         return {**os.environ, "ARIES_PLANNING_HORIZON": str(horizon)}
 

@@ -32,7 +32,7 @@ class KairosPlanner(Planner):
 
     def refuse(self, problem: Problem, scale: int) -> None:
         """The epsilon must not get lost in the shortest conceivable schedule."""
-        if problem.bound.value * scale > LARGEST:
+        if problem.bounds.makespan.value * scale > LARGEST:
             raise Refusal(
                 "the times of this task are beyond what kairos can tell apart",
                 hint="use target 'cpsat'",

@@ -59,9 +59,9 @@ class OpticPlanner(Planner):
         """OPTIC's 32-bit milliseconds must hold the shortest conceivable schedule, and each number
         in the files.
         """
-        needed = problem.bound.value * scale + 2 * len(problem.activities) * EPSILON
+        needed = problem.bounds.makespan.value * scale + 2 * len(problem.activities) * EPSILON
         if needed > LARGEST:
-            raise _too_large("the schedule takes at least", problem.bound.value * scale)
+            raise _too_large("the schedule takes at least", problem.bounds.makespan.value * scale)
         written = [a.duration_min for a in problem.activities]
         written += [d for i in range(len(written)) if (d := problem.effective_deadline(i))]
         if max(written, default=0) * scale > LARGEST:

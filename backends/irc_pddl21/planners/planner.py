@@ -20,7 +20,8 @@ DEFAULT_SECONDS = 60.0
 class PlanRequest(NamedTuple):
     """The plan that a planner is asked for.
 
-    `problem` is what it reads: the program's own, or one with less choice or an earlier deadline.
+    `problem` is the one it reads: the program's own, or one with fewer alternatives or an earlier
+    deadline.
     `first_plan`: any plan of it will do. A plan whose makespan is `enough` (ticks) ends the run.
     `search` is one of the planner's kinds of search, "" its usual one. `shortened`: with actions
     that are shorter by the slack; see `irc_pddl21.decoding.rounding`.
@@ -53,7 +54,7 @@ class PlannerInput:
 
 
 class Planner(ABC):
-    """How a planner is called, and the numbers that its clock can hold."""
+    """A planner: its command line, its epsilon, and the numbers that its clock can hold."""
 
     name: ClassVar[str]
 

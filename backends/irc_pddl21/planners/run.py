@@ -1,6 +1,6 @@
 """One run of a planner in a child process: files in, the best plan out, re-timed.
 
-A planner's own times and its claims of optimality are never used: its plan is read for choices
+A planner's own times and its word on optimality are never used: its plan is read for choices
 and order, re-timed exactly, and where there is state, stock or choice also validated before it
 counts.
 """
@@ -123,10 +123,10 @@ class _OutputWatcher:
         if not _is_better(self.given.program, schedule, self.best):
             return False
         self.best = schedule
-        ticks = int(schedule.makespan / problem.tick)
+        ticks = problem.whole_ticks(schedule.makespan)
         if self.on_progress is not None:
             seconds = time.perf_counter() - self.began
-            self.on_progress(Progress(seconds, ticks, problem.bound.value, self.engine))
+            self.on_progress(Progress(seconds, ticks, problem.bounds.makespan.value, self.engine))
         return ticks <= self.given.request.enough
 
 

@@ -19,7 +19,7 @@ from irc_pddl21.search.neighbourhood import Places
 ROUNDS = 12_000
 """The greatest number of list schedules."""
 
-PATIENCE = 800
+STALE_LIMIT = 800
 """After this number without a shorter one the search begins anew."""
 
 
@@ -41,7 +41,7 @@ def short_list_schedule(
         search.step()
         if search.makespan is not None and (shortest is None or search.makespan < shortest):
             best, shortest = search.found, search.makespan
-        if search.stale > PATIENCE:
+        if search.stale > STALE_LIMIT:
             search = _PrioritySearch(search.problem, rng)
     return None if best is None else dict(enumerate(zip(*best, strict=True)))
 
@@ -55,12 +55,12 @@ class _PrioritySearch:
         self.found = list_schedule(problem)
         self.makespan = _makespan(self.found)
         self.stale = 0
-        spans = zip(problem.tails, problem.activities, strict=True)
+        spans = zip(problem.bounds.tails, problem.activities, strict=True)
         self._spread = 1 + max((tail + a.duration_min for tail, a in spans), default=0)
         self._choosers = [
             i
             for i, a in enumerate(problem.activities)
-            if any(len(claim.alternatives) > 1 for claim in a.claims)
+            if any(len(demand.alternatives) > 1 for demand in a.open_demands)
         ]
 
     def step(self) -> None:
@@ -81,22 +81,23 @@ class _PrioritySearch:
         share = rng.choice((0.1, 0.3, 1.0))
         tails = tuple(
             round(tail + rng.uniform(-width, width)) if rng.random() < share else tail
-            for tail in self.variant.tails
+            for tail in self.variant.bounds.tails
         )
         activities = list(self.variant.activities)
         if self._choosers and rng.random() < 0.5:
             for i in rng.sample(self._choosers, min(len(self._choosers), rng.randint(1, 3))):
                 activities[i] = self._rearranged(self.problem.activities[i])
-        return replace(self.variant, tails=tails, activities=tuple(activities))
+        bounds = replace(self.variant.bounds, tails=tails)
+        return replace(self.variant, bounds=bounds, activities=tuple(activities))
 
     def _rearranged(self, activity: Activity) -> Activity:
         """The activity with alternatives in another order, or only one of them left."""
-        claims = []
-        for claim in activity.claims:
-            order = self.rng.sample(claim.alternatives, len(claim.alternatives))
+        demands = []
+        for demand in activity.open_demands:
+            order = self.rng.sample(demand.alternatives, len(demand.alternatives))
             kept = order[:1] if self.rng.random() < 0.5 else order
-            claims.append(claim._replace(alternatives=tuple(kept)))
-        return replace(activity, claims=tuple(claims))
+            demands.append(demand._replace(alternatives=tuple(kept)))
+        return replace(activity, open_demands=tuple(demands))
 
 
 def _makespan(found: tuple[list[Decision], list[Choice]] | None) -> int | None:

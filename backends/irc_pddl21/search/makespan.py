@@ -44,7 +44,7 @@ def shorten(
 
     `best`: a plan of it that is known.
     """
-    lower = problem.bound.value
+    lower = problem.bounds.makespan.value
     if session.planner.under_deadlines:
         search = _MakespanSearch(session, problem, best)
         best = search.run()
@@ -68,7 +68,8 @@ class _MakespanSearch:
     def is_done(self) -> bool:
         """Whether the bound is met, or time is over."""
         return self.session.is_over or (
-            self.best is not None and ticks(self.problem, self.best) <= self.problem.bound.value
+            self.best is not None
+            and ticks(self.problem, self.best) <= self.problem.bounds.makespan.value
         )
 
     def run(self) -> Schedule | None:
@@ -95,7 +96,12 @@ class _MakespanSearch:
     def _ask_at_bound(self, search: str, seconds: float) -> None:
         """Asks for a plan as short as the bound, in one kind of search."""
         if not self.is_done:
-            self._ask(self.problem, self.problem.bound.value, max(seconds, BOUND_SECONDS), search)
+            self._ask(
+                self.problem,
+                self.problem.bounds.makespan.value,
+                max(seconds, BOUND_SECONDS),
+                search,
+            )
 
     def _ask(
         self,
@@ -108,7 +114,7 @@ class _MakespanSearch:
     ) -> bool:
         """Whether one run gave a shorter plan."""
         asked = problem if deadline is None else with_deadline(problem, deadline)
-        enough = self.problem.bound.value
+        enough = self.problem.bounds.makespan.value
         plan = self.session.ask(asked, seconds, enough=enough, search=search, shortened=shortened)
         before, self.best = self.best, _shorter(self.problem, self.best, plan)
         return self.best is not before
@@ -117,7 +123,7 @@ class _MakespanSearch:
         """Asks for the plan that follows a list schedule, if that is shorter than the best."""
         seconds = min(HINT_SECONDS, HINT_SHARE * self.session.left)
         rng = random.Random(self.session.limits.seed + attempt)
-        known = short_list_schedule(self.problem, self.problem.bound.value, seconds, rng)
+        known = short_list_schedule(self.problem, self.problem.bounds.makespan.value, seconds, rng)
         if known is None:
             return
         if self.best is None or makespan_of(known) < ticks(self.problem, self.best):
@@ -160,12 +166,12 @@ def _shorter(problem: Problem, old: Schedule | None, new: Schedule | None) -> Sc
 def _state_meets_resources(problem: Problem) -> bool:
     """Whether ranks may require another order than tokens; see `irc_pddl21.decoding.rounding`."""
     return bool(problem.variables) and any(
-        activity.claims or activity.details.stock for activity in problem.activities
+        activity.open_demands or activity.details.stock for activity in problem.activities
     )
 
 
 def _may_bind(problem: Problem) -> bool:
     """Whether a deadline at the bound would say more than the problem does."""
-    if not problem.has_contention or not problem.bound.value:
+    if not problem.has_contention or not problem.bounds.makespan.value:
         return False
-    return problem.deadline is None or problem.deadline > problem.bound.value
+    return problem.deadline is None or problem.deadline > problem.bounds.makespan.value

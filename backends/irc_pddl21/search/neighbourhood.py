@@ -14,11 +14,12 @@ from dataclasses import replace
 
 from irc.passes.serial_sgs import Choice
 from irc.problem import Activity, Arc, Problem
+from irc.problem.choices import decision_of, pools_taken
 from irc.problem.decisions import Decision
 from irc.schedule import Schedule
 
 Places = Mapping[int, tuple[Decision, Choice]]
-"""The places of activities (by index) in a schedule: times, and the resource of each claim."""
+"""The places of activities (by index) in a schedule: times, and the pool of each open demand."""
 
 LEAST_FREE = 6
 """The least number of free activities."""
@@ -38,26 +39,9 @@ def places_in(problem: Problem, schedule: Schedule) -> Places:
         if i is None or problem.activities[i].details.repeats is not None:
             continue
         activity = problem.activities[i]
-        decision = Decision(
-            int(entry.start / problem.tick), int(entry.end / problem.tick), mode=None
-        )
-        places[i] = decision, _choice(problem, activity, entry.resources)
+        decision = decision_of(problem, activity, entry)
+        places[i] = decision, pools_taken(problem, activity, decision)
     return places
-
-
-def _choice(problem: Problem, activity: Activity, held: Mapping[str, int]) -> Choice:
-    """The first of each claim's alternatives of which the schedule holds a member."""
-    return tuple(
-        next(
-            (
-                r
-                for r in claim.alternatives
-                if any(problem.resources[m].id in held for m in problem.shared[r].members)
-            ),
-            claim.alternatives[0],
-        )
-        for claim in activity.claims
-    )
 
 
 def near(problem: Problem, known: Places, free: frozenset[int]) -> Problem:
@@ -76,14 +60,21 @@ def near(problem: Problem, known: Places, free: frozenset[int]) -> Problem:
 
 
 def _users(problem: Problem, fixed: Places) -> dict[int, list[int]]:
-    """The activities that hold each shared resource for a while, in order of start."""
+    """The activities that hold each pool for a while, in order of start."""
     users: dict[int, list[int]] = {}
     for i in sorted(fixed, key=lambda i: (fixed[i][0].start, fixed[i][0].end, i)):
         decision, choice = fixed[i]
         if decision.end > decision.start:
-            for r in dict.fromkeys(choice):
+            for r in dict.fromkeys(_pools_held(problem.activities[i], decision, choice)):
                 users.setdefault(r, []).append(i)
     return users
+
+
+def _pools_held(activity: Activity, decision: Decision, choice: Choice) -> Iterator[int]:
+    """The pools of those demands that the activity has in the mode decided."""
+    for demand, pool in zip(activity.open_demands, choice, strict=True):
+        if activity.details.use_mode(demand.use) in (None, decision.mode):
+            yield pool
 
 
 def _orders(users: list[int], fixed: Places) -> Iterator[tuple[int, int]]:
@@ -99,9 +90,9 @@ def _orders(users: list[int], fixed: Places) -> Iterator[tuple[int, int]]:
 def _with_choice(activity: Activity, choice: Choice) -> Activity:
     return replace(
         activity,
-        claims=tuple(
-            claim._replace(alternatives=(r,))
-            for claim, r in zip(activity.claims, choice, strict=True)
+        open_demands=tuple(
+            demand._replace(alternatives=(r,))
+            for demand, r in zip(activity.open_demands, choice, strict=True)
         ),
     )
 

@@ -123,7 +123,7 @@ class PlannerSession:
 
 def ticks(problem: Problem, schedule: Schedule) -> int:
     """The makespan of a schedule, in ticks."""
-    return int(schedule.makespan / problem.tick)
+    return problem.whole_ticks(schedule.makespan)
 
 
 def with_deadline(problem: Problem, deadline: int) -> Problem:

@@ -13,7 +13,7 @@ Value = tuple[int, int]
 
 
 def is_out_of_reach(problem: Problem) -> bool:
-    """Whether a goal, or a condition of what must happen, can never hold."""
+    """Whether a goal, or a condition of a mandatory activity, can never hold."""
     if not problem.variables:
         return False
     reached = reachable_values(problem)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from irc.passes import resource_bounds
 from irc.passes.contention import drop_uncontended
-from irc.passes.critical_path import heads_and_tails
+from irc.passes.critical_path import bounded_mandatory_part, heads_and_tails
 from irc.passes.energy import energy_bound, loads
 from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import drop_ample_stock, restrict
@@ -129,8 +129,9 @@ class SelectionSpace:
         open_groups = tuple(group for group in problem.groups if not group.required)
         problem = replace(problem, objectives=("makespan",), groups=open_groups)
         problem = heads_and_tails(drop_uncontended(problem))
-        core = mandatory_part(problem)  # Only mandatory activities take time for certain.
-        return replace(problem, bound=energy_bound(heads_and_tails(core)).bound)
+        core = bounded_mandatory_part(problem)  # Only mandatory activities take time for certain.
+        bound = energy_bound(core).bounds.makespan
+        return problem.with_bound(bound.value, bound.reason)
 
     def upper_bound(self, chosen: Selection, undecided: Selection) -> int | None:
         """The greatest value with these items and some undecided ones; None if there is none."""
@@ -162,7 +163,7 @@ def _energy_limits(space: SelectionSpace) -> list[Limit]:
     deadline, items = space.problem.deadline, space.items
     if deadline is None or not items:
         return []
-    everything = mandatory_part(space.restricted(frozenset(range(len(items)))))
+    everything, _ = mandatory_part(space.restricted(frozenset(range(len(items)))))
     heads, tails = _ends(space.restricted(frozenset()))
     for k in range(len(items)):
         alone = _ends(space.restricted(frozenset([k])))
@@ -208,12 +209,12 @@ def _limit(room: int, inside: list[_ResourceUser], owner: Mapping[str, int], cou
 
 def _ends(problem: Problem) -> tuple[dict[str, int], dict[str, int]]:
     """Heads and tails by name, the least of all occurrences."""
-    core = mandatory_part(problem)
-    if core is not problem:
-        core = heads_and_tails(core)
+    core = bounded_mandatory_part(problem)
     heads: dict[str, int] = {}
     tails: dict[str, int] = {}
-    for activity, head, tail in zip(core.activities, core.heads, core.tails, strict=True):
+    for activity, head, tail in zip(
+        core.activities, core.bounds.heads, core.bounds.tails, strict=True
+    ):
         heads[activity.id] = min(head, heads.get(activity.id, head))
         tails[activity.id] = min(tail, tails.get(activity.id, tail))
     return heads, tails
@@ -264,7 +265,7 @@ def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
             deadline is not None
             and not activity.details.optional
             and activity.details.repeats is None
-            and problem.heads[i] + activity.duration_min > deadline
+            and problem.bounds.heads[i] + activity.duration_min > deadline
         ):
             return True
     if is_out_of_reach(problem):
@@ -272,6 +273,6 @@ def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
     latest = problem.deadline
     if latest is None:
         return False
-    if thoroughly and problem.bound.value <= latest:
+    if thoroughly and problem.bounds.makespan.value <= latest:
         problem = resource_bounds(problem)
-    return problem.bound.value > latest
+    return problem.bounds.makespan.value > latest

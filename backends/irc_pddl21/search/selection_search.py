@@ -105,7 +105,7 @@ class SelectionSearch:
             if self.session.is_over:
                 return False
             asked = near(problem, known, free)
-            plan = self.session.ask(asked, PLAN_SECONDS, enough=problem.bound.value)
+            plan = self.session.ask(asked, PLAN_SECONDS, enough=problem.bounds.makespan.value)
             if plan is not None:
                 self.chosen, self.plan, self.value = chosen, plan, self.space.value(chosen)
                 return True
@@ -165,12 +165,12 @@ def plan_of(session: PlannerSession, problem: Problem) -> Schedule | None:
         )
     if known is not None and latest is not None and makespan_of(known) <= latest:
         followed = near(problem, known, frozenset())
-        plan = session.ask(followed, PLAN_SECONDS, enough=problem.bound.value)
+        plan = session.ask(followed, PLAN_SECONDS, enough=problem.bounds.makespan.value)
         if plan is not None:
             return plan
     for search in session.planner.searches:
         seconds = max(PLAN_SECONDS, PLAN_SHARE * session.left) / len(session.planner.searches)
-        plan = session.ask(problem, seconds, enough=problem.bound.value, search=search)
+        plan = session.ask(problem, seconds, enough=problem.bounds.makespan.value, search=search)
         if plan is not None:
             return plan
     return None
@@ -187,18 +187,20 @@ def shortest_of_best(
     assert search.plan is not None
     problem = search.problem_of(search.chosen)
     best = shorten(session, problem, search.plan) or search.plan
-    bound = problem.bound.value
+    bound = problem.bounds.makespan.value
     if not search.is_proven:
         return best, None
     for chosen in search.ties():
         if chosen is None:
             return best, None
         other = search.problem_of(chosen)
-        if is_refuted(other, thoroughly=False) or other.bound.value >= ticks(problem, best):
+        if is_refuted(other, thoroughly=False) or other.bounds.makespan.value >= ticks(
+            problem, best
+        ):
             continue
         sooner = replace(other, deadline=ticks(problem, best) - 1)
         plan = shorten(session, sooner)
         if plan is not None and ticks(problem, plan) < ticks(problem, best):
             best = plan
-        bound = min(bound, other.bound.value)
+        bound = min(bound, other.bounds.makespan.value)
     return best, bound

@@ -58,25 +58,25 @@ def _by_makespan(
 ) -> dict[str, int]:
     """The bounds of the makespan first; then, under it as a deadline, of the selection."""
     best = shorten(session, problem)
-    bounds = {"makespan": problem.bound.value}
+    bounds = {"makespan": problem.bounds.makespan.value}
     selective = tuple(takewhile(lambda name: name in SELECTIVE, behind))
     if best is None or not selective or session.is_over:
         return bounds
     shortest = ticks(problem, best)
     within = _with_fixed_presence(replace(problem, deadline=shortest))
     found = _by_selection(session, within, selective, makespan=False)
-    return {**bounds, **found} if shortest == problem.bound.value else bounds
+    return {**bounds, **found} if shortest == problem.bounds.makespan.value else bounds
 
 
 def _by_selection(
     session: PlannerSession, problem: Problem, names: tuple[str, ...], makespan: bool
 ) -> dict[str, int]:
     """The bounds of the selection first; then of the makespan of the best selection."""
-    choice = optional_items(problem, names)
-    if choice is None:
+    found = optional_items(problem, names)
+    if found is None:
         shorten(session, replace(problem, objectives=("makespan",)))
         return {}
-    items, weights = choice
+    items, weights = found
     search = SelectionSearch(session, SelectionSpace(problem, items))
     search.run()
     if search.chosen is None or session.best is None:
@@ -144,4 +144,4 @@ def proven(problem: Problem, outcome: Outcome) -> bool:
     schedule = outcome.schedule
     if schedule is None or problem.objectives != ("makespan",):
         return False
-    return schedule.makespan == problem.to_units(problem.bound.value)
+    return schedule.makespan == problem.to_units(problem.bounds.makespan.value)

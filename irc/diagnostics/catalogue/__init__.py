@@ -43,7 +43,7 @@ class Entry:
     files: Mapping[str, str] = field(default_factory=dict)
     printed_by: str | None = None
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The document that `irc explain-code --format json` prints."""
         return {
             "code": self.code.id,

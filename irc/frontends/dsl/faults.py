@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from irc.diagnostics import Code
+from irc.errors import IrcError
 
 
-class Fault(Exception):
+class Fault(IrcError):
     """What is wrong with a statement: the code, the words, and the offsets in its text."""
 
     def __init__(

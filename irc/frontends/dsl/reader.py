@@ -76,21 +76,28 @@ def read_dsl(
     library = Library(folder)
     reader = _Reader(library, Builder(Budget()))
     reader.read(text, file)
-
-    def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
-        # The same texts are read again, this time with an eye on places.
-        again = Library(folder, library.known, kept=True)
-        places = Places(wanted)
-        _Reader(again, Builder(Budget(), places)).read(text, file)
-        return places.found
-
     return DslReading(
         reader.document(),
-        Source(name, text, locate),
+        Source(name, text, _Locator(library, file)),
         tuple(reader.faults.values()),
         tuple(notes),
         tuple(reader.broken),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Locator:
+    """Finds the elements of a text that has been read, and of what it includes."""
+
+    library: Library
+    file: Path | None
+
+    def __call__(self, text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        # The same texts are read again, this time with an eye on places.
+        places = Places(wanted)
+        again = Library(self.library.folder, self.library.known, kept=True)
+        _Reader(again, Builder(Budget(), places)).read(text, self.file)
+        return places.found
 
 
 def readable_statements(text: str, most: int) -> int:

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from lark import Token
 
+from irc.errors import IrcError
 from irc.frontends.english.parsing import Derivation
 from irc.frontends.english.statements import (
     Apart,
@@ -40,7 +41,7 @@ _VALUED = frozenset(["NUM", "NUMS", "LABEL", "NAME", "QUOTE", "UNIT", "FREE", "O
 _ORDINALS = ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"]
 
 
-class Inexact(Exception):
+class Inexact(IrcError):
     """A part of a sentence that is not exact; the text is a key of the reasons for refusal."""
 
 

@@ -13,6 +13,7 @@ from lark.exceptions import LarkError
 from lark.grammar import Rule
 from lark.lexer import Lexer
 
+from irc.errors import IrcError
 from irc.frontends.english.words import Vocabulary, Word
 from irc_grammars import read_grammar
 
@@ -25,7 +26,7 @@ _MOST_SHAPES = 50_000
 Derivation = Tree[Token]
 
 
-class TooManyReadings(Exception):
+class TooManyReadings(IrcError):
     """A sentence that falls apart in more ways than are compared."""
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
-from irc.diagnostics.source import Locator, Pointer, Range, Source
+from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.english.assembly import Assembly
 from irc.frontends.english.layout import (
     Block,
@@ -59,14 +59,17 @@ def read_english(text: str, name: str) -> RawDocument:
     if assembly.problems:
         raise InputError(Report(tuple(findings.items), source))
     content, places = assembly.document()
-    return RawDocument(content, Source(name, text, _locator(places)), findings)
+    return RawDocument(content, Source(name, text, _Locator(places)), findings)
 
 
-def _locator(places: Mapping[Pointer, Range]) -> Locator:
-    def locate(_text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
-        return {pointer: places[pointer] for pointer in wanted if pointer in places}
+@dataclass(frozen=True, slots=True)
+class _Locator:
+    """Knows the places of all elements."""
 
-    return locate
+    places: Mapping[Pointer, Range]
+
+    def __call__(self, _text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+        return {pointer: self.places[pointer] for pointer in wanted if pointer in self.places}
 
 
 @dataclass

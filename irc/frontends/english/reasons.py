@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from irc.diagnostics import Code
+from irc.errors import IrcError
 
 UNDERSTOOD = (
     'understood are steps ("Step 3. Sift the flour (3 minutes)"), orders ("Step 1 must precede '
@@ -27,7 +28,7 @@ class Problem:
     hint: str | None = None
 
 
-class Unclear(Exception):
+class Unclear(IrcError):
     """A part of the text that is understood but not exact."""
 
     def __init__(self, problem: Problem) -> None:

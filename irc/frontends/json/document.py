@@ -143,7 +143,7 @@ def read_document(text: str, name: str) -> RawDocument:
             raise _faults(text, failed[-1] if failed else start, name, findings)
     start, end, content = _only(found, text, name, findings)
     note_surroundings(text, start, end, findings)
-    source = Source(name, text, _locator(start))
+    source = Source(name, text, _Locator(start))
     if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
@@ -192,8 +192,13 @@ _SPELLINGS: Mapping[str | int, tuple[str | int, ...]] = {
 """Other ways in which a document may write a step of a path (aliases, pairs)."""
 
 
-def _locator(start: int) -> Any:
-    def locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
+@dataclass(frozen=True, slots=True)
+class _Locator:
+    """Finds the elements of the JSON value that begins at `start`."""
+
+    start: int
+
+    def __call__(self, text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
         from irc.frontends.json.scan import scan
 
         meant = {
@@ -201,17 +206,15 @@ def _locator(start: int) -> Any:
             for pointer in wanted
             for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
         }
-        places = scan(text, start, meant.keys()).places
+        places = scan(text, self.start, meant.keys()).places
         return {
             meant[written]: replace(place, written=written) for written, place in places.items()
         }
 
-    return locate
-
 
 def json_source(name: str, text: str, start: int = 0) -> Source:
     """The source of a text that holds one JSON value from `start` on, whatever it stands for."""
-    return Source(name, text, _locator(start))
+    return Source(name, text, _Locator(start))
 
 
 _Found = tuple[int, int, dict[str, Any]]

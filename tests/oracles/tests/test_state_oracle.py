@@ -347,9 +347,15 @@ CHOICE_CASES = {
 }
 
 STOCK_AND_TIME_CASES = {
-    "only the net level of an instant counts": (
+    "changes of one instant come one after another": (
         document_of(
             act("lay", 2, produces=takes()), act("fry", 3, consumes=takes()), resources=egg(max=0)
+        ),
+        None,
+    ),
+    "within an instant what is given can be taken": (
+        document_of(
+            act("lay", 2, produces=takes()), act("fry", 3, consumes=takes()), resources=egg(max=1)
         ),
         (5,),
     ),

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from irc.errors import IrcError
 from irc.frontends.importers.pddl.lifted import (
     Equality,
     Fact,
@@ -31,11 +32,11 @@ Atom = tuple[Fact, bool]
 """A fact and whether it is true."""
 
 
-class TooLargeError(ValueError):
+class TooLargeError(IrcError, ValueError):
     """Grounding would go beyond `MOST_ACTIONS`."""
 
 
-class DurationError(ValueError):
+class DurationError(IrcError, ValueError):
     """An action with a length that is none."""
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from irc.errors import IrcError
+
 Fact = tuple[str, ...]
 """A predicate (or function) with its objects: ("at", "truck1", "depot")."""
 
@@ -14,7 +16,7 @@ Term = int | str
 """A parameter by its place, or an object by its name."""
 
 
-class UnexpectedError(ValueError):
+class UnexpectedError(IrcError, ValueError):
     """The reader gave something that is not taken, in spite of what was looked for before."""
 
 

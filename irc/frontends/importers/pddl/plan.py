@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
+from irc.errors import IrcError
 from irc.frontends.importers.pddl.task import EVENT
 from irc.model import DurationRange, Task
 from irc.model.quantities import Number
@@ -24,7 +25,7 @@ LARGEST_EPSILON = Fraction(1, 1000)
 """What planners customarily separate by."""
 
 
-class PlanError(ValueError):
+class PlanError(IrcError, ValueError):
     """A schedule that cannot be written as a plan; the text says why."""
 
 

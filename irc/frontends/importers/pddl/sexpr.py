@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from irc.errors import IrcError
+
 MAX_DEPTH = 100
 """Deeper nesting is refused; real domains need about ten levels."""
 
@@ -59,7 +61,7 @@ class Form:
         return None
 
 
-class SyntaxFault(ValueError):
+class SyntaxFault(IrcError, ValueError):
     """The text is not one well-formed list; `offset` says where."""
 
     def __init__(self, message: str, offset: int) -> None:

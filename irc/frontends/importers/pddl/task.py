@@ -13,6 +13,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from irc.errors import IrcError
 from irc.frontends.importers.instances import without_empty
 from irc.frontends.importers.pddl.ground import Atom, Ground, atom_text
 from irc.frontends.importers.pddl.lifted import Fact, Lifted
@@ -26,7 +27,7 @@ EVENT = "at "
 Raw = dict[str, Any]
 
 
-class UnreachableError(ValueError):
+class UnreachableError(IrcError, ValueError):
     """A goal that no plan can reach; `fact` is what it asks for."""
 
     def __init__(self, message: str, fact: Fact) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from irc.errors import IrcError
 from irc.model.quantities import Span
 
 STACK = "stack"
@@ -81,7 +82,7 @@ class Step:
     after: str
 
 
-class UnreachableError(ValueError):
+class UnreachableError(IrcError, ValueError):
     """No processing leads an item to the wanted state; the text says why."""
 
 

@@ -1,4 +1,4 @@
-"""What is judged: a task and the entries of a schedule, brought together by name."""
+"""A bound schedule: a task and the entries of a schedule, brought together by name."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, Protocol, TypeVar
 
+from irc.errors import IrcError
 from irc.model import (
     Action,
     DurationRange,
@@ -27,11 +28,11 @@ CANCELLED, ABANDONED = "cancelled", "abandoned"
 """What an entry of a schedule that is being carried out may say of itself."""
 
 
-class UncheckedTaskError(ValueError):
+class UncheckedTaskError(IrcError, ValueError):
     """The task itself is at fault, so no schedule of it can be judged; `irc check` says how."""
 
 
-class InexactTimeError(ValueError):
+class InexactTimeError(IrcError, ValueError):
     """A schedule holds a time that is not an exact number, such as a binary float."""
 
 
@@ -55,8 +56,8 @@ class Occurrence(NamedTuple):
 
     `shortest` and `longest` bound its duration; both are None where the mode is not known. What was
     cancelled could end at any time.
-    `number` is its place in `Subject.occurrences`; `past` is None for what may still be planned
-    otherwise.
+    `number` is its place in `BoundSchedule.occurrences`; `past` is None for what may still be
+    planned otherwise.
     """
 
     number: int
@@ -99,7 +100,7 @@ class Occurrence(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Subject:
+class BoundSchedule:
     """A task and a schedule of it, with every name resolved."""
 
     task: Task
@@ -128,7 +129,7 @@ class Subject:
         return bool(group.actions) and self.done.issuperset(group.actions)
 
 
-def resolve(task: Task, schedule: Schedule, at: Number | None = None) -> Subject:
+def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSchedule:
     """Brings a task and a schedule together; what began before `at` is history.
 
     Raises `UncheckedTaskError` for a task whose references do not hold, and `InexactTimeError` for
@@ -154,7 +155,7 @@ def resolve(task: Task, schedule: Schedule, at: Number | None = None) -> Subject
         occurrence = _occurrence(len(occurrences), entry, action, clock, at)
         occurrences.append(occurrence)
         by_action.setdefault(entry.id, []).append(occurrence)
-    return Subject(
+    return BoundSchedule(
         task,
         clock,
         schedule,

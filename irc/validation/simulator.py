@@ -8,13 +8,13 @@ from typing import Literal, NamedTuple
 
 from irc.model import StateVariable
 from irc.model.quantities import Number
+from irc.model.state_values import value_text
 from irc.validation.happenings import (
     Access,
     Happening,
     Hold,
     Timeline,
     Value,
-    value_text,
 )
 from irc.validation.state_messages import (
     add_broken,
@@ -48,7 +48,7 @@ _Holds = dict[Value, dict[int, Hold]]
 """What must stay as it is, by the value it must have and a number."""
 
 
-class Player:
+class StateSimulator:
     """Plays one variable through.
 
     `lost` are demands that the history alone does not meet: they are carried. `failed` collects
@@ -71,7 +71,7 @@ class Player:
         self.damaged: _Holds = {}
         """Holds that the history itself breaks; what is open may do no more damage to them."""
 
-    def play(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
+    def run(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
         """Checks all that happens to it and returns its last value."""
         moments: dict[tuple[Number, int], _Moment] = {}
 

@@ -1,8 +1,8 @@
-"""Where ranks matter: the happenings that touch one state variable at one instant.
+"""Simultaneous happenings: those that touch one state variable at one instant, and so need ranks.
 
-Such a knot is a small puzzle: put the writers in an order, and each read and each end of a hold in
-a slot between them. Slot i lies after the i-th writer; values[i] is the variable's value there
-(values[0] is what comes in). Most knots have at most one writer and one answer, which is settled
+Such a cluster is a small puzzle: put the writers in an order, and each read and each end of a hold
+in a slot between them. Slot i lies after the i-th writer; values[i] is the variable's value there
+(values[0] is what comes in). Most clusters have at most one writer and one answer, which is settled
 here at once; what is left over is handed to the search.
 """
 
@@ -16,6 +16,8 @@ from typing import Literal, NamedTuple
 from irc.model import StateGoal
 from irc.model.base import StateValue
 from irc.model.quantities import Number
+from irc.model.state_values import value_text
+from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.happenings import (
     Access,
     Edge,
@@ -25,7 +27,6 @@ from irc.validation.happenings import (
     Story,
     Timeline,
     Value,
-    value_text,
 )
 from irc.validation.state_messages import (
     add_broken,
@@ -34,7 +35,6 @@ from irc.validation.state_messages import (
     add_unmet,
     add_unmet_goal,
 )
-from irc.validation.subject import Subject
 from irc.validation.verdict import Violations
 
 
@@ -45,7 +45,7 @@ class _Open(Enum):
 
 
 OPEN = _Open.VALUE
-"""The value that comes into a knot depends on the knot before."""
+"""The value that comes into a cluster depends on the cluster before."""
 
 
 class Writer(NamedTuple):
@@ -66,8 +66,8 @@ class Item(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Knot:
-    """One variable at one instant. `previous` numbers the knot whose last value comes in, where
+class Cluster:
+    """One variable at one instant. `previous` numbers the cluster whose last value comes in, where
     `incoming` is open; `goals` are values it must have in the end."""
 
     variable: str
@@ -143,24 +143,24 @@ def _runs(values: Sequence[Value], wanted: StateValue) -> list[tuple[int, int]]:
 
 
 @dataclass
-class Tangle:
-    """What is settled of all knots, as edges between ranks, and the knots that are not."""
+class RankConstraints:
+    """What is settled of all clusters, as edges between ranks, and the clusters that are not."""
 
     edges: list[Edge] = field(default_factory=list)
-    knots: list[Knot] = field(default_factory=list)
+    clusters: list[Cluster] = field(default_factory=list)
 
 
-def untangle(subject: Subject, story: Story, violations: Violations) -> Tangle:
-    """Settles each knot that has one answer: O(n log n). What no ranks can mend is reported."""
-    tangle = Tangle()
+def rank_constraints(bound: BoundSchedule, story: Story, violations: Violations) -> RankConstraints:
+    """Settles each cluster that has one answer: O(n log n). What no ranks can mend is reported."""
+    constraints = RankConstraints()
     goals: dict[str, list[StateValue]] = {}
-    for goal in dict.fromkeys(subject.task.goals):
+    for goal in dict.fromkeys(bound.task.goals):
         if isinstance(goal, StateGoal):
             goals.setdefault(goal.var, []).append(goal.value)
-    for name, variable in subject.variables.items():
-        pass_over = _Untangling(name, variable.start_value, tangle, violations)
+    for name, variable in bound.variables.items():
+        pass_over = _OneVariable(name, variable.start_value, constraints, violations)
         pass_over.run(story.timelines[name], tuple(goals.get(name, ())))
-    return tangle
+    return constraints
 
 
 @dataclass
@@ -172,16 +172,16 @@ class _Instant:
     spans: list[Hold] = field(default_factory=list)
 
 
-class _Untangling:
+class _OneVariable:
     """One variable, instant by instant."""
 
     def __init__(
-        self, variable: str, initial: Value, tangle: Tangle, violations: Violations
+        self, variable: str, initial: Value, constraints: RankConstraints, violations: Violations
     ) -> None:
         self.variable = variable
         self.value: Value | Literal[_Open.VALUE] = initial
         self.previous: int | None = None
-        self.tangle = tangle
+        self.constraints = constraints
         self.violations = violations
         self.covering: dict[StateValue, dict[int, Hold]] = {}
 
@@ -225,39 +225,39 @@ class _Untangling:
                 add_broken(self.variable, access, broken, self.violations)
                 self.covering = {v: h for v, h in self.covering.items() if v == writer.value}
 
-    def _settle(self, knot: Knot) -> None:
-        if self.value is OPEN or len(knot.writers) > 1:
-            if len(knot.writers) > 1 or knot.items or any(w.needs for w in knot.writers):
-                self.tangle.knots.append(knot)
+    def _settle(self, cluster: Cluster) -> None:
+        if self.value is OPEN or len(cluster.writers) > 1:
+            if len(cluster.writers) > 1 or cluster.items or any(w.needs for w in cluster.writers):
+                self.constraints.clusters.append(cluster)
             return
-        for writer in knot.writers:
+        for writer in cluster.writers:
             for need in writer.needs:
                 if need != self.value:
                     access = Access(writer.happening, need)
                     add_unmet(self.variable, access, value_text(self.value), self.violations)
         undecided = []
-        for item in knot.items:
-            options = slots(item, knot.writers, self.value)
+        for item in cluster.items:
+            options = slots(item, cluster.writers, self.value)
             if not options:
-                self._add_unplaceable(item, knot.writers, self.value)
+                self._add_unplaceable(item, cluster.writers, self.value)
             elif len(options) == 1:
-                self.tangle.edges.extend(options[0])
+                self.constraints.edges.extend(options[0])
             else:
                 undecided.append(item)
         if undecided:
-            self.tangle.knots.append(replace(knot, items=tuple(undecided)))
+            self.constraints.clusters.append(replace(cluster, items=tuple(undecided)))
 
     def _take_over(self, writers: tuple[Writer, ...]) -> None:
         given = {writer.value for writer in writers}
         if len(given) == 1:
             self.value = given.pop()
         elif given:
-            self.value, self.previous = OPEN, len(self.tangle.knots) - 1
+            self.value, self.previous = OPEN, len(self.constraints.clusters) - 1
 
     def _reach_goals(self, goals: tuple[StateValue, ...], time: Number) -> None:
         if self.value is OPEN:
             if goals:
-                self.tangle.knots.append(self._knot(time, (), (), goals))
+                self.constraints.clusters.append(self._knot(time, (), (), goals))
             return
         for goal in goals:
             if goal != self.value:
@@ -269,9 +269,9 @@ class _Untangling:
         writers: tuple[Writer, ...],
         items: tuple[Item, ...],
         goals: tuple[StateValue, ...] = (),
-    ) -> Knot:
+    ) -> Cluster:
         previous = self.previous if self.value is OPEN else None
-        return Knot(self.variable, time, writers, items, self.value, previous, goals)
+        return Cluster(self.variable, time, writers, items, self.value, previous, goals)
 
     def _add_unplaceable(self, item: Item, writers: tuple[Writer, ...], incoming: Value) -> None:
         found = value_text(incoming)

@@ -1,0 +1,63 @@
+"""The Python API: tasks built in code, and what can be done with a task wherever it comes from.
+
+`calls` has the functions (`solve`, `check`, …), `task` and `elements` the classes to build with,
+`event` the changes of a running task. All of it is exported from `irc`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from irc.api.calls import (
+        check,
+        compile,
+        explain,
+        extract,
+        replan,
+        simulate,
+        solve,
+        validate,
+    )
+    from irc.api.elements import Action, Group, Mode, Resource, StateVariable
+    from irc.api.event import Event
+    from irc.api.task import Task, load, loads
+    from irc.api.values import Between, between
+
+_HOMES = {
+    "calls": "check compile explain extract replan simulate solve validate",
+    "elements": "Action Group Mode Resource StateVariable",
+    "event": "Event",
+    "task": "Task load loads",
+    "values": "Between between",
+}
+
+__all__ = [
+    "Action",
+    "Between",
+    "Event",
+    "Group",
+    "Mode",
+    "Resource",
+    "StateVariable",
+    "Task",
+    "between",
+    "check",
+    "compile",
+    "explain",
+    "extract",
+    "load",
+    "loads",
+    "replan",
+    "simulate",
+    "solve",
+    "validate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOMES.items():
+        if name in names.split():
+            return getattr(import_module(f"irc.api.{module}"), name)
+    raise AttributeError(f"module 'irc.api' has no attribute {name!r}")

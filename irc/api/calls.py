@@ -1,0 +1,165 @@
+"""What can be done with a task: `check`, `compile`, `solve`, `explain`, `validate`, and online."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from irc.api.values import read
+from irc.diagnostics import InputError, Report
+from irc.driver.compile import check_task, compile_task
+from irc.driver.extract import extract_answer
+from irc.driver.judge import validate_schedule
+from irc.driver.solve import solve_task
+from irc.frontends.files import read_task
+from irc.model import Task
+from irc.model.built import Built
+from irc.model.quantities import Number
+from irc.model.times import parse_instant
+from irc.schedule import Schedule
+from irc.targets import EngineKeywords, Program, SolveKeywords, SolveOptions, require_seconds
+from irc.validation import Verdict
+
+if TYPE_CHECKING:
+    from irc.execution.simulation import Simulation
+    from irc.execution.step import Step
+    from irc.explanation import Explanation
+    from irc.model import Event
+
+AnyTask = Task | Built[Task] | Mapping[str, Any] | str | Path
+"""A task: one built in code, an immutable one, a JSON document, or the path of a file."""
+
+
+def ir_of(task: AnyTask) -> Task:
+    """The immutable task. Raises `InputError` where a document or file is at fault."""
+    if isinstance(task, Task):
+        return task
+    if isinstance(task, Mapping):
+        return read(task)
+    if isinstance(task, (str, Path)):
+        return read_task(task).task
+    found = getattr(task, "ir", None)
+    if not isinstance(found, Task):
+        raise TypeError(f"expected a task, a document or a path, not {type(task).__name__}")
+    return found
+
+
+def check(task: AnyTask) -> Report:
+    """All diagnostics of a task or a file: errors, warnings and notes, in one run."""
+    try:
+        if isinstance(task, (str, Path)):
+            reading = read_task(task)
+            return check_task(reading.task, reading.notes)
+        return check_task(ir_of(task))
+    except InputError as error:
+        return error.report
+
+
+def compile(task: AnyTask, target: str = "cpsat") -> Program:
+    """The task as a program of `target`: its `files`, its `manifest`, and the way back.
+
+    The program is that of t = 0; where the task has events, its `notes` say that they are not seen.
+    Raises `InputError` where the task is at fault or the target refuses it.
+    """
+    return compile_task(ir_of(task), target)
+
+
+def solve(
+    task: AnyTask,
+    target: str | None = None,
+    *,
+    options: SolveOptions | None = None,
+    **more: Unpack[EngineKeywords],
+) -> Schedule:
+    """The best schedule found, validated, with an honest status.
+
+    The options are those of `SolveOptions`, alone or on top of `options`: `engine`, `time_limit`
+    (seconds of wall-clock time), `memory_limit` (MB), `workers`, `seed`, `shortcut`, `on_progress`.
+    The task is planned as of t = 0: its events are not seen. Raises `InputError`, `OptionError`,
+    `UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    """
+    chosen = SolveOptions.of(options, more, target)
+    answer = solve_task(
+        ir_of(task),
+        chosen.target,
+        chosen.engine,
+        chosen.limits,
+        shortcut=chosen.shortcut,
+        on_progress=chosen.on_progress,
+    )
+    return answer.schedule
+
+
+def explain(task: AnyTask, *, time_limit: float | None = None) -> Explanation:
+    """Why a task has no schedule, or what makes its schedule as long as it is.
+
+    Of an infeasible task: a minimal set of statements that cannot hold together. Of a feasible
+    one: a critical chain, the slack of each action, and what proves that nothing is shorter.
+    `time_limit` in seconds of wall-clock time. Raises `InputError` for a task with other faults
+    than that it cannot be scheduled, or that the solver's target refuses.
+    """
+    from irc.explanation import explain_task
+
+    require_seconds(time_limit)
+    return explain_task(ir_of(task), time_limit)
+
+
+def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:
+    """An engine's raw output → the validated schedule of the original task.
+
+    Needs nothing but the manifest, so another process, or another day, can do it. Raises
+    `InputError` where the manifest or the answer cannot be used.
+    """
+    document = manifest.manifest if isinstance(manifest, Program) else manifest
+    return extract_answer(document, answer).schedule
+
+
+def validate(task: AnyTask, schedule: Schedule, at: Number | str | None = None) -> Verdict:
+    """The independent verdict: `valid`, and every violation with its rule, actions and times.
+
+    `at` is a time of the task, as a number of its unit or a text such as "5 min": what began
+    before is history, and what it alone causes is `carried`, not held against the schedule.
+    Raises `InputError` where the task is faulty or the schedule says it is of another task, and
+    `irc.TimeError` where `at` is no time of it.
+    """
+    known = ir_of(task)
+    moment = None if at is None else known.number(parse_instant(at))
+    return validate_schedule(known, schedule, at=moment)
+
+
+def replan(
+    task: AnyTask,
+    schedule: Schedule,
+    at: Number,
+    events: Iterable[Event | Built[Event]] = (),
+    *,
+    options: SolveOptions | None = None,
+    **more: Unpack[SolveKeywords],
+) -> Step:
+    """The schedule of a running task repaired at `at`, after events of that instant.
+
+    What has begun stays, the rest is planned again. The options are those of `solve` and
+    `stability`. Raises what `Execution.apply` and `Execution.replan` raise.
+    """
+    from irc.execution.execution import replan
+
+    return replan(ir_of(task), schedule, at, events, options=options, **more)
+
+
+def simulate(
+    task: AnyTask,
+    *,
+    schedule: Schedule | None = None,
+    on_step: Callable[[Step], None] | None = None,
+    options: SolveOptions | None = None,
+    **more: Unpack[SolveKeywords],
+) -> Simulation:
+    """The task through all of its events: planned, and repaired after each.
+
+    `schedule` is the plan to begin with, if there is one. The options are those of `replan`, for
+    each time that it is planned; `on_step` is called after each step.
+    """
+    from irc.execution.simulation import simulate
+
+    return simulate(ir_of(task), schedule=schedule, on_step=on_step, options=options, **more)

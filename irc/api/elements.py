@@ -1,0 +1,424 @@
+"""What a task is made of, built in code: actions, modes, resources, state variables, groups.
+
+Each method returns the element itself, so that calls can be chained, and checks at once what it is
+given. `ir` is the immutable part of the IR that an element stands for.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Generic, Literal, Self, TypeVar, overload
+
+from irc.api.values import Duration, Length, Moment, duration, length, moment, read_part
+from irc.errors import OptionError
+from irc.model import Action as IrAction
+from irc.model import Group as IrGroup
+from irc.model import Resource as IrResource
+from irc.model import StateVariable as IrStateVariable
+from irc.model.parts import PrecedenceType
+
+if TYPE_CHECKING:
+    from irc.api.task import Task
+
+Value = bool | str
+"""A value of a state variable."""
+
+_Node = TypeVar("_Node", IrAction, IrGroup, IrResource, IrStateVariable)
+
+
+def without_none(**fields: Any) -> dict[str, Any]:
+    """The fields that are given."""
+    return {name: value for name, value in fields.items() if value is not None}
+
+
+class Element(Generic[_Node]):
+    """An element with an id, in one section of a task."""
+
+    section: str
+
+    def __init__(self, raw: Mapping[str, Any], task: Task | None = None) -> None:
+        self._raw = dict(raw)
+        self._ir: _Node = read_part(self.section, self._raw)
+        self._task = task
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+        return self._ir.id
+
+    @property
+    def ir(self) -> _Node:
+        """The immutable part of the IR that it stands for now."""
+        return self._ir
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its object in the JSON document."""
+        shown: dict[str, Any] = self._ir.model_dump(mode="json", by_alias=True, exclude_unset=True)
+        return shown
+
+    def joined(self, task: Task) -> Self:
+        """The same element as a part of a task. Raises `OptionError` where it is one of another."""
+        if self._task is not None and self._task is not task:
+            raise OptionError(f"{self.id!r} is a part of another task; make a new one")
+        self._task = task
+        return self
+
+    def _set(self, **fields: Any) -> Self:
+        raw = {**self._raw, **fields}
+        self._ir = read_part(self.section, raw)
+        self._raw = raw
+        return self
+
+    def _more(self, field: str, *items: Any) -> Self:
+        return self._set(**{field: [*self._raw.get(field, ()), *items]})
+
+    def _moment(self, value: Moment) -> Any:
+        return moment(value, None if self._task is None else self._task.ir_head)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Element):
+            return NotImplemented
+        return type(self) is type(other) and self._ir == other._ir
+
+    def __hash__(self) -> int:
+        return hash((self.section, self.id))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.id!r})"
+
+
+class Resource(Element[IrResource]):
+    """A station, a robot, a crew (renewable), or a stock (reservoir)."""
+
+    section = "resources"
+
+    def __init__(
+        self,
+        id: str,
+        *,
+        capacity: int | None = None,
+        label: str | None = None,
+        description: str | None = None,
+    ) -> None:
+        """A renewable resource; `Task.reservoir` makes a stock."""
+        super().__init__(
+            without_none(id=id, capacity=capacity, label=label, description=description)
+        )
+
+    @classmethod
+    def reservoir(
+        cls,
+        id: str,
+        *,
+        initial: int | None = None,
+        min: int | None = None,
+        max: int | None = None,
+        label: str | None = None,
+        description: str | None = None,
+    ) -> Resource:
+        """A stock that actions consume and produce, with its level at first and its bounds."""
+        fields = without_none(
+            initial=initial, min=min, max=max, label=label, description=description
+        )
+        return cls(id)._set(kind="reservoir", **fields)
+
+    def available(self, start: Moment, end: Moment, capacity: int) -> Self:
+        """Another capacity from `start` to `end` (0: away)."""
+        window = {"from": self._moment(start), "to": self._moment(end), "capacity": capacity}
+        return self._more("availability", window)
+
+
+class StateVariable(Element[IrStateVariable]):
+    """A fact of the world that has one of some values at a time."""
+
+    section = "state"
+
+    def __init__(
+        self, id: str, values: Sequence[Value] | None = None, *, initial: Value | None = None
+    ) -> None:
+        """Without `values` a boolean that is false at first."""
+        listed = None if values is None else list(values)
+        super().__init__(without_none(id=id, values=listed, initial=initial))
+
+
+def name_of(element: Element[Any] | str) -> str:
+    """The id of an element, or the id itself."""
+    return element.id if isinstance(element, Element) else element
+
+
+class _Uses(ABC):
+    """What holds resources: an action, and each of its modes."""
+
+    @abstractmethod
+    def _more(self, field: str, *items: Any) -> Self: ...
+
+    def uses(self, *resources: Resource | str, amount: int = 1) -> Self:
+        """Holds `amount` units of each of these resources from its start to its end."""
+        return self._more("uses", *(_use("resource", name_of(r), amount) for r in resources))
+
+    def one_of(self, *resources: Resource | str, amount: int = 1) -> Self:
+        """Holds `amount` units of one of these resources, whichever the solver chooses."""
+        return self._more("uses", _use("one_of", [name_of(r) for r in resources], amount))
+
+
+def _use(key: str, what: Any, amount: int) -> dict[str, Any]:
+    return {key: what} if amount == 1 else {key: what, "amount": amount}
+
+
+class Mode(_Uses):
+    """One way to carry out an action: its duration, and what it uses besides the action's own."""
+
+    def __init__(self, action: Action, raw: Mapping[str, Any]) -> None:
+        self.action = action
+        self._raw = dict(raw)
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+        return str(self._raw["id"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its object in the JSON document."""
+        place = [mode.id for mode in self.action.ir.modes].index(self.id)
+        shown: dict[str, Any] = self.action.to_dict()["modes"][place]
+        return shown
+
+    def _more(self, field: str, *items: Any) -> Self:
+        old, new = self._raw, {**self._raw, field: [*self._raw.get(field, ()), *items]}
+        self.action.change_mode(old, new)
+        self._raw = new
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Mode) and (self.action, self.id) == (other.action, other.id)
+
+    def __hash__(self) -> int:
+        return hash((self.action, self.id))
+
+    def __repr__(self) -> str:
+        return f"Mode({self.id!r} of {self.action.id!r})"
+
+
+class _Wanted(Element[_Node]):
+    """What can be late, and be worth something: an action or a group."""
+
+    def deadline(self, time: Moment) -> Self:
+        """Has ended by then."""
+        return self._set(deadline=self._moment(time))
+
+    def due(self, time: Moment, *, weight: int | None = None) -> Self:
+        """Ends by then, or is late at a price: `weight` for each unit of time."""
+        return self._set(due=self._moment(time), **without_none(weight=weight))
+
+    def reward(self, amount: int) -> Self:
+        """What it is worth that it happens."""
+        return self._set(reward=amount)
+
+
+class Group(_Wanted[IrGroup]):
+    """Actions of which all happen or none: an order, a delivery."""
+
+    section = "groups"
+
+    def __init__(self, id: str, *actions: Action | str, label: str | None = None) -> None:
+        """A group that must happen; see `optional`."""
+        members = [name_of(action) for action in actions]
+        super().__init__(without_none(id=id, label=label, actions=members))
+
+    def optional(self) -> Self:
+        """May be left out as a whole."""
+        return self._set(required=False)
+
+
+class Action(_Wanted[IrAction], _Uses):
+    """Something that takes time.
+
+    `a >> b` says that b starts after a has ended, `a >> [b, c]` and `[a, b] >> c` likewise.
+    """
+
+    section = "actions"
+
+    def __init__(
+        self,
+        id: str,
+        duration: Duration | None = None,
+        *,
+        label: str | None = None,
+        description: str | None = None,
+    ) -> None:
+        """An action of a fixed duration, of one in a range (`irc.between`), or with modes."""
+        super().__init__(_action_fields(id, duration, label, description))
+        self._modes: list[Mode] = []
+
+    @classmethod
+    def from_ir(cls, action: IrAction, task: Task | None = None) -> Action:
+        """The action that a part of the IR stands for, to be changed further."""
+        made = cls.__new__(cls)
+        Element.__init__(made, action.model_dump(by_alias=True, exclude_unset=True), task)
+        made._modes = [Mode(made, mode) for mode in made._raw.get("modes", ())]
+        return made
+
+    # --- when ---------------------------------------------------------------------------------
+
+    def release(self, time: Moment) -> Self:
+        """Does not start before."""
+        return self._set(release=self._moment(time))
+
+    def start(self, time: Moment) -> Self:
+        """Starts exactly then."""
+        return self._set(start=self._moment(time))
+
+    def before(
+        self,
+        *others: Action | str,
+        min_lag: Length = 0,
+        max_lag: Length | None = None,
+        type: PrecedenceType = "finish-start",
+    ) -> Self:
+        """The others start after it has ended, at least `min_lag` and at most `max_lag` later.
+
+        `type` binds other ends: "start-start", "finish-finish", "start-finish".
+        """
+        for other in others:
+            self._home().precedence(self, other, min_lag=min_lag, max_lag=max_lag, type=type)
+        return self
+
+    def after(
+        self,
+        *others: Action | str,
+        min_lag: Length = 0,
+        max_lag: Length | None = None,
+        type: PrecedenceType = "finish-start",
+    ) -> Self:
+        """It starts after the others have ended; see `before`."""
+        for other in others:
+            self._home().precedence(other, self, min_lag=min_lag, max_lag=max_lag, type=type)
+        return self
+
+    @overload
+    def __rshift__(self, other: Action) -> Action: ...
+    @overload
+    def __rshift__(self, other: Sequence[Action]) -> Sequence[Action]: ...
+    def __rshift__(self, other: Action | Sequence[Action]) -> Action | Sequence[Action]:
+        """The other starts after this one has ended. Returns the other, for a chain."""
+        self.before(*([other] if isinstance(other, Action) else other))
+        return other
+
+    def __rrshift__(self, others: Iterable[Action]) -> Action:
+        """This one starts after all the others have ended."""
+        return self.after(*others)
+
+    # --- whether and how ----------------------------------------------------------------------
+
+    def optional(self) -> Self:
+        """Happens once or not at all."""
+        return self._set(occurs="optional")
+
+    def occurs(self, min: int = 0, max: int | None = None) -> Self:
+        """Happens from `min` to `max` times; without `max`, as often as the solver likes."""
+        return self._set(occurs=without_none(min=min, max=max))
+
+    def mode(self, id: str, duration: Duration, *, label: str | None = None) -> Mode:
+        """One more way to carry it out, of which the solver chooses one; say there what it uses."""
+        mode = Mode(self, _action_fields(id, duration, label, None))
+        self._set(modes=[*(m._raw for m in self._modes), mode._raw])
+        self._modes.append(mode)
+        return mode
+
+    def change_mode(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> None:
+        """Puts another mode in the place of an old one."""
+        self._set(modes=[new if m._raw is old else m._raw for m in self._modes])
+
+    def cost(self, amount: int) -> Self:
+        """What it costs each time that it happens."""
+        return self._set(cost=amount)
+
+    # --- stock and state ----------------------------------------------------------------------
+
+    def consumes(
+        self,
+        reservoir: Resource | str,
+        amount: int = 1,
+        *,
+        at: Literal["start", "end"] | None = None,
+    ) -> Self:
+        """Takes from a stock, at its start if not said otherwise."""
+        change = without_none(resource=name_of(reservoir), amount=amount, at=at)
+        return self._more("consumes", change)
+
+    def produces(
+        self,
+        reservoir: Resource | str,
+        amount: int = 1,
+        *,
+        at: Literal["start", "end"] | None = None,
+    ) -> Self:
+        """Puts into a stock, at its end if not said otherwise."""
+        change = without_none(resource=name_of(reservoir), amount=amount, at=at)
+        return self._more("produces", change)
+
+    def condition(
+        self,
+        variable: StateVariable | str,
+        value: Value = True,
+        *,
+        at: Literal["start", "all", "end"] = "start",
+    ) -> Self:
+        """`variable` has `value` when it starts, when it ends, or all the time."""
+        return self._more("conditions", {"at": at, "var": name_of(variable), "value": value})
+
+    def effect(
+        self,
+        variable: StateVariable | str,
+        value: Value = True,
+        *,
+        at: Literal["start", "end"] = "end",
+    ) -> Self:
+        """`variable` has `value` from its end (or start) on."""
+        return self._more("effects", {"at": at, "var": name_of(variable), "value": value})
+
+    def _home(self) -> Task:
+        if self._task is None:
+            raise OptionError(
+                f"{self.id!r} is not a part of a task yet: make it with `task.action(…)`, or give "
+                "it to `task.add(…)` first"
+            )
+        return self._task
+
+
+def _action_fields(
+    id: str, length_of: Duration | None, label: str | None, description: str | None
+) -> dict[str, Any]:
+    fields = without_none(id=id, label=label, description=description)
+    return fields if length_of is None else {**fields, "duration": duration(length_of)}
+
+
+def precedence_fields(
+    before: Action | str,
+    after: Action | str,
+    min_lag: Length,
+    max_lag: Length | None,
+    type: PrecedenceType,
+) -> dict[str, Any]:
+    """The object of a precedence in the JSON document."""
+    fields: dict[str, Any] = {"before": name_of(before), "after": name_of(after)}
+    if type != "finish-start":
+        fields["type"] = type
+    if min_lag != 0:
+        fields["min_lag"] = length(min_lag)
+    if max_lag is not None:
+        fields["max_lag"] = length(max_lag)
+    return fields
+
+
+Goal = Action | Group | StateVariable | str | tuple[StateVariable | str, Value]
+"""What must be so in the end: an action or group that happens, a variable and its value."""
+
+
+def goal_fields(goal: Goal) -> Any:
+    """A goal as the JSON document has it."""
+    if isinstance(goal, tuple):
+        variable, value = goal
+        return {"var": name_of(variable), "value": value}
+    return {"var": goal.id} if isinstance(goal, StateVariable) else name_of(goal)

@@ -1,0 +1,1 @@
+"""Tables in, and what shows them out: HTML for notebooks, and data frames of other libraries."""

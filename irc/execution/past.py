@@ -1,0 +1,158 @@
+"""The past comes first: ranks of what has been, and the order of an event's instant.
+
+At the instant of an event there is what ended then, then the event's changes of the world, then
+what starts. What has been keeps its ranks, wherever its times are as they were planned.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from irc.execution.executed import ExecutedActivity
+from irc.execution.history import History
+from irc.execution.state import key_of
+from irc.problem import Activity, Arc, Problem, Ranks
+
+
+def known_ranks(
+    problem: Problem, history: History, activity: Activity, past: ExecutedActivity
+) -> Ranks | None:
+    """The ranks that an occurrence has had; None where there is no state, or none is known.
+
+    What was seen to happen at another time than planned gets its rank anew.
+    """
+    planned = history.plan.get(key_of(past.entry))
+    if planned is None or not problem.variables:
+        return None
+    start = past.rank if planned.start == past.entry.start else None
+    if past.running:
+        return None if start is None else Ranks(start, None, at_least=activity.is_fixed)
+    end = past.end_rank if planned.end == past.entry.end else None
+    if end is None and (activity.is_fixed or past.cancelled):
+        # Start and end have one rank, which is that of an end nobody has planned.
+        return None
+    return None if start is None and end is None else Ranks(start, end)
+
+
+def past_first(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> tuple[Problem, dict[int, ExecutedActivity]]:
+    """The problem in which nothing open comes before what has been at this instant.
+
+    Changes of the world get the least rank that has them come behind what ended.
+    """
+    changes = [
+        i for i in executed if executed[i].by_itself and problem.activities[i].details.ranks is None
+    ]
+    for time in sorted({now, *(executed[i].start for i in changes)}):
+        problem, executed = _at_instant(
+            problem, executed, time, [i for i in changes if executed[i].start == time], now
+        )
+    return problem, dict(executed)
+
+
+def _at_instant(
+    problem: Problem,
+    executed: Mapping[int, ExecutedActivity],
+    time: int,
+    changes: Sequence[int],
+    now: int,
+) -> tuple[Problem, dict[int, ExecutedActivity]]:
+    ended = [
+        i
+        for i, past in executed.items()
+        if past.start < past.end == time and not past.running and _is_concerned(problem, i)
+    ]
+    unknown = [i for i in ended if _end_rank(problem, i) is None]
+    known = max((_end_rank(problem, i) or 0 for i in ended), default=0)
+    ranks = _change_ranks(problem, changes, _free_ranks(problem, ended), known + len(unknown))
+    activities, ranked = list(problem.activities), dict(executed)
+    for i, own in ranks.items():
+        details = replace(activities[i].details, ranks=Ranks(own, own))
+        activities[i] = replace(activities[i], details=details)
+        ranked[i] = replace(executed[i], rank=own, end_rank=own)
+    # (Some changes of the world have their ranks from an earlier plan.)
+    had = [f.rank for f in executed.values() if f.by_itself and f.start == time]
+    rank = max([known, *had, *ranks.values()])
+    later = [
+        i
+        for i, activity in enumerate(activities)
+        if _begins(executed.get(i), time, now)
+        and activity.details.ranks is None
+        and _is_concerned(problem, i)
+    ]
+    free = _free_ranks(problem, ended)
+    for i in later:
+        reads, writes = _touched(activities[i], at_end=False)
+        least = max(
+            [rank, *(free[var, True] for var in reads), *(free[var, False] for var in writes)]
+        )
+        if least:
+            details = replace(activities[i].details, not_before=(time, least))
+            activities[i] = replace(activities[i], details=details)
+    arcs = [Arc(i, j, origin=-1) for i in unknown for j in (*changes, *later)]
+    return replace(problem, activities=tuple(activities), arcs=(*problem.arcs, *arcs)), ranked
+
+
+def _begins(past: ExecutedActivity | None, time: int, now: int) -> bool:
+    """Whether something may begin at an instant, or has, that is now or before."""
+    return time == now if past is None else past.start == time and not past.by_itself
+
+
+def _is_concerned(problem: Problem, i: int) -> bool:
+    details = problem.activities[i].details
+    return bool(details.conditions or details.effects or details.stock)
+
+
+def _end_rank(problem: Problem, i: int) -> int | None:
+    """The rank of an end that has been, where it is known."""
+    ranks = problem.activities[i].details.ranks
+    if ranks is None:
+        return None
+    return ranks.start if problem.activities[i].is_fixed else ranks.end
+
+
+def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bool]]:
+    """The least rank at which a variable may be read (True) or changed without interfering with
+    what ended. (Also where its condition did not hold, and binds nobody any more.)"""
+    free: Counter[tuple[int, bool]] = Counter()
+    for i in ended:
+        rank = 1 + (_end_rank(problem, i) or 0)
+        reads, writes = _touched(problem.activities[i], at_end=True)
+        for var in writes:
+            free[var, True] = max(free[var, True], rank)
+        for var in reads | writes:
+            free[var, False] = max(free[var, False], rank)
+    return free
+
+
+def _touched(activity: Activity, *, at_end: bool) -> tuple[set[int], set[int]]:
+    """The variables that a start (with all that an activity of no duration does), or an end, reads
+    and changes."""
+    details = activity.details
+    both = not activity.duration_min
+    reads = {
+        c.var
+        for c in details.conditions
+        if c.at == ("end" if at_end else "start") or (both and not at_end)
+    }
+    writes = {e.var for e in details.effects if e.at_end == at_end or (both and not at_end)}
+    return reads, writes
+
+
+def _change_ranks(
+    problem: Problem, changes: Sequence[int], free: Counter[tuple[int, bool]], rank: int
+) -> dict[int, int]:
+    """Changes of the world behind all ranks that what ended has, and those of one variable in
+    their order."""
+    ranks = {
+        i: max([rank, *(free[e.var, False] for e in problem.activities[i].details.effects)])
+        for i in changes
+    }
+    for _ in changes:
+        for arc in problem.arcs:
+            if arc.before in ranks and arc.after in ranks:
+                ranks[arc.after] = max(ranks[arc.after], ranks[arc.before] + 1)
+    return ranks

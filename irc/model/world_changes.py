@@ -1,0 +1,38 @@
+"""Changes of the world: how a task says that an event has changed a state variable by itself.
+
+Such a change is an action of no duration, with a fixed start and one effect. Its id names it:
+"`var` at `time`", with a number where that is taken.
+"""
+
+from __future__ import annotations
+
+import re
+
+from irc.model import Action, DurationRange
+from irc.model.quantities import Number
+from irc.model.times import Clock, format_number
+
+_NUMBER = re.compile(r"( \(\d+\))?")
+
+_FIELDS = frozenset(["id", "duration", "start", "effects"])
+
+
+def world_change_id(var: str, at: Number) -> str:
+    """The id of a change of `var` at `at`, without a number."""
+    return f"{var} at {format_number(at)}"
+
+
+def is_world_change(action: Action, clock: Clock) -> bool:
+    """Whether an action does nothing but change one variable, at the instant that its id names."""
+    if action.start is None or len(action.effects) != 1 or not action.model_fields_set <= _FIELDS:
+        return False
+    (effect,) = action.effects
+    duration = action.duration
+    if effect.at != "start" or isinstance(duration, DurationRange) or duration is None:
+        return False
+    stem = world_change_id(effect.var, clock.number(action.start))
+    return (
+        clock.number(duration) == 0
+        and action.id.startswith(stem)
+        and _NUMBER.fullmatch(action.id, len(stem)) is not None
+    )

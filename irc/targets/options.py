@@ -1,0 +1,113 @@
+"""The options of solving: the same names and units in Python and on the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, TypedDict
+
+from irc.diagnostics import did_you_mean
+from irc.errors import OptionError
+from irc.model.quantities import TimeError, exact
+from irc.model.times import format_number, parse_number
+from irc.targets.outcome import Limits, OnProgress
+
+
+def require_seconds(time_limit: float | None) -> None:
+    """Raises `OptionError` where a time limit leaves no time."""
+    if time_limit is not None and not time_limit > 0:
+        raise OptionError(f"time_limit must be more than 0 seconds, not {time_limit}")
+
+
+def read_share(value: float | Fraction | str) -> Fraction:
+    """A share of something as a number or a text: 0.05, "0.05" and "5%" are the same.
+
+    More than the whole is said in percent, or as a `Fraction`, so that 5 is never taken for 5 %.
+    Raises `OptionError`.
+    """
+    text = str(value).strip()
+    try:
+        share = parse_number(text.removesuffix("%").rstrip())
+    except TimeError:
+        raise OptionError(f'expected a fraction such as 0.05 or "5%", not {text!r}') from None
+    if text.endswith("%"):
+        share = Fraction(share, 100)
+    elif share > 1 and not isinstance(value, Fraction):
+        raise OptionError(
+            f"{text} is more than the whole: write {format_number(exact(Fraction(share, 100)))} or "
+            f'"{text}%" for {text} percent, "{format_number(share * 100)}%" for {text} times'
+        )
+    if share < 0:
+        raise OptionError(f"a fraction must not be negative: {text}")
+    return Fraction(share)
+
+
+class EngineKeywords(TypedDict, total=False):
+    """The fields of `SolveOptions` but the target, as keyword arguments."""
+
+    engine: str
+    time_limit: float | None
+    memory_limit: int | None
+    workers: int | None
+    seed: int
+    shortcut: bool
+    stability: float | Fraction | str
+    on_progress: OnProgress | None
+
+
+class SolveKeywords(EngineKeywords, total=False):
+    """The fields of `SolveOptions`, as keyword arguments."""
+
+    target: str
+
+
+@dataclass(frozen=True, slots=True)
+class SolveOptions:
+    """How a task is solved: the same in `solve`, `replan`, `simulate` and `Execution`.
+
+    `time_limit` is wall-clock seconds for each time that something is planned (None: no limit),
+    `memory_limit` MB. With `shortcut` a task without contention is solved by its critical path
+    alone. `stability` is by how much, as a fraction (0.05 or "5%"), the last objective may get
+    worse so that less of a running plan moves. Raises `OptionError`.
+    """
+
+    target: str = "cpsat"
+    engine: str = "auto"
+    time_limit: float | None = 60.0
+    memory_limit: int | None = None
+    workers: int | None = None
+    seed: int = 0
+    shortcut: bool = True
+    stability: float | Fraction | str = 0
+    on_progress: OnProgress | None = None
+
+    def __post_init__(self) -> None:
+        require_seconds(self.time_limit)
+        for name, least in (("memory_limit", 1), ("workers", 1), ("seed", 0)):
+            value = getattr(self, name)
+            if value is not None and value < least:
+                raise OptionError(f"{name} must be at least {least}, not {value}")
+        object.__setattr__(self, "stability", read_share(self.stability))
+
+    @classmethod
+    def of(
+        cls, options: SolveOptions | None, more: Mapping[str, Any], target: str | None = None
+    ) -> SolveOptions:
+        """These options with others in their place. Raises `TypeError` for an unknown name."""
+        for name in more:
+            if name not in cls.__slots__:
+                hint = did_you_mean(name, cls.__slots__) or f"known are {', '.join(cls.__slots__)}"
+                raise TypeError(f"there is no option {name!r}; {hint}")
+        named = more if target is None else {**more, "target": target}
+        return replace(options or cls(), **named)
+
+    @property
+    def limits(self) -> Limits:
+        """What an engine may spend each time."""
+        return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
+
+    @property
+    def share(self) -> Fraction:
+        """The stability as an exact number."""
+        return read_share(self.stability)

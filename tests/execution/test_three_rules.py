@@ -1,0 +1,325 @@
+"""Three rules of an instant: resources respect ranks, the past comes first, and stock changes one
+happening after another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import irc
+from irc.execution import Execution, replan, simulate
+from irc.model import Event, Task
+from irc.schedule import Entry, Schedule
+from irc.targets import SolveOptions
+from irc.validation import validate
+
+OPTIONS = SolveOptions(time_limit=20)
+TARGETS = ("cpsat", "pddl21")
+
+
+def fact(at: str, var: str, value: Any = True) -> dict[str, Any]:
+    return {"at": at, "var": var, "value": value}
+
+
+def press(name: str, duration: int, **fields: Any) -> dict[str, Any]:
+    return {"id": name, "duration": duration, "uses": [{"resource": "press"}], **fields}
+
+
+CHANGEOVER = Task.model_validate(
+    {
+        "resources": [{"id": "press"}],
+        "state": [{"id": "ink", "values": ["black", "red"], "initial": "black"}],
+        "actions": [
+            press("black", 3, release=5, conditions=[fact("start", "ink", "black")]),
+            press("red", 4, conditions=[fact("start", "ink", "red")]),
+            press(
+                "wash",
+                1,
+                conditions=[fact("start", "ink", "black")],
+                effects=[fact("end", "ink", "red")],
+            ),
+        ],
+    }
+)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_what_is_freed_at_a_rank_is_taken_at_no_earlier_one(target: str) -> None:
+    schedule = irc.solve(CHANGEOVER, target=target, time_limit=20)
+    assert schedule.makespan == 13
+    assert validate(CHANGEOVER, schedule).valid
+
+
+def test_the_validator_sees_who_takes_a_resource_before_it_is_free() -> None:
+    entries = (
+        Entry("wash", 4, 5, {"press": 1}, rank=1),
+        Entry("black", 5, 8, {"press": 1}),
+        Entry("red", 8, 12, {"press": 1}),
+    )
+    (violation,) = validate(CHANGEOVER, Schedule(entries)).violations
+    assert violation.message == (
+        "2 of 'press' are in use at 5 s, in the order of ranks, its capacity then is 1 "
+        "(used by 'wash', 'black')"
+    )
+    unranked = tuple(Entry(e.id, e.start, e.end, e.resources) for e in entries)
+    assert "no ranks exist" in validate(CHANGEOVER, Schedule(unranked)).violations[0].message
+
+
+def test_of_several_units_only_as_many_are_handed_over_as_must_be() -> None:
+    """Of two units one is free: who starts before another ends takes that one."""
+    task = Task.model_validate(
+        {
+            "resources": [{"id": "press", "capacity": 2}],
+            "state": [{"id": "lit"}],
+            "actions": [
+                press("weld", 4, conditions=[fact("end", "lit")]),
+                press(
+                    "match", 2, release=4, effects=[fact("start", "lit"), fact("end", "lit", False)]
+                ),
+            ],
+        }
+    )
+    schedule = irc.solve(task, time_limit=20)
+    assert [(e.id, e.start, e.rank) for e in schedule.entries] == [("weld", 0, 1), ("match", 4, 0)]
+    assert validate(task, schedule).valid
+    one = task.model_copy(
+        update={"resources": (task.resources[0].model_copy(update={"capacity": 1}),)}
+    )
+    assert irc.solve(one, time_limit=20).status == "infeasible"
+
+
+def test_a_capacity_that_falls_does_so_behind_all_ranks_of_its_instant() -> None:
+    task = Task.model_validate(
+        {
+            "resources": [{"id": "press", "availability": [{"from": 4, "to": 6, "capacity": 0}]}],
+            "state": [{"id": "lit"}],
+            "actions": [
+                press("weld", 4, conditions=[fact("end", "lit")]),
+                {"id": "match", "duration": 1, "effects": [fact("end", "lit")]},
+            ],
+        }
+    )
+    entries = (Entry("weld", 0, 4, {"press": 1}, rank=1), Entry("match", 3, 4))
+    assert validate(task, Schedule(entries)).valid
+
+
+def moves(name: str, source: str, target: str) -> dict[str, Any]:
+    return {
+        "id": name,
+        "duration": 4,
+        "occurs": {"min": 0, "max": 3},
+        "conditions": [fact("start", "cart", source)],
+        "effects": [fact("start", "cart", "moving"), fact("end", "cart", target)],
+    }
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_change_of_the_world_comes_behind_what_ended_and_binds_what_starts(target: str) -> None:
+    task = Task.model_validate(
+        {
+            "state": [{"id": "cart", "values": ["A", "B", "C", "moving"], "initial": "A"}],
+            "actions": [moves("A to B", "A", "B"), moves("B to C", "B", "C")],
+            "goals": [{"var": "cart", "value": "C"}],
+            "events": [{"at": 4, "changes": [{"op": "set_state", "var": "cart", "value": "A"}]}],
+        }
+    )
+    final = simulate(task, target=target, options=OPTIONS).final
+    assert final.makespan == 12
+    assert [(e.id, e.start) for e in final.entries] == [
+        ("A to B", 0),
+        ("cart at 4", 4),
+        ("A to B", 4),
+        ("B to C", 8),
+    ]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_nobody_walks_through_a_door_that_shut_at_that_instant(target: str) -> None:
+    opens = fact("start", "open")
+    task = Task.model_validate(
+        {
+            "state": [{"id": "open", "initial": True}],
+            "actions": [
+                {"id": "pack", "duration": 2},
+                {"id": "walk", "duration": 5, "conditions": [fact("all", "open")]},
+                {"id": "fetch key", "duration": 3},
+                {
+                    "id": "open door",
+                    "duration": 1,
+                    "occurs": "optional",
+                    "conditions": [fact("start", "open", False)],
+                    "effects": [{**opens, "at": "end"}],
+                },
+            ],
+            "precedence": [["pack", "walk"], ["fetch key", "open door"]],
+            "events": [{"at": 2, "changes": [{"op": "set_state", "var": "open", "value": False}]}],
+        }
+    )
+    assert simulate(task, target=target, options=OPTIONS).final.makespan == 9
+
+
+def test_the_validator_orders_the_instant_of_a_change_of_the_world_by_itself() -> None:
+    task = Task.model_validate(
+        {
+            "state": [{"id": "open", "initial": True}],
+            "actions": [
+                {"id": "walk", "duration": 5, "conditions": [fact("start", "open")]},
+                {
+                    "id": "open at 2",
+                    "duration": 0,
+                    "start": 2,
+                    "effects": [fact("start", "open", False)],
+                },
+            ],
+        }
+    )
+    walks = (Entry("walk", 2, 7), Entry("open at 2", 2, 2, rank=1))
+    (violation,) = validate(task, Schedule(walks)).violations
+    assert violation.message == (
+        "'walk' starts at 2 s with rank 0, before 'open at 2' with rank 1; what ended comes first, "
+        "then what an event changes, then what starts"
+    )
+    assert not validate(task, Schedule((walks[0], Entry("open at 2", 2, 2)))).valid
+    assert validate(task, Schedule((Entry("walk", 1, 6), Entry("open at 2", 2, 2)))).valid
+
+
+def test_a_change_of_the_world_is_planned_on_whenever_the_next_plan_comes() -> None:
+    task = Task.model_validate({"state": [{"id": "x"}], "actions": [{"id": "a", "duration": 50}]})
+    run = Execution(task, irc.solve(task))
+    change = {"op": "set_state", "var": "x", "value": True}
+    run.apply(Event.model_validate({"at": 1, "changes": [change]}))
+    run.advance(2)
+    entries = run.replan().schedule.entries
+    assert [(e.id, e.start) for e in entries] == [("a", 0), ("x at 1", 1)]
+
+
+def test_ranks_of_the_past_are_facts() -> None:
+    """What ended at 2 with rank 1 keeps it, and what starts then comes no earlier."""
+    task = Task.model_validate(
+        {
+            "state": [{"id": "x"}, {"id": "y"}],
+            "actions": [
+                {"id": "a", "duration": 2, "effects": [fact("end", "x")]},
+                {
+                    "id": "b",
+                    "duration": 2,
+                    "conditions": [fact("end", "x")],
+                    "effects": [fact("end", "y")],
+                },
+                {"id": "c", "duration": 2, "conditions": [fact("start", "y")]},
+            ],
+        }
+    )
+    plan = Schedule((Entry("a", 0, 2), Entry("b", 0, 2, rank=1), Entry("c", 2, 4, rank=2)))
+    for target in TARGETS:
+        step = replan(task, plan, 2, target=target, options=OPTIONS)
+        assert [(e.id, e.rank) for e in step.schedule.entries] == [("a", 0), ("b", 1), ("c", 2)]
+        later = replan(task, plan, 3, target=target, options=OPTIONS)
+        assert [(e.id, e.rank) for e in later.schedule.entries][:2] == [("a", 0), ("b", 1)]
+
+
+def test_the_rank_of_an_end_that_was_chosen_stays_too() -> None:
+    task = Task.model_validate(
+        {
+            "state": [{"id": "x", "initial": True}],
+            "actions": [
+                {
+                    "id": "b",
+                    "duration": {"min": 0, "max": 3},
+                    "conditions": [fact("end", "x")],
+                },
+                {"id": "a", "duration": 2, "effects": [fact("start", "x")]},
+                {"id": "c", "duration": 0, "effects": [fact("end", "x")]},
+            ],
+            "precedence": [["a", "c"]],
+        }
+    )
+    plan = Schedule((Entry("b", 0, 0, end_rank=1), Entry("a", 0, 2), Entry("c", 2, 2)))
+    for target in TARGETS:
+        found = replan(task, plan, 2, target=target, options=OPTIONS).schedule
+        assert validate(task, found).valid
+        assert [(e.id, e.rank, e.last_rank) for e in found.entries][:2] == [
+            ("b", 0, 1),
+            ("a", 0, 0),
+        ]
+
+
+def swap(name: str, takes: str, gives: str, **fields: Any) -> dict[str, Any]:
+    return {
+        "id": name,
+        "duration": 0,
+        "consumes": [{"resource": takes}],
+        "produces": [{"resource": gives}],
+        **fields,
+    }
+
+
+def stocks(*actions: dict[str, Any], coins: int = 0, tokens: int = 0) -> Task:
+    return Task.model_validate(
+        {
+            "resources": [
+                {"id": "coins", "kind": "reservoir", "initial": coins},
+                {"id": "tokens", "kind": "reservoir", "initial": tokens},
+            ],
+            "actions": list(actions),
+        }
+    )
+
+
+BUY, SELL = swap("buy", "coins", "tokens"), swap("sell", "tokens", "coins")
+
+
+def test_two_milestones_do_not_pay_each_other_with_what_neither_has() -> None:
+    assert irc.solve(stocks(BUY, SELL), time_limit=20).status == "infeasible"
+    assert irc.solve(stocks(BUY, SELL, coins=1), time_limit=20).makespan == 0
+    both = Schedule((Entry("buy", 0, 0), Entry("sell", 0, 0)))
+    (violation,) = validate(stocks(BUY, SELL), both).violations
+    assert violation.message == (
+        "no order of 'buy', 'sell' at 0 s keeps 'coins', 'tokens' within bounds"
+    )
+    assert validate(stocks(BUY, SELL, coins=1), both).valid
+
+
+def test_a_planner_does_not_say_that_they_do_either() -> None:
+    assert irc.solve(stocks(BUY, SELL), target="pddl21", time_limit=3).status != "optimal"
+    found = irc.solve(stocks(BUY, SELL, tokens=1), target="pddl21", time_limit=20)
+    assert found.makespan == 0
+
+
+def test_a_circle_of_three_needs_one_to_begin_with() -> None:
+    third = [
+        swap("a", "coins", "tokens"),
+        swap("b", "tokens", "notes"),
+        swap("c", "notes", "coins", release=3),
+    ]
+    task = stocks(*third)
+    notes = {"id": "notes", "kind": "reservoir"}
+    document = task.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    document["resources"] = [*document["resources"], notes]
+    assert irc.solve(Task.model_validate(document), time_limit=20).status == "infeasible"
+    document["resources"][0]["initial"] = 1
+    assert irc.solve(Task.model_validate(document), time_limit=20).makespan == 3
+
+
+def test_what_one_happening_takes_and_gives_counts_together() -> None:
+    again = stocks(swap("again", "coins", "coins"))
+    assert irc.solve(again, time_limit=20).makespan == 0
+
+
+@pytest.mark.parametrize(("room", "makespan"), [(1, None), (3, 0), (4, 0)])
+def test_amounts_that_pass_each_other_need_room(room: int, makespan: int | None) -> None:
+    """With 1 of at most `room`, 2 are taken and 2 given at once."""
+    store = {"id": "store", "kind": "reservoir", "initial": 1, "max": room}
+    change = [{"resource": "store", "amount": 2}]
+    task = Task.model_validate(
+        {
+            "resources": [store],
+            "actions": [
+                {"id": "take", "duration": 0, "consumes": change},
+                {"id": "give", "duration": 0, "produces": change},
+            ],
+        }
+    )
+    schedule = irc.solve(task, time_limit=20)
+    assert (schedule.makespan if schedule.answered else None) == makespan
