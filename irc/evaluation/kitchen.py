@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from irc.errors import IrcError
 from irc.methods import PlanLine
 from irc.methods.plan_lines import KITCHEN_ACTIONS, STATION_OF
 
@@ -67,7 +68,7 @@ class Run:
         return max(times, default=Fraction(0))
 
 
-class _Fault(Exception):
+class _Fault(IrcError):
     """The plan cannot go on; the text says why."""
 
 

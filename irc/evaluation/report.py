@@ -13,6 +13,7 @@ from irc.evaluation.errata import SUMMARY_ONLY, Erratum, errata
 from irc.evaluation.figure import Document, Figure, Rate, Table, document, number
 from irc.evaluation.grid import WRITERS, Grid, Layout, csv_text, grid_of
 from irc.evaluation.outcomes import outcome_table
+from irc.evaluation.paper_figures import beside, paper_figures
 from irc.evaluation.scored import Scored
 from irc.evaluation.statistics import interval
 from irc.evaluation.tables import Rules, all_tables
@@ -60,6 +61,7 @@ def as_json(found: Reproduction) -> dict[str, Any]:
         "irc_eval": 1,
         "tables": document(found.tables, number),
         "intervals": document(found.tables, interval_of),
+        "paper": {"/".join(path): value for path, value in paper_figures()},
         "outcomes": document(found.outcomes, number),
         "comparisons": [comparison.as_json() for comparison in found.comparisons],
         "errata": [erratum.as_json() for erratum in found.errata],
@@ -70,6 +72,7 @@ def as_json(found: Reproduction) -> dict[str, Any]:
 def _grids(found: Reproduction) -> Iterator[Grid]:
     for name, table in found.tables.items():
         yield grid_of(name, table)
+    yield beside(found.tables)
     yield grid_of("outcomes", found.outcomes)
     yield _comparison_grid(found.comparisons)
     yield Grid(

@@ -33,34 +33,9 @@ class Rules(StrEnum):
 
 def all_tables(scored: Scored, rules: Rules = Rules.both) -> dict[str, Table]:
     """The tables by name: those that go by one kind of rules only where they are asked for."""
-    makers: dict[str, tuple[Rules, Callable[[Scored], Table]]] = {
-        "n": (Rules.both, _answers),
-        "xxl_makespan": (Rules.both, _makespan),
-        "xxl_plan_paper": (Rules.paper, _plan_paper),
-        "xxl_plan_meaning": (Rules.meaning, _plan_meaning),
-        "faithfulness_paper": (Rules.paper, _faithfulness),
-        "faithfulness_meaning_pddl": (Rules.meaning, _faithfulness_meaning),
-        "errors_paper": (Rules.paper, _errors),
-        "errors_by_size": (Rules.paper, _errors_by_size),
-        "planner_answers": (Rules.both, _planner_answers),
-        "planner_of_delivered": (Rules.both, _planner_of_delivered),
-        "reversed_edges": (Rules.both, _reversed_edges),
-        "ir_control": (Rules.both, _ir_control),
-        "ir_control_service_failures": (Rules.both, _service_failures),
-        "robo": (Rules.both, _by_group(robo_methods, _ROBO)),
-        "robo_by_model": (Rules.both, _by_model(robo_methods, _ROBO)),
-        "robo_errors": (Rules.both, _kitchen_errors(robo_methods)),
-        "online": (Rules.both, _by_group(_online_size_methods, _ONLINE)),
-        "online_by_model": (Rules.both, _by_model(online_methods, _ONLINE)),
-        "online_errors": (Rules.both, _kitchen_errors(online_methods)),
-        "asynchow": (Rules.both, _asynchow),
-        "nl_ir": (Rules.both, _nl_ir),
-        "gold_pddl": (Rules.both, _gold_pddl),
-        "pddl_meaning": (Rules.meaning, _pddl_meaning),
-    }
     return {
         name: make(scored)
-        for name, (kind, make) in makers.items()
+        for name, (kind, make) in _TABLES.items()
         if Rules.both in (kind, rules) or kind is rules
     }
 
@@ -345,3 +320,30 @@ def _asynchow(scored: Scored) -> Table:
         name: {model: rate(rows.of_model(model), "makespan", 100) for model in rows.models}
         for name, rows in scored.asynchow.items()
     }
+
+
+_TABLES: dict[str, tuple[Rules, Callable[[Scored], Table]]] = {
+    "n": (Rules.both, _answers),
+    "xxl_makespan": (Rules.both, _makespan),
+    "xxl_plan_paper": (Rules.paper, _plan_paper),
+    "xxl_plan_meaning": (Rules.meaning, _plan_meaning),
+    "faithfulness_paper": (Rules.paper, _faithfulness),
+    "faithfulness_meaning_pddl": (Rules.meaning, _faithfulness_meaning),
+    "errors_paper": (Rules.paper, _errors),
+    "errors_by_size": (Rules.paper, _errors_by_size),
+    "planner_answers": (Rules.both, _planner_answers),
+    "planner_of_delivered": (Rules.both, _planner_of_delivered),
+    "reversed_edges": (Rules.both, _reversed_edges),
+    "ir_control": (Rules.both, _ir_control),
+    "ir_control_service_failures": (Rules.both, _service_failures),
+    "robo": (Rules.both, _by_group(robo_methods, _ROBO)),
+    "robo_by_model": (Rules.both, _by_model(robo_methods, _ROBO)),
+    "robo_errors": (Rules.both, _kitchen_errors(robo_methods)),
+    "online": (Rules.both, _by_group(_online_size_methods, _ONLINE)),
+    "online_by_model": (Rules.both, _by_model(online_methods, _ONLINE)),
+    "online_errors": (Rules.both, _kitchen_errors(online_methods)),
+    "asynchow": (Rules.both, _asynchow),
+    "nl_ir": (Rules.both, _nl_ir),
+    "gold_pddl": (Rules.both, _gold_pddl),
+    "pddl_meaning": (Rules.meaning, _pddl_meaning),
+}
