@@ -16,6 +16,19 @@ from irc.diagnostics import Code, Findings, InputError, Report
 Record = Mapping[str, Any]
 """One recorded answer: a line of a file of `recorded/answers`."""
 
+_TEXT: tuple[type, ...] = (str, type(None))
+_NUMBER: tuple[type, ...] = (int, float, type(None))
+_FIELDS: Mapping[str, Mapping[str, tuple[type, ...]]] = {
+    "xxl": {"n": (int,), "pos": (int,)},
+    "robo": {"id": (str,), "success": (bool,)},
+    "online": {"id": (str,), "success": (bool,), "error_type": _TEXT, "final_plan": _TEXT},
+    "asynchow": {"pos": (int,)},
+    "planner": {"answer": _TEXT},
+    "cpsat": {"answer": _TEXT, "recorded_makespan": _NUMBER},
+    "pddl": {"outcome": (str,), "plan": (list, type(None))},
+}
+"""By the first and the last word of a file's name: the fields of its lines, with their types."""
+
 _GRAPHS = "asyncplan_xxl"
 _ANSWERS = Path("recorded", "answers")
 
@@ -61,6 +74,15 @@ def step_instance(raw: Mapping[str, Any], size: int, position: int) -> StepInsta
     )
 
 
+def read_instance(path: Path, raw: Mapping[str, Any], size: int, position: int) -> StepInstance:
+    """The gold graph of an instance. Raises `InputError` where it is not of AsyncPlan-XXL."""
+    try:
+        return step_instance(raw, size, position)
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        reason = f"instance {position + 1} is not one of AsyncPlan-XXL ({error!r})"
+        raise unreadable(path, reason) from None
+
+
 def kahn_order(size: int, edges: list[tuple[int, int]]) -> list[int]:
     """The nodes in the order of Kahn (1962): first in, first out, by number at the start."""
     waiting = [0] * size
@@ -99,6 +121,7 @@ class Data:
                 found: list[Record] = [json.loads(line) for line in lines]
         except (OSError, EOFError, ValueError) as error:
             raise unreadable(path, str(error)) from None
+        _check(path, found, _fields_of(name))
         return found if self.change is None else self.change(name, found)
 
     def steps(self, size: int, position: int) -> StepInstance:
@@ -110,7 +133,8 @@ class Data:
                 self._graphs[size] = _json(path)
             if not 0 <= position < len(self._graphs[size]):
                 raise unreadable(path, f"there is no instance at position {position}")
-            self._steps[key] = step_instance(self._graphs[size][position], size, position)
+            raw = self._graphs[size][position]
+            self._steps[key] = read_instance(path, raw, size, position)
         return self._steps[key]
 
     @cached_property
@@ -138,13 +162,38 @@ class Data:
 
     def _folder(self, name: str) -> Iterator[Mapping[str, Any]]:
         for path in sorted((self.folder / name).glob("*.json")):
-            yield _json(path)
+            found = _json(path)
+            if not isinstance(found, dict) or "id" not in found:
+                raise unreadable(path, "expected an object with an 'id'")
+            yield found
 
     def instance(self, kind: Mapping[Any, Any], key: str | int, folder: str) -> Any:
         """An instance by its key. Raises `InputError` naming what is absent."""
         if key not in kind:
             raise unreadable(self.folder / folder, f"there is no instance {key!r}")
         return kind[key]
+
+
+def _fields_of(name: str) -> Mapping[str, tuple[type, ...]]:
+    """The fields that the lines of a file must have."""
+    benchmark, *_, method = name.split("_")
+    if benchmark == "online":
+        return {"model": (str,), **_FIELDS["online"]}
+    if benchmark == "robo":
+        text = "answer" if method == "planner" else "plan"
+        domain = {"domain": _TEXT} if method == "pddl" else {}
+        return {"model": (str,), **_FIELDS["robo"], text: _TEXT, **domain}
+    return {"model": (str,), **_FIELDS[benchmark], **_FIELDS[method]}
+
+
+def _check(path: Path, records: list[Record], fields: Mapping[str, tuple[type, ...]]) -> None:
+    """Raises `InputError` at the first line that lacks a field, or has another type there."""
+    for position, record in enumerate(records, 1):
+        if not isinstance(record, dict):
+            raise unreadable(path, f"line {position} is not an object")
+        for name, types in fields.items():
+            if name not in record or not isinstance(record[name], types):
+                raise unreadable(path, f"line {position}: field {name!r} is missing or unusable")
 
 
 def _json(path: Path) -> Any:

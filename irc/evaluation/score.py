@@ -5,13 +5,13 @@ from __future__ import annotations
 import gzip
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from irc.diagnostics import Report
-from irc.evaluation.data import Record, StepInstance, step_instance, unreadable
+from irc.evaluation.data import Record, StepInstance, read_instance, unreadable
 from irc.evaluation.figure import Count, Table, document, number
 from irc.evaluation.graph_rules import (
     Scores,
@@ -105,8 +105,16 @@ def _instances(path: Path) -> Iterator[tuple[str, StepInstance | Mapping[str, An
         for position, raw in enumerate(found if isinstance(found, list) else [found]):
             if not isinstance(raw, dict) or not {"graph", "items"} & raw.keys():
                 raise unreadable(file, "expected AsyncPlan-XXL ('graph') or Robo ('items')")
-            size = len(raw["graph"]["durations"]) if "graph" in raw else 0
-            yield str(raw["id"]), step_instance(raw, size, position) if size else raw
+            yield str(raw.get("id")), _instance(file, raw, position)
+
+
+def _instance(
+    file: Path, raw: Mapping[str, Any], position: int
+) -> StepInstance | Mapping[str, Any]:
+    if "graph" not in raw:
+        return raw
+    instance = read_instance(file, raw, 0, position)
+    return replace(instance, size=len(instance.durations))
 
 
 def _records(path: Path) -> Iterator[Record]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
 from irc.diagnostics import Findings
-from irc.methods.answer import Answer
+from irc.methods.answer import Answer, Duration
 from irc.methods.json_answer import find_object, unreadable
 from irc.methods.written_graph import check_names, graph_answer, number, precedence, read_graph
 
@@ -11,6 +13,8 @@ EXPECTED = (
     '{"actions": [{"id", "duration"}], "dependencies": [{"before", "after"}], '
     '"final_answer_seconds": N}'
 )
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 def read_planner(text: str) -> Answer:
@@ -26,5 +30,12 @@ def read_planner(text: str) -> Answer:
         "actions": [{"id": a.id, "duration": a.duration} for a in graph.actions],
         "precedence": precedence(graph),
     }
-    stated = number(content.get("final_answer_seconds"))
+    stated = _stated(content.get("final_answer_seconds"))
     return graph_answer(text, graph, document, findings, stated)
+
+
+def _stated(value: object) -> Duration | None:
+    """The stated makespan, also where the number stands in quotes."""
+    if isinstance(value, str) and _NUMBER.fullmatch(value.strip()):
+        return float(value)
+    return number(value)

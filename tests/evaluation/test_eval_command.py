@@ -127,6 +127,22 @@ def test_a_file_that_is_cut_is_named(data: Path) -> None:
     assert "xxl_planner.jsonl.gz" in result.output
 
 
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ({"model": "m", "n": 2, "answer": "", "recorded_makespan": 5}, "field 'pos'"),
+        ({"model": "m", "n": 2, "pos": 0, "answer": ["x"], "recorded_makespan": 5}, "'answer'"),
+        ([], "line 1 is not an object"),
+    ],
+)
+def test_a_line_that_lacks_a_field_is_named(data: Path, line: object, message: str) -> None:
+    with gzip.open(data / "recorded/answers/xxl_planner.jsonl.gz", "wt") as file:
+        file.write(json.dumps(line))
+    result = run_irc("eval", "reproduce", "--data", data)
+    assert result.exit_code == 1
+    assert message in result.output
+
+
 def test_a_missing_instance_is_named(data: Path) -> None:
     (data / "asyncplan_xxl" / "nodes2.json").write_text(json.dumps([INSTANCE]))
     result = run_irc("eval", "reproduce", "--data", data)
@@ -265,3 +281,10 @@ def test_durations_actions_and_order_differ(tmp_path: Path) -> None:
     assert found["order_only_first"] == [["a", "b"]]
     assert found["order_only_second"] == [["a", "d"]]
     assert not found["same"]
+
+
+def test_instances_of_another_kind_are_named(data: Path) -> None:
+    (data / "asyncplan_xxl" / "nodes2.json").write_text(json.dumps([{"id": 1}, {"id": 2}]))
+    result = run_irc("eval", "reproduce", "--data", data)
+    assert result.exit_code == 1
+    assert "instance 1 is not one of AsyncPlan-XXL" in result.output

@@ -179,3 +179,9 @@ def test_the_texts_of_a_pddl_answer_are_those_of_its_first_response() -> None:
     assert (answer.domain, answer.problem, answer.step_actions) == ("D", "P", ("a", "b"))
     assert read_pddl_answer('{"domain": "D"}').state is AnswerState.INVALID
     assert read_pddl_answer('{"domain": "D').state is AnswerState.TRUNCATED
+
+
+def test_a_stated_makespan_in_quotes_is_a_number() -> None:
+    assert read_planner(json.dumps({**PLANNER, "final_answer_seconds": "12"})).stated_makespan == 12
+    wrong = read_planner(json.dumps({**PLANNER, "final_answer_seconds": "soon"}))
+    assert wrong.stated_makespan is None
