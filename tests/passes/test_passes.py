@@ -96,6 +96,7 @@ def test_reduction_moves_nothing(problem: Problem) -> None:
     assert reduced.bounds.tails == p.bounds.tails
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(orders())
 def test_beyond_the_limit_fewer_arcs_go_but_none_that_is_needed(problem: Problem) -> None:

@@ -264,6 +264,7 @@ def test_the_empty_choice_is_an_answer() -> None:
     assert (schedule.status, schedule.entries) == (Status.OPTIMAL, ())
 
 
+@pytest.mark.slow
 def test_the_cheapest_way_is_found_and_proven() -> None:
     moved = {"effects": [{"at": "end", "var": "moved", "value": True}], "occurs": "optional"}
     task = Task.model_validate(

@@ -105,6 +105,7 @@ def sharing(problem: Problem, placed: Sequence[Placed]) -> Iterator[tuple[int, i
     )
 
 
+@pytest.mark.slow
 def test_the_answer_is_the_earliest_of_its_choices_and_order() -> None:
     """Against longest paths over *all* pairs in order, by networkx."""
     for task, problem, decisions in answers(80):

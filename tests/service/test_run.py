@@ -269,9 +269,10 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     assert "there is no engine 'abacus'" in errors
     code, answers, errors = run(Path("-"))
     assert (code, answers) == (2, [])
-    assert "standard input carries the requests" in errors
+    assert "standard input is for the requests" in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
