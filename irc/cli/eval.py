@@ -10,7 +10,7 @@ import typer
 
 from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.options import FormatOption
-from irc.cli.output import Format, errors_told, put, put_json
+from irc.cli.output import Format, put, put_json, reporting_errors
 from irc.evaluation.grid import Layout
 from irc.evaluation.score import ScoredMethod
 from irc.evaluation.tables import Rules
@@ -38,7 +38,7 @@ def reproduce_tables(
     from irc.evaluation.plot import accuracy_by_size
     from irc.evaluation.report import reproduce, written
 
-    with errors_told(_plain(format)):
+    with reporting_errors(_plain(format)):
         found = reproduce(Data(data), rules)
         put(written(found, format))
         if figure is not None:
@@ -65,7 +65,7 @@ def score_answers(
     """Score your own answers to the instances of a file."""
     from irc.evaluation.score import score, written
 
-    with errors_told(_plain(format)):
+    with reporting_errors(_plain(format)):
         put(written(score(method, instances, answers), format))
 
 
@@ -79,7 +79,7 @@ def diff_tasks(
     from irc.evaluation.difference import difference
     from irc.frontends.files import read_task
 
-    with errors_told(format):
+    with reporting_errors(format):
         found = difference(read_task(first).task, read_task(second).task)
         if format is Format.json:
             put_json({"same": found.same, **found.as_json()})
