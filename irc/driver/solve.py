@@ -44,7 +44,7 @@ def solve_task(
 def solve_by(
     task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
 ) -> Answer:
-    """What `solve_task` returns, by a backend and an engine that are there."""
+    """The answer of `solve_task` by a given backend and engine."""
     problem = lower_for(task, backend)
     if options.shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))

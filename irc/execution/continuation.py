@@ -49,8 +49,8 @@ PROVER = "cpsat"
 """Says which orders can be finished, where the target's engines prove nothing of the kind."""
 
 AFTERWARDS_SHARE = 0.1
-"""The part of the time left that an engine leaves to those who come after it: to the prover where
-it found nothing, or to the search for a schedule in which less moves."""
+"""The part of the time left that is kept for after the engine: for the prover, if the engine finds
+nothing, or for the search for a schedule in which less moves."""
 
 _PASSES = (
     reduce_transitively,

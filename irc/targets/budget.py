@@ -72,7 +72,7 @@ class Budget:
         return self._part(now, left * fraction if self.is_limited else math.inf)
 
     def at_most(self, seconds: float) -> Self:
-        """So many seconds from now on, or what is left if that is less."""
+        """`seconds` from now on, or what is left if that is less."""
         return self._part(self._clock(), seconds)
 
     def _part(self, now: float, seconds: float) -> Self:

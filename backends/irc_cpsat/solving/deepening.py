@@ -27,7 +27,7 @@ _STATE_WORKERS = 8
 than this it leaves the better ones out, whatever the number of processors."""
 
 _LEAST_SECONDS = 0.1
-"""A model that is solved at all is given so much, or the whole limit if that is less."""
+"""The least time for one model, or the whole limit if that is less."""
 
 
 class DeepeningSearch:

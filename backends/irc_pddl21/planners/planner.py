@@ -17,11 +17,11 @@ DEFAULT_SECONDS = 60.0
 """The time limit where none is given: these planners search on after their best plan."""
 
 LEAST_SECONDS = 0.1
-"""With less time than this no run begins but the first, which gets so much."""
+"""The least time for a run: with less time left, only the first one begins."""
 
 
 def limited(budget: Budget) -> Budget:
-    """What is left of a budget, from now on; `DEFAULT_SECONDS` where it has no limit."""
+    """The rest of a budget, from now on; `DEFAULT_SECONDS` if it has no limit."""
     return budget.share(1) if budget.is_limited else budget.at_most(DEFAULT_SECONDS)
 
 
