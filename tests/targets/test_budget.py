@@ -14,9 +14,11 @@ import pytest
 import irc
 from irc.driver.solve import solve_task
 from irc.execution import simulate
+from irc.execution.continuation import AFTERWARDS_SHARE
 from irc.explanation import explain_task
 from irc.model import Task
 from irc.targets import Budget, Engine, Outcome, Program, SolveOptions
+from irc_cpsat import CpSat
 from irc_cpsat.engines import OrTools
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -158,6 +160,14 @@ def test_each_step_has_the_whole_limit(given: list[Budget]) -> None:
     simulate(crowd(), options=SolveOptions(time_limit=20, workers=1))
     assert len(given) == 2
     assert all(10 < budget.limit <= 20 for budget in given)
+
+
+def test_an_engine_leaves_time_for_what_follows_it(
+    given: list[Budget], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(CpSat, "begins_now", True)
+    simulate(crowd(), options=SolveOptions(time_limit=20, workers=1))
+    assert given[1].limit <= 20 * (1 - AFTERWARDS_SHARE)
 
 
 def test_an_explanation_has_one_budget(given: list[Budget]) -> None:
