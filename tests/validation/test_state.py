@@ -10,7 +10,7 @@ from builders import rules, state_action, violations
 from irc.model import Task
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
-from irc.validation.rank_graph import StepBudget, RankGraph
+from irc.validation.rank_graph import RankGraph, StepBudget
 
 
 def needs(at: str, value: Any = True, var: str = "light") -> dict[str, Any]:
