@@ -2,7 +2,7 @@
 
     python benchmarks/asyncplan.py [--target cpsat|pddl21] [--engine E] [--data DIR]
 
-For `pddl21` the planner's raw plan is judged too: each action once, each precedence kept, and
+For `pddl21` the planner's raw plan is judged too: each action once, every precedence met, and
 unified-planning's own validator on the emitted text.
 """
 
@@ -32,7 +32,7 @@ def instances(data: Path) -> list[tuple[str, Task]]:
 
 
 def main() -> None:
-    """Prints one line per size and the totals."""
+    """Prints a line for each size, and the totals."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--target", default="cpsat")
     parser.add_argument("--engine", default="auto")

@@ -1,16 +1,16 @@
-"""Random executions of small tasks, each step judged and compared with its exact continuation.
+"""Judges each step of random executions of small tasks, and compares it with brute force.
 
     python benchmarks/online_random.py [--each 50] [--mixed 500] [--first 0] [--target cpsat]
                                        [--engine auto] [--time-limit 20] [--only OPERATION]
                                        [--repros DIR] [--whole]
 
-For each operation of an event `--each` executions with one event of it, and `--mixed` ones with
-one to five of any. Every step must be a valid merged history or a proof that none exists, and
-worth what brute force finds where that is small enough (`tests/oracles/online_judge.py`). With
-`--whole` each execution is simulated once more by `simulate`, which must come to the same. Ends
-with status 1 on any fault; each is told with the operation and the seed that replay it
-(`--only OPERATION --first SEED --each 1`; `--only mixed --first SEED --mixed 1`), and with
-`--repros` written down: task, schedule and events.
+For each operation of an event there are `--each` executions with one such event, and `--mixed` ones
+with one to five events of any kind. Every step must be a valid merged history or a proof that none
+exists, with the objective values of brute force if the task is small enough
+(`tests/oracles/online_judge.py`). With `--whole`, `simulate` runs each execution once more and must
+give the same. Exits with 1 on any fault; each is printed with the operation and the seed that
+replay it (`--only OPERATION --first SEED --each 1`; `--only mixed --first SEED --mixed 1`), and
+`--repros` writes its task, schedule and events.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ MIXED = "mixed"
 
 
 class HangError(Exception):
-    """A repair took far longer than it was allowed."""
+    """A repair took far longer than its limit."""
 
 
 _KINDS: dict[type[Exception], str] = {
@@ -55,7 +55,7 @@ _KINDS: dict[type[Exception], str] = {
 
 @contextmanager
 def _at_most(seconds: float) -> Iterator[None]:
-    """Ends what does not end by itself, where the platform can."""
+    """Ends a repair that does not end by itself, if the platform can."""
 
     def ring(*_: object) -> None:
         raise HangError(f"no end after {seconds:g} s")
@@ -73,7 +73,7 @@ def _at_most(seconds: float) -> Iterator[None]:
 
 @dataclass
 class Figures:
-    """What was counted for one operation."""
+    """The counts for one operation."""
 
     counts: Counter[str] = field(default_factory=Counter)
     faults: list[str] = field(default_factory=list)
@@ -95,7 +95,7 @@ HEAD = (
 
 @dataclass(frozen=True)
 class Run:
-    """How executions are repaired, and where faults are written down."""
+    """The options of repairs, and the folder for faults."""
 
     target: str
     engine: str
@@ -103,7 +103,7 @@ class Run:
     repros: Path | None
     whole: bool
     now: list[tuple[Task, Schedule, Number, Sequence[Event]]] = field(default_factory=list)
-    """The step that is being repaired: it is told where it fails."""
+    """The step that is being repaired, which is printed if it fails."""
 
     def replan(self, task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
         self.now[:] = [(task, schedule, at, events)]
@@ -120,7 +120,7 @@ class Run:
             )
 
     def execution(self, seed: int, operation: str, figures: Figures) -> None:
-        """Plays one execution and judges each of its steps."""
+        """Runs one execution and judges each of its steps."""
         figures.counts["episodes"] += 1
         over: frozenset[str] = frozenset()
         played: list[Played] = []
@@ -161,7 +161,7 @@ class Run:
                 self.fault(figures, operation, seed, [fault], None)
 
     def again(self, played: Sequence[Played]) -> Iterator[str]:
-        """The same by `simulate`, which has all events from the beginning."""
+        """Runs the same execution by `simulate`, which has all events from the beginning."""
         first = played[0]
         events = tuple(event for one in played for event in one.events)
         task = first.task.model_copy(update={"events": events})

@@ -1,4 +1,4 @@
-"""What irc adds to CP-SAT's own time: `irc.solve` against a model written by hand.
+"""Measures the time that irc adds to CP-SAT's own: `irc.solve` against a model written by hand.
 
     python benchmarks/overhead.py [--tasks 20] [--seeds 10]
 
@@ -67,7 +67,7 @@ def whole(time: object) -> int:
 
 
 def by_hand(task: Task, seed: int, limit: float) -> tuple[bool, int]:
-    """The model a CP-SAT user would write for exactly this task; (proven, makespan)."""
+    """(proven, makespan) of the model that a CP-SAT user would write for exactly this task."""
     model = cp_model.CpModel()
     horizon = sum(whole(a.duration) for a in task.actions)
     horizon += sum(whole(e.min_lag) for e in task.precedence)
@@ -111,7 +111,7 @@ def by_hand(task: Task, seed: int, limit: float) -> tuple[bool, int]:
 
 
 def through_irc(task: Task, seed: int, limit: float, helped: bool) -> tuple[bool, int]:
-    """The same through `irc`; with or without its own bounds and hints."""
+    """(proven, makespan) through `irc`, with or without its own bounds and hints."""
     limits = Limits(limit, workers=1, seed=seed, bounds=helped, hints=helped)
     schedule = solve_task(task, "cpsat", limits=limits).schedule
     return schedule.status is Status.OPTIMAL, int(schedule.makespan)
@@ -119,7 +119,7 @@ def through_irc(task: Task, seed: int, limit: float, helped: bool) -> tuple[bool
 
 @dataclass(frozen=True)
 class Run:
-    """Seconds of CPU and of wall-clock time, and what the call answered."""
+    """The seconds of CPU and of wall-clock time of a call, and its answer."""
 
     cpu: float
     wall: float

@@ -1,11 +1,11 @@
-"""What each part of the PDDL2.1 strategies pays, on random contended tasks and on given files.
+"""Measures the effect of each part of the PDDL2.1 strategies on random tasks and given files.
 
     python benchmarks/pddl_strategies.py [--family crowded] [--tasks 200] [--first 0]
         [--seconds 10] [--engine auto] [--without bound steps …] [FILES …]
 
 Families: `crowded` and `contended` (6 to 20 jobs, robots, lags), `state` (small tasks with state,
 choices, stock, calendars, groups), `rewards` (15 to 40 optional orders), `cellars` (matches).
-`cpsat` says what the optimum is. Each `--without` leaves a part of the strategies out.
+`cpsat` gives the optimum. Each `--without` leaves a part of the strategies out.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def values(schedule: Schedule) -> list[float]:
 
 
 def verdict(task: Task, schedule: Schedule | None, best: Schedule) -> str:
-    """How an answer compares with the optimum; "WRONG …" is a defect."""
+    """The verdict on an answer, given the optimum; "WRONG …" is a defect."""
     if schedule is None or not schedule.answered:
         none = best.status is Status.INFEASIBLE
         return "no answer (infeasible)" if none else "no answer"
@@ -93,13 +93,13 @@ def verdict(task: Task, schedule: Schedule | None, best: Schedule) -> str:
 
 
 def gap(schedule: Schedule, best: Schedule) -> float:
-    """How far the first objective is from the optimum, as a share of it."""
+    """The distance of the first objective from the optimum, as a fraction of it."""
     mine, theirs = values(schedule)[0], values(best)[0]
     return abs(mine - theirs) / abs(theirs) if theirs else abs(mine - theirs)
 
 
 def main() -> None:
-    """Prints how often each verdict was reached, the mean gap, and the seconds of solving."""
+    """Prints the number of each verdict, the mean gap, and the seconds of solving."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--tasks", type=int, default=200)

@@ -1,4 +1,4 @@
-"""One task through one target, judged by irc's validator, with its seconds."""
+"""Solves one task through one target, with the validator's verdict and the seconds."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from irc.targets import EngineFailed, Limits
 
 @dataclass(frozen=True)
 class Timed:
-    """A target's answer, or why there is none."""
+    """A target's answer, or the reason why there is none."""
 
     schedule: Schedule | None
     seconds: float
@@ -25,7 +25,7 @@ class Timed:
 
     @property
     def valid(self) -> bool:
-        """Whether there is an answer; `solve_timed` has already had it validated."""
+        """Whether there is an answer, which `solve_timed` has validated."""
         return self.schedule is not None and self.schedule.answered
 
     @property

@@ -1,4 +1,4 @@
-"""`irc run --stdio`: JSON lines in, JSON lines out, one process for a whole execution."""
+"""`irc run --stdio`: serves one execution; reads and prints lines of JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from types import FrameType
 from typing import IO, NoReturn
 
 from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
-from irc.cli.output import Format, errors_told, fail, say, tell_notes
+from irc.cli.output import Format, fail, print_notes, reporting_errors, say
 from irc.cli.planning import (
     Planning,
     end_with,
@@ -31,12 +31,12 @@ from irc.service.session import Session, first_schedule
 def run_file(
     file: str, stdio: bool, schedule: str | None, journal: Path | None, planning: Planning
 ) -> None:
-    """Serves one execution until its requests end or one of them says so."""
+    """Serves one execution until its requests end or one of them is `stop`."""
     if not stdio:
-        fail(EXIT_USE, "say where requests come from: --stdio", Format.text)
+        fail(EXIT_USE, "add --stdio: requests come from standard input", Format.text)
     if STANDARD_INPUT in (file, schedule):
-        fail(EXIT_USE, "standard input carries the requests: name a file", Format.text)
-    with errors_told(Format.text), ExitStack() as open_files:
+        fail(EXIT_USE, "standard input is for the requests: name a file", Format.text)
+    with reporting_errors(Format.text), ExitStack() as open_files:
         before = signal.signal(signal.SIGTERM, _ended)
         open_files.callback(signal.signal, signal.SIGTERM, before)
         planning.require_engine()
@@ -49,7 +49,7 @@ def run_file(
 
 
 def _ended(_number: int, _frame: FrameType | None) -> NoReturn:
-    """Being told to end is an orderly end: what was acknowledged is on disk."""
+    """Exits with success after SIGTERM: every acknowledged request is on disk."""
     sys.exit(EXIT_DONE)
 
 
@@ -93,7 +93,7 @@ def _other_schedule() -> Diagnostic:
 
 def _serve(session: Session, requests: IO[bytes]) -> None:
     if session.notes:
-        tell_notes(session.notes)
+        print_notes(session.notes)
     _send(json.dumps(session.greeting(), ensure_ascii=False, allow_nan=False))
     for line in _lines(requests):
         if len(line) > MAX_LINE:
@@ -110,7 +110,7 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
 
 
 def _lines(requests: IO[bytes]) -> Iterator[bytes]:
-    """Lines that are not blank; of one that is too long only so much that this is seen."""
+    """The lines that are not blank; a too long line is cut just behind the limit."""
     while line := requests.readline(MAX_LINE + 1):
         rest = line
         while len(rest) > MAX_LINE and not rest.endswith(b"\n"):

@@ -1,11 +1,11 @@
-"""The whole road from a task to an answer: compile, run, re-time, validate."""
+"""Solves a task: compile, run an engine, re-time, validate."""
 
 from __future__ import annotations
 
 import time
 
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import later_events, lower_for, refusals_told
+from irc.driver.compile import later_events, lower_for, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.problem import Problem
@@ -22,7 +22,7 @@ from irc.targets import (
 )
 
 SHORTCUT_ENGINE = "critical-path"
-"""What is named as engine where no solver was needed."""
+"""The name of the engine in a schedule that needed no solver."""
 
 
 def solve_task(
@@ -36,9 +36,9 @@ def solve_task(
 ) -> Answer:
     """Compiles, runs an engine, re-times and returns the answer.
 
-    The task is planned as of t = 0: of its events there is only a note. Raises `InputError`,
-    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries
-    and says why in its status.
+    The task is planned as of t = 0, without its events; a note says so. Raises `InputError`,
+    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries;
+    its status says why.
     """
     began = time.perf_counter()
     backend = get_backend(target)
@@ -53,18 +53,18 @@ def solve_task(
         reason = runner.missing()
         if reason is not None:
             raise EngineMissing(reason)
-        with refusals_told(task):
+        with reporting_refusals(task):
             outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
     schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
     return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
 
 
 def _too_short(problem: Problem) -> Diagnostic:
-    """Why no schedule meets the task's deadline, where a bound of ours says so."""
+    """The note that the lower bound on the makespan is above the task's deadline."""
     return Diagnostic(
         Code.TOO_LATE,
         f"no schedule ends before {problem.time_text(problem.bounds.makespan.value)} "
         f"({problem.bounds.makespan.reason})",
         ("deadline",),
-        "a later deadline or more capacity would be needed",
+        "a later deadline or more capacity is needed",
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, PreviousPlace, Problem, Ranks
+from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import with_uses
 from irc.schedule import CANCELLED, Entry
@@ -86,44 +86,8 @@ def as_executed(
     apart = _ends_apart(activity, past, ranks)
     if apart:
         longest = shortest + 1
-    uses = activity.uses
-    demands = activity.open_demands
-    if past.resources is not None:
-        taken = [r for r in past.resources if r is not None]
-        uses = tuple(
-            use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
-        )
-        demands = tuple(
-            demand._replace(
-                alternatives=tuple(
-                    k
-                    for k in demand.alternatives
-                    if taken[demand.use] in problem.contention.pools[k].members
-                )
-            )
-            for demand in activity.open_demands
-        )
-    details = activity.details
-    details = replace(
-        details,
-        optional=False,
-        repeats=None,
-        modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
-        ranks=ranks,
-    )
-    if longest == 0:
-        # (One happening: what was seen to take no time has changed each variable once, at last.)
-        changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
-        details = replace(details, effects=tuple(changed.values()))
-    if past.cancelled:
-        details = replace(
-            details,
-            stock=tuple(c for c in details.stock if not c.at_end),
-            conditions=tuple(c for c in details.conditions if c.at != "end"),
-            effects=tuple(e for e in details.effects if not e.at_end),
-            due=None,
-            reward=0,
-        )
+    activity = _with_taken(problem, activity, past)
+    details = _as_happened(activity.details, past, shortest, longest, ranks)
     # (What it frees at this instant, ranks may still have to do with.)
     frees_now = bool(problem.variables) and past.end == now
     deadline = past.end if apart else activity.deadline
@@ -136,9 +100,57 @@ def as_executed(
         deadline=deadline,
         duration_min=shortest,
         duration_max=longest,
-        uses=uses,
-        open_demands=demands if past.running or frees_now else (),
+        open_demands=activity.open_demands if past.running or frees_now else (),
         details=details,
+    )
+
+
+def _with_taken(problem: Problem, activity: Activity, past: ExecutedActivity) -> Activity:
+    """The activity with no other resources than those that it is known to have taken."""
+    if past.resources is None:
+        return activity
+    taken = [r for r in past.resources if r is not None]
+    pools = problem.contention.pools
+    return replace(
+        activity,
+        uses=tuple(
+            use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
+        ),
+        open_demands=tuple(
+            demand._replace(
+                alternatives=tuple(
+                    k for k in demand.alternatives if taken[demand.use] in pools[k].members
+                )
+            )
+            for demand in activity.open_demands
+        ),
+    )
+
+
+def _as_happened(
+    details: Details, past: ExecutedActivity, shortest: int, longest: int, ranks: Ranks | None
+) -> Details:
+    """The details of what has begun and takes from `shortest` to `longest`."""
+    details = replace(
+        details,
+        optional=False,
+        repeats=None,
+        modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
+        ranks=ranks,
+    )
+    if longest == 0:
+        # (One happening: what was seen to take no time has changed each variable once, at last.)
+        changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
+        details = replace(details, effects=tuple(changed.values()))
+    if not past.cancelled:
+        return details
+    return replace(
+        details,
+        stock=tuple(c for c in details.stock if not c.at_end),
+        conditions=tuple(c for c in details.conditions if c.at != "end"),
+        effects=tuple(e for e in details.effects if not e.at_end),
+        due=None,
+        reward=0,
     )
 
 

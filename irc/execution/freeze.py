@@ -88,12 +88,9 @@ def freeze(
                 previous = first + len(further) - 1
                 rest = replace(rest, details=replace(rest.details, previous_occurrence=previous))
             activities.append(_open(rest, ticks, activity.id in history.cancelled))
-            its = sorted(planned.get(activity.id, ()), key=lambda e: e.occurrence)
-            places = [previous_place_of(problem, activity, e) for e in its]
-            # (Without all of the first ones known, nobody could say which is which.)
-            known = [*takewhile(lambda place: place is not None, places)]
+            known = _places_of_first(problem, activity, planned.get(activity.id, ()))
             earlier.append(known[0] if known else None)
-            recurring[i] = tuple(place for place in known[1:] if place is not None)
+            recurring[i] = known[1:]
         elif found:
             executed[i] = found[0]
             ranks = known_ranks(problem, history, activity, found[0])
@@ -107,14 +104,11 @@ def freeze(
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
             entries = planned.get(activity.id)
             earlier.append(previous_place_of(problem, activity, entries[0]) if entries else None)
+    places = (*earlier, *(None for _ in further)) if any(earlier) else ()
     frozen = replace(
         problem,
         activities=(*activities, *_chained(further, len(activities))),
-        previous=replace(
-            problem.previous,
-            places=(*earlier, *(None for _ in further)) if any(earlier) else (),
-            recurring=recurring,
-        ),
+        previous=replace(problem.previous, places=places, recurring=recurring),
     )
     frozen = replace(frozen, required=_still_required(frozen, executed))
     if frozen.variables:
@@ -123,6 +117,18 @@ def freeze(
     frozen, executed = relaxed(frozen, executed, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
     return Frozen(frozen, ticks, executed, helpers)
+
+
+def _places_of_first(
+    problem: Problem, activity: Activity, entries: Collection[Entry]
+) -> tuple[PreviousPlace, ...]:
+    """The previous places of an action's first occurrences, as far as all of them are known.
+
+    (Without all of the first ones known, nobody could say which is which.)
+    """
+    in_order = sorted(entries, key=lambda e: e.occurrence)
+    places = (previous_place_of(problem, activity, e) for e in in_order)
+    return tuple(place for place in takewhile(lambda p: p is not None, places) if place is not None)
 
 
 def _is_due(activity: Activity, now: int) -> bool:

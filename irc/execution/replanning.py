@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.driver.compile import refusals_told
+from irc.driver.compile import reporting_refusals
 from irc.driver.judge import finish
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
@@ -53,7 +53,7 @@ def solve_step(
         problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
     remainder = Remainder(task, frozen, history, at, backend, engine, means)
-    with refusals_told(task):
+    with reporting_refusals(task):
         outcome, whole, given_up = best_continuation(remainder)
     if outcome.status is Status.INFEASIBLE:
         outcome = replace(outcome, notes=what_is_in_the_way(remainder) or outcome.notes)

@@ -1,4 +1,4 @@
-"""Targets: what a backend, a program and an engine are; in, a `Problem`; out, an `Outcome`."""
+"""Targets: the interfaces of backends, programs and engines; in, a `Problem`; out, an `Outcome`."""
 
 from irc.targets.backend import MANIFEST_FILE, MANIFEST_VERSION, Backend, Engine, Program
 from irc.targets.options import (

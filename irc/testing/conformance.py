@@ -1,4 +1,4 @@
-"""The conformance suite for backends: ours pass it, and so should a third party's.
+"""The conformance suite for backends: irc's own pass it, and so should those of third parties.
 
 >>> from irc.testing import CONFORMANCE_TASKS
 >>> [case.name for case in CONFORMANCE_TASKS][:2]
@@ -25,7 +25,7 @@ from irc.targets import Backend, Engine, Limits, Program, refused_features
 
 @dataclass(frozen=True)
 class Case:
-    """A small task with the makespan that an optimal schedule has; None where there is none."""
+    """A small task with the makespan of an optimal schedule; None if it has no schedule."""
 
     name: str
     document: dict[str, Any]
@@ -187,11 +187,11 @@ CONFORMANCE_TASKS: tuple[Case, ...] = (
 
 
 class ConformanceError(IrcError, AssertionError):
-    """A backend that breaks the contract; the text says on which task and how."""
+    """A backend that breaks the contract; the message says on which task and how."""
 
 
 def check_backend(backend: Backend, seconds: float = 10.0) -> int:
-    """Runs every conformance task through a backend and all of its engines that are here.
+    """Runs every conformance task through a backend and all of its installed engines.
 
     Returns the number of (task, engine) pairs solved and validated. A task with a feature the
     backend does not support must be refused. Raises `ConformanceError` otherwise.

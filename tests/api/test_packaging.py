@@ -71,6 +71,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_every_package_and_no_other(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     packages = {name.split("/")[0] for name in names}
@@ -92,6 +93,7 @@ def test_the_wheel_holds_every_package_and_no_other(wheel: Path) -> None:
     assert "irc_grammars/plan.lark" in expected
 
 
+@pytest.mark.slow
 def test_the_wheel_carries_licence_entry_points_and_requirements(wheel: Path) -> None:
     archive = zipfile.ZipFile(wheel)
     (about,) = {n.split("/")[0] for n in archive.namelist() if ".dist-info/" in n}
@@ -107,6 +109,7 @@ def test_the_wheel_carries_licence_entry_points_and_requirements(wheel: Path) ->
     assert "sys_platform == 'linux'" in kairos.replace('"', "'")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_the_installed_wheel_solves_from_any_folder(
     installed: Path, tmp_path: Path, target: str
@@ -125,6 +128,7 @@ def test_the_installed_wheel_solves_from_any_folder(
     assert document["engine"] != "critical-path"
 
 
+@pytest.mark.slow
 def test_everything_is_imported_from_the_installed_wheel(installed: Path, tmp_path: Path) -> None:
     """Else the test above would only show that the checkout works."""
     script = (
@@ -145,6 +149,7 @@ def test_everything_is_imported_from_the_installed_wheel(installed: Path, tmp_pa
         assert Path(found[name][0]).is_relative_to(installed)
 
 
+@pytest.mark.slow
 def test_an_example_is_solved_by_the_installed_wheel(installed: Path, tmp_path: Path) -> None:
     examples = sorted((ROOT / "examples").glob("*.json"))
     if not examples:
@@ -175,6 +180,7 @@ def test_importing_irc_loads_nothing_heavy(tmp_path: Path) -> None:
     assert not loaded & {*HEAVY, "pydantic", "typer", "rich", "lark"}
 
 
+@pytest.mark.slow
 def test_compiling_to_pddl_loads_no_solver(tmp_path: Path) -> None:
     (tmp_path / "task.json").write_text(json.dumps(TASK))
     command = ["irc", "compile", "task.json", "--target", "pddl21", "-o", "out"]
@@ -185,11 +191,13 @@ def test_compiling_to_pddl_loads_no_solver(tmp_path: Path) -> None:
     assert not loaded & {*HEAVY, "lark", "irc_cpsat"}
 
 
+@pytest.mark.slow
 def test_solving_without_contention_loads_no_solver(tmp_path: Path) -> None:
     script = "import irc\nassert irc.solve({'actions': [{'id': 'a', 'duration': 3}]}).makespan == 3"
     assert not loaded_after(script, tmp_path) & {*HEAVY, "lark", "typer", "rich"}
 
 
+@pytest.mark.slow
 def test_public_names_stay_what_they_are_when_their_modules_are_loaded(tmp_path: Path) -> None:
     script = (
         "import irc\n"

@@ -184,6 +184,7 @@ def test_arguments_that_do_not_exist_or_fit_are_status_2(
     assert "Usage:" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [["--workers", "10000"], ["--memory-limit", "1073741824"]])
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_the_largest_limits_that_are_taken_do_no_harm(
@@ -450,6 +451,7 @@ def kairos_output(folder: Path) -> str:
 ENGINES = {"cpsat": cp_sat_response, "pddl21": kairos_output}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_extract_reads_what_an_engine_made_of_the_files(
     kitchen: Path, tmp_path: Path, target: str
@@ -739,8 +741,8 @@ def test_targets_says_why_an_engine_is_missing(monkeypatch: pytest.MonkeyPatch) 
 def test_targets_with_a_file_says_who_takes_it(kitchen: Path) -> None:
     result = run_irc("targets", kitchen)
     assert result.exit_code == 0
-    assert "cpsat takes this file" in result.stdout
-    assert "pddl21 takes this file" in result.stdout
+    assert "cpsat supports this file" in result.stdout
+    assert "pddl21 supports this file" in result.stdout
     assert Feature.RESERVOIRS.value not in result.stdout  # it has none
 
 
@@ -753,9 +755,9 @@ def test_targets_with_a_file_says_why_not(tmp_path: Path) -> None:
     text = run_irc("targets", task).stdout
     for name, target in document.items():
         refused = {r["feature"]: r["pointer"] for r in target["refused"]}
-        assert target["takes_file"] is (not refused)
+        assert target["supports_file"] is (not refused)
         assert set(refused) == {f for f, able in target["features"].items() if not able}
-        assert (f"{name} takes this file" in text) is (not refused)
+        assert (f"{name} supports this file" in text) is (not refused)
         for feature, pointer in refused.items():
             assert f"({pointer}): {Feature[feature.upper()].value}" in text
 
@@ -773,11 +775,13 @@ def test_a_target_refuses_with_the_feature_its_place_and_who_can(tmp_path: Path)
         for refused in target["refused"]:
             feature = Feature[refused["feature"].upper()]
             able = [n for n, t in targets.items() if t["features"][refused["feature"]]]
-            refusal = f": target '{name}' cannot take {feature.value}"
+            refusal = f": target '{name}' does not support {feature.value}"
             (told,) = (d for d in diagnostics if d["message"].endswith(refusal))
             assert told["line"] is not None
             assert told["hint"] == (
-                f"targets that can: {', '.join(able)}" if able else "no installed target can yet"
+                f"targets that support it: {', '.join(able)}"
+                if able
+                else "no installed target supports it yet"
             )
 
 
@@ -789,8 +793,8 @@ def test_a_refusal_names_the_targets_that_can(
     monkeypatch.setattr(CpSat, "supports", CpSat.supports - {Feature.RESOURCES})
     result = run_irc("solve", written(tmp_path, KITCHEN))
     assert result.exit_code == 1
-    assert "target 'cpsat' cannot take renewable resources" in result.stderr
-    assert "hint: targets that can: pddl21" in result.stderr
+    assert "target 'cpsat' does not support renewable resources" in result.stderr
+    assert "hint: targets that support it: pddl21" in result.stderr
 
 
 # schema
@@ -812,6 +816,7 @@ def test_the_schema_is_json_schema_of_the_ir() -> None:
 # In a process of its own
 
 
+@pytest.mark.slow
 def test_names_are_escaped_where_stdout_cannot_hold_them(kitchen: Path) -> None:
     kitchen.write_text(json.dumps({**KITCHEN, "name": "café 🤖"}), "utf-8")
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -823,6 +828,7 @@ def test_names_are_escaped_where_stdout_cannot_hold_them(kitchen: Path) -> None:
     assert json.loads(document.stdout)["task"] == "café 🤖"
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_makes_no_traceback(kitchen: Path) -> None:
     command = [sys.executable, "-m", "irc", "schema"]
     read, write = os.pipe()
@@ -832,6 +838,7 @@ def test_a_reader_that_goes_away_makes_no_traceback(kitchen: Path) -> None:
     assert ended.stderr == b""
 
 
+@pytest.mark.slow
 def test_the_module_and_the_script_are_the_same_command(kitchen: Path) -> None:
     script = Path(sys.executable).with_name("irc")
     if not script.exists():

@@ -45,6 +45,7 @@ def seeded(make: Callable[..., Task], name: str, count: int, **knobs: Any) -> It
 # --- CP-SAT: always the optimum -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(4))
 def test_cp_sat_finds_and_proves_every_optimum(part: int) -> None:
     ends = Counter(
@@ -55,6 +56,7 @@ def test_cp_sat_finds_and_proves_every_optimum(part: int) -> None:
     assert ends["refused"] + ends["infeasible"] > 0
 
 
+@pytest.mark.slow
 def test_cp_sat_finds_and_proves_every_optimum_of_big_capacities() -> None:
     ends = Counter(
         answered(task, "cpsat", "ortools") for task in seeded(big_capacity_task, "big", 30)
@@ -62,6 +64,7 @@ def test_cp_sat_finds_and_proves_every_optimum_of_big_capacities() -> None:
     assert set(ends) <= {"optimal", "infeasible", "refused"}
 
 
+@pytest.mark.slow
 def test_the_shortcut_says_what_cp_sat_says() -> None:
     taken = 0
     for task in seeded(random_task, "shortcut", 60, resources=(0, 2), tighten=0.0):
@@ -74,6 +77,7 @@ def test_the_shortcut_says_what_cp_sat_says() -> None:
 # --- planners: valid, never below the optimum, never called optimal wrongly ---------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(3))
 def test_kairos_answers_are_valid_and_honest(part: int) -> None:
     needs("kairos")
@@ -83,6 +87,7 @@ def test_kairos_answers_are_valid_and_honest(part: int) -> None:
     assert ends["optimal"] >= 7
 
 
+@pytest.mark.slow
 def test_kairos_answers_on_contended_tasks_are_valid_and_honest() -> None:
     needs("kairos")
     tasks = list(seeded(contended_task, "robots", 6, n=7))
@@ -91,6 +96,7 @@ def test_kairos_answers_on_contended_tasks_are_valid_and_honest() -> None:
     assert set(ends) <= {"optimal", "feasible", "unknown"}
 
 
+@pytest.mark.slow
 def test_big_capacities_are_answered_or_refused_with_a_reason() -> None:
     needs("kairos")
     tasks = seeded(big_capacity_task, "big", 30, actions=(2, 5))
@@ -99,6 +105,7 @@ def test_big_capacities_are_answered_or_refused_with_a_reason() -> None:
     assert "infeasible" not in ends
 
 
+@pytest.mark.slow
 def test_aries_answers_are_valid_and_honest() -> None:
     needs("aries")
     for task in seeded(random_task, "aries", 3, tighten=0.0, actions=(2, 4)):
@@ -129,6 +136,7 @@ def kairos_plan(program: Program, folder: Path) -> str:
     return run(command, ProcessLimits(seconds=15)).stdout
 
 
+@pytest.mark.slow
 def test_unified_planning_accepts_the_raw_plans_on_the_emitted_text(tmp_path: Path) -> None:
     """Of tasks without counters: those it reads as intermediate conditions on numbers."""
     needs("kairos")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 import irc
 from irc.frontends.dsl.formatter import format_dsl
 from irc.frontends.dsl.printer import print_task
@@ -20,6 +22,7 @@ def comes_back(task: Task) -> bool:
     return dsl_task(text).task == task and format_dsl(text) == text
 
 
+@pytest.mark.slow
 def test_every_example_and_golden_task_comes_back() -> None:
     paths = [
         path
@@ -31,6 +34,7 @@ def test_every_example_and_golden_task_comes_back() -> None:
     assert [path.name for path in paths if not comes_back(read_task(path).task)] == []
 
 
+@pytest.mark.slow
 def test_the_smaller_graphs_of_asyncplan_come_back(shared_data: Path) -> None:
     tasks = [
         task
@@ -42,6 +46,7 @@ def test_the_smaller_graphs_of_asyncplan_come_back(shared_data: Path) -> None:
     assert (len(tasks), [t.name for t in tasks if not comes_back(t)]) == (150, [])
 
 
+@pytest.mark.slow
 def test_recorded_answers_come_back(shared_data: Path) -> None:
     files = sorted((shared_data / "recorded" / "nl_ir").glob("*.json"))
     records = [record for f in files for record in json.loads(f.read_text("utf-8"))[::3]]

@@ -32,6 +32,7 @@ def imported(name: str) -> Task:
     return import_pddl(*((file.read_text("utf-8"), file.name) for file in files))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "said", "makespan"), [(k, *v) for k, v in SOLVED.items()])
 def test_a_schedule_of_cpsat_is_an_accepted_plan_of_the_original(
     name: str, said: Status, makespan: float
@@ -42,6 +43,7 @@ def test_a_schedule_of_cpsat_is_an_accepted_plan_of_the_original(
     assert Judge(EXAMPLES / name).accepts(plan_text(task, schedule))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*SOLVED, "satellite"])
 def test_a_planners_schedule_is_an_accepted_plan_of_the_original_too(name: str) -> None:
     missing = get_backend("pddl21").engines()["kairos"].missing()

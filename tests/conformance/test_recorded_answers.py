@@ -19,6 +19,7 @@ def answers(shared_data: Path) -> list[dict[str, object]]:
     return [record for f in files for record in json.loads(f.read_text("utf-8"))]
 
 
+@pytest.mark.slow
 def test_every_recorded_answer_gives_the_recorded_makespan(answers):
     wrong = [
         (record["id"], schedule.makespan, record["recorded_makespan"])
@@ -41,6 +42,7 @@ def parse_notes(text):
     return parse_task(text).notes
 
 
+@pytest.mark.slow
 def test_each_corruption_is_refused_at_its_line_and_column(answers):
     faults, kinds = [], Counter()
     for seed, record in enumerate(answers):

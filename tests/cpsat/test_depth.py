@@ -80,6 +80,7 @@ def test_more_occurrences_than_a_model_is_given_are_told() -> None:
     assert f"more than {SLOTS_LIMIT} occurrences" in answer.notes[0].message
 
 
+@pytest.mark.slow
 def test_many_repeated_actions_get_one_occurrence_each() -> None:
     problem = problem_for_cpsat(
         task_of(*({**CHOP, "id": f"chop{k}"} for k in range(SLOTS_LIMIT // 2 + 1)))

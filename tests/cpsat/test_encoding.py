@@ -169,6 +169,7 @@ def test_ranges_keep_to_their_ends() -> None:
 # --- every model is sound -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_model_is_accepted_and_its_hint_is_a_complete_schedule() -> None:
     hinted = 0
     for task, problem in some_problems(90):
@@ -187,6 +188,7 @@ def test_every_model_is_accepted_and_its_hint_is_a_complete_schedule() -> None:
     assert hinted > 50
 
 
+@pytest.mark.slow
 def test_bounds_and_hints_change_no_optimum() -> None:
     for task, problem in some_problems(60):
         best = optimal_makespan(task)

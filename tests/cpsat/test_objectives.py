@@ -69,6 +69,7 @@ def test_nothing_changes_where_there_is_no_earlier_schedule(others: tuple[str, .
         assert list(schedule.objective) == [*plain[:place], changes, *plain[place:]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [o for n in range(1, 5) for o in permutations(OBJECTIVES, n)])
 def test_objectives_count_in_their_order(order: tuple[str, ...]) -> None:
     task = shop(*order)

@@ -96,7 +96,7 @@ TEXT = [
         '{"actions": [{"id": "a",\n  "id": "b", "duration": 1}],\n"actions": []}',
         ("IRC004", 2, 3),
         ("IRC004", 3, 1),
-        said="the key 'actions' stands twice",
+        said="the key 'actions' appears twice",
     ),
     bad("deep lists", f'{{"actions": {"[" * DEEP}{"]" * DEEP}}}', ("IRC006", 1, 76)),
     bad("deep lists, not closed", f'{{"actions": {"[" * DEEP}', ("IRC006", 1, 76)),
@@ -331,6 +331,7 @@ def places(diagnostics: list[dict[str, Any]]) -> list[tuple[str, int, int]]:
     return [(d["code"], d["line"], d["column"]) for d in diagnostics if d["severity"] == "error"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
 def test_every_error_is_told_at_its_place(row: Bad, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
@@ -344,6 +345,7 @@ def test_every_error_is_told_at_its_place(row: Bad, tmp_path: Path) -> None:
     assert row.said in "\n".join(f"{d['message']} {d['hint']}" for d in report["diagnostics"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
 def test_the_text_for_people_points_at_the_same_place(row: Bad, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
@@ -528,6 +530,7 @@ RUBBISH = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", RUBBISH)
 def test_fifty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
@@ -539,6 +542,7 @@ def test_fifty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_p
     assert RUBBISH[pattern] in {d.code.id for d in report.errors}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("begin", "pattern", "code"),
     [
@@ -561,6 +565,7 @@ def test_fifty_megabytes_within_a_document_are_refused_in_seconds(
     assert code in {d.code.id for d in report.errors}
 
 
+@pytest.mark.slow
 def test_fifty_megabytes_of_random_bytes_are_refused_in_seconds(tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     file.write_bytes(random.Random(1).randbytes(50 * MB))
@@ -571,6 +576,7 @@ def test_fifty_megabytes_of_random_bytes_are_refused_in_seconds(tmp_path: Path) 
     assert [d.code.id for d in report.errors] == ["IRC001"]
 
 
+@pytest.mark.slow
 def test_thousands_of_faults_are_told_without_a_flood(tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     lines = ",\n".join(f'{{"id": "a{i}", "duration": -1}}' for i in range(5000))
@@ -645,6 +651,7 @@ def edited(changes: list[tuple[int, int, bytes]]) -> bytes:
     return bytes(data)
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(changes=edits)
 @example(changes=[(0, 0, b"\xff\xfe")])
@@ -694,6 +701,7 @@ def documents_with_a_wrong_value(draw: st.DrawFn) -> Any:
         return document
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(documents_with_a_wrong_value())
 def test_any_value_anywhere_raises_nothing_but_input_errors(document: Any) -> None:

@@ -283,6 +283,7 @@ def test_after_the_repair_the_mistakes_are_gone_and_nothing_else_is_wrong(seed: 
     assert len(fixed.diagnostics) == 0 or result != text
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(st.randoms(use_true_random=False))
 def test_the_patches_of_a_report_do_to_the_document_what_the_edits_do_to_the_text(
@@ -334,6 +335,7 @@ def test_what_stands_inside_of_something_removed_is_not_changed_before() -> None
     ]
 
 
+@pytest.mark.slow
 def test_ten_thousand_repairs_take_one_pass() -> None:
     edges = ",\n".join('["Boil_Potato", "eat"]' for _ in range(10_000))
     final = json.loads(repaired(actions(f'"precedence": [{edges}]')))

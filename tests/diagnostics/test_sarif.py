@@ -134,6 +134,7 @@ def faults_of_region(region: Any) -> Iterator[str]:
         yield f"3.30: {start} to {end} is no region"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", FILES, ids=lambda path: path.name)
 def test_a_log_keeps_the_rules_of_the_standard_and_tells_what_the_report_tells(file: Path) -> None:
     log = sarif(file)

@@ -31,8 +31,8 @@ from architecture import (
     unknown_stages,
     upward_imports,
 )
+from paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 BACKENDS = ("irc_cpsat", "irc_pddl21")
 HEAVY = frozenset({"kairos", "lark", "matplotlib", "networkx", "numpy", "ortools", "pandas"}) | {
     *("pydantic", "pygls", "rich", "typer", "unified_planning", "up_aries")

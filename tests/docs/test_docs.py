@@ -81,6 +81,7 @@ def wrong_prints(source: str, namespace: dict[str, Any]) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 @needs_kairos
 @pytest.mark.parametrize("page", pages_with("python"))
 def test_the_python_of_a_page_runs_and_prints_what_it_says(
@@ -147,6 +148,7 @@ def run_in_shell(command: str, folder: Path, python_path: Path | None) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @needs_kairos
 @needs_a_shell
 @pytest.mark.parametrize("page", pages_with("console"))

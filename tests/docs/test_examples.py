@@ -73,12 +73,14 @@ def test_an_example_without_a_schedule_has_the_promised_conflict(file: str, coun
     assert len(explanation.conflict) == int(count)
 
 
+@pytest.mark.slow
 @each_example
 def test_nothing_is_to_be_said_of_an_example(promised: Promised) -> None:
     report = irc.check(promised.path)
     assert list(report) == [], report.render()
 
 
+@pytest.mark.slow
 @each_example
 def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
     task = irc.load(promised.path).ir
@@ -88,6 +90,7 @@ def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
     assert validate(task, schedule).valid
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("kairos") is None, reason="kairos has wheels for Linux only")
 @each_example
 def test_kairos_answers_within_ten_seconds_or_the_target_refuses(promised: Promised) -> None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 
 import irc
 from irc.schedule import Status
+from paths import ROOT
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "glossary.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "glossary.md").read_text("utf-8")
 ENTRIES = re.findall(r"^\*\*([^*]+)\*\*: (.+?)\n(?:\n|\Z)", PAGE, re.MULTILINE | re.DOTALL)
 TERMS = [term for term, _ in ENTRIES]
 

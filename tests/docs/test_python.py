@@ -29,6 +29,7 @@ def pages_with_python() -> Iterator[Any]:
             yield pytest.param(str(page.relative_to(ROOT)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", list(pages_with_python()))
 def test_python_blocks_of_a_page_run_in_order(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)

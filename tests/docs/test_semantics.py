@@ -13,8 +13,9 @@ import pytest
 import irc
 from irc.schedule import schedule_from_json
 from irc.validation import RULES
+from paths import ROOT
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "semantics.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "semantics.md").read_text("utf-8")
 BLOCK = re.compile(
     r"^\*\*(Task|Valid|Breaks rule ([\d.]+))\*\*\n\n```json\n(.*?)^```$", re.MULTILINE | re.DOTALL
 )

@@ -86,6 +86,7 @@ def test_what_must_be_and_is_too_late_is_proven_at_once() -> None:
     assert step.notes[0].message == "'cook' must end by 3 s, and could not before 6 s"
 
 
+@pytest.mark.slow
 def test_where_the_planner_finds_nothing_it_is_proven_that_there_is_nothing() -> None:
     whole = task_of(
         action("wash", 2, effects=[{"at": "end", "var": "clean"}]),

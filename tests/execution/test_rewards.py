@@ -20,6 +20,7 @@ def played() -> list[Played]:
     return [one for seed in SEEDS for one in play(seed)]
 
 
+@pytest.mark.slow
 def test_what_is_half_done_is_finished_while_it_can_be(played: list[Played]) -> None:
     assert [one.judged.faults for one in played if one.judged.faults] == []
     assert all(one.judged.compared and one.judged.worse is None for one in played)
@@ -43,6 +44,7 @@ def _firsts(played: list[Played]) -> Iterator[Played]:
     return (one for one in played if len(one.events) == 1 and one.judged.answered)
 
 
+@pytest.mark.slow
 def test_the_judge_tells_an_order_that_is_given_up_without_need(played: list[Played]) -> None:
     told = []
     for one in _firsts(played):
@@ -63,6 +65,7 @@ def test_the_judge_tells_an_order_that_is_given_up_without_need(played: list[Pla
     assert all(told)
 
 
+@pytest.mark.slow
 def test_the_judge_tells_a_reward_that_is_missed(played: list[Played]) -> None:
     told = []
     for one in _firsts(played):

@@ -63,6 +63,7 @@ def test_the_conflict_is_the_one_written_down_by_hand(case: Case) -> None:
     assert len(explanation.conflict) == len(case.expected)
 
 
+@pytest.mark.slow
 @each_case
 def test_removing_any_statement_of_a_conflict_resolves_it(case: Case) -> None:
     checked = Task.model_validate(case.document)
@@ -78,6 +79,7 @@ def _infeasible(seed: int) -> Task | None:
     return drawn if optimal_makespan(drawn) is None else None
 
 
+@pytest.mark.slow
 def test_random_infeasible_tasks_get_minimal_conflicts() -> None:
     found = [t for seed in range(70) if (t := _infeasible(seed)) is not None]
     by = set()
@@ -103,6 +105,7 @@ def test_the_check_by_removal_knows_wrong_conflicts() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_same_task_gets_the_same_explanation_however_it_is_ordered() -> None:
     for case in SOLVER[::5]:
         document = case.document
@@ -125,6 +128,7 @@ def test_a_conflict_of_time_is_told_in_the_order_of_time() -> None:
     assert irc.explain(case.document).reason == "one after another they need 1 s more than there is"
 
 
+@pytest.mark.slow
 def test_a_long_chain_needs_no_solver_and_little_time() -> None:
     actions = [a(f"step {k}", 2) for k in range(400)]
     arcs = [p(f"step {k}", f"step {k + 1}") for k in range(399)]
@@ -296,6 +300,7 @@ def _feasible(seed: int) -> Task | None:
     return drawn if optimal_makespan(drawn) is not None else None
 
 
+@pytest.mark.slow
 def test_the_lengths_of_a_chain_add_up_to_the_makespan() -> None:
     handed_over = 0
     for seed in range(60):
@@ -310,7 +315,7 @@ def test_the_lengths_of_a_chain_add_up_to_the_makespan() -> None:
         assert sum(step.end - step.start for step in chain) == makespan
         assert [step.start for step in chain[:1]] == [0]
         assert all(one.end == other.start for one, other in pairwise(chain))
-        handed_over += any(step.told.kind == "hand_over" for step in chain)
+        handed_over += any(step.statement.kind == "hand_over" for step in chain)
         _hold_with_equality(drawn, explanation)
     assert handed_over >= 10
 
@@ -320,7 +325,7 @@ def _hold_with_equality(drawn: Task, explanation: irc.Explanation) -> None:
     assert explanation.schedule is not None
     entries = {entry.id: entry for entry in explanation.schedule.entries}
     for step in explanation.chain or ():
-        kind, pointer, length = step.told.kind, step.told.pointer, step.end - step.start
+        kind, pointer, length = step.statement.kind, step.statement.pointer, step.end - step.start
         if kind == "precedence":
             arc = drawn.precedence[int(pointer[1])]
             first, second = arc.type.split("-")
@@ -346,9 +351,9 @@ def _hold_with_equality(drawn: Task, explanation: irc.Explanation) -> None:
 
 def test_a_chain_of_precedences_is_called_a_proof() -> None:
     explanation = irc.explain(EXAMPLES / "pancake_breakfast.json")
-    assert [step.told.kind for step in explanation.chain or ()].count("duration") >= 2
+    assert [step.statement.kind for step in explanation.chain or ()].count("duration") >= 2
     assert explanation.proof is not None
-    assert explanation.proof.startswith("nothing is shorter: the chain needs no resource")
+    assert explanation.proof.startswith("no schedule is shorter: the chain needs no resource")
 
 
 def test_a_hand_over_names_the_station_and_both_actions() -> None:
@@ -356,7 +361,7 @@ def test_a_hand_over_names_the_station_and_both_actions() -> None:
         r("grill"), a("patty", 6, "grill"), a("halloumi", 4, "grill"), p("patty", "halloumi", "ss")
     )
     explanation = irc.explain(document)
-    assert [step.told.text for step in explanation.chain or ()] == [
+    assert [step.statement.text for step in explanation.chain or ()] == [
         "'patty' can start at once",
         "'patty' takes 6 s",
         "'grill': 'patty' → 'halloumi'",
@@ -369,7 +374,7 @@ def test_a_hand_over_names_the_station_and_both_actions() -> None:
 
 def test_a_chain_prefers_precedence_to_a_hand_over_at_the_same_time() -> None:
     document = task(r("grill"), a("a", 6, "grill"), a("b", 4, "grill"), p("a", "b"))
-    kinds = [step.told.kind for step in irc.explain(document).chain or ()]
+    kinds = [step.statement.kind for step in irc.explain(document).chain or ()]
     assert kinds == ["time", "duration", "precedence", "duration"]
 
 
@@ -496,7 +501,7 @@ def test_names_cannot_move_the_cursor() -> None:
 def test_conflicts_without_a_text_are_told_with_pointers() -> None:
     explanation = irc.explain(SOLVER[0].document)
     assert explanation.conflict[0].line is None
-    assert str(explanation).startswith("task: infeasible, these cannot hold together\n")
+    assert str(explanation).startswith("task: infeasible, these statements cannot hold together\n")
 
 
 def test_solving_and_removal_agree_about_the_whole() -> None:

@@ -141,6 +141,7 @@ LINES = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=600)
 @given(st.lists(LINES, max_size=14))
 def test_layout_is_final_and_changes_no_task(lines: list[str]) -> None:
@@ -165,6 +166,7 @@ def test_the_examples_are_laid_out() -> None:
 # --- JSON ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(documents())
 def test_the_layout_of_json_is_final_and_keeps_every_word(document: object) -> None:
@@ -269,6 +271,7 @@ def test_the_language_of_a_text(text: str, name: str, language: str) -> None:
     assert language_of(text, name) == language
 
 
+@pytest.mark.slow
 def test_every_command_and_call_takes_the_dsl(tmp_path: Path) -> None:
     path = tmp_path / "task.irc"
     path.write_text("resource pot\nboil 3 min on pot\neat 5 after boil\n")

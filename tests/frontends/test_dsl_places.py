@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 
 from irc.diagnostics.source import Pointer
@@ -64,10 +65,12 @@ def misplaced(reading: DslReading) -> list[tuple[Pointer, Any, str]]:
     return found
 
 
+@pytest.mark.slow
 def test_all_parts_of_a_task_with_every_field_are_found() -> None:
     assert misplaced(read_dsl(print_task(Task.model_validate(EVERYTHING)))) == []
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(tasks())
 def test_all_parts_of_any_task_are_found(task: Task) -> None:

@@ -80,6 +80,7 @@ def test_a_field_that_is_changed_changes_the_text(field: str) -> None:
     assert print_task(Task.model_validate(without)) != print_task(whole)
 
 
+@pytest.mark.slow
 @settings(max_examples=250)
 @given(tasks())
 def test_any_task_is_read_back_from_its_text(task: Task) -> None:
@@ -89,6 +90,7 @@ def test_any_task_is_read_back_from_its_text(task: Task) -> None:
     assert formatted(text) == text
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(tasks())
 def test_the_way_over_the_text_and_json_loses_nothing(task: Task) -> None:
@@ -97,6 +99,7 @@ def test_the_way_over_the_text_and_json_loses_nothing(task: Task) -> None:
     assert Task.model_validate(written_task(again)) == Task.model_validate(written_task(task))
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE_NAMES))
 def test_any_name_can_be_written(name: str) -> None:
@@ -118,6 +121,7 @@ def test_any_name_can_be_written(name: str) -> None:
     assert dsl_task(print_task(task)).task == task
 
 
+@pytest.mark.slow
 def test_random_tasks_with_hostile_names_are_read_back() -> None:
     rng = random.Random(3)
     for _ in range(60):
@@ -135,6 +139,7 @@ WORDS = st.sampled_from(
 SEPARATORS = st.sampled_from([" ", "  ", "", ", ", " -> ", "\t"])
 
 
+@pytest.mark.slow
 @settings(max_examples=1500)
 @given(st.lists(st.tuples(WORDS, SEPARATORS), min_size=1, max_size=9), st.booleans())
 def test_plain_lines_mean_what_the_grammar_makes_of_them(

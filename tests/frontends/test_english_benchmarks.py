@@ -34,6 +34,7 @@ def load_benchmark() -> ModuleType:
 benchmark = load_benchmark()
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_asyncplan_texts_give_the_gold_edges_and_durations(shared_data: Path) -> None:
     for instance in list(benchmark.planned(shared_data))[::5]:
@@ -42,6 +43,7 @@ def test_asyncplan_texts_give_the_gold_edges_and_durations(shared_data: Path) ->
         assert seconds == instance.seconds or instance.erratum, instance.key
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_asynchow_makespans_lie_in_the_gold(shared_data: Path) -> None:
     assert benchmark.judge_asynchow(shared_data) == {"in gold": 160}
@@ -50,6 +52,7 @@ def test_asynchow_makespans_lie_in_the_gold(shared_data: Path) -> None:
 VALID = ("must precede → precedes", "… → depends on", "must follow", "dropped", "half", "takes")
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 @pytest.mark.parametrize("name", benchmark.MUTATIONS)
 def test_a_changed_text_is_read_as_changed_or_refused(name: str, shared_data: Path) -> None:

@@ -95,6 +95,7 @@ def large(count: int, orders: int) -> str:
     return "\n".join([*steps, "", "These ordering constraints need to be obeyed:", *told])
 
 
+@pytest.mark.slow
 def test_time_grows_with_the_length_of_the_text() -> None:
     irc.loads(QUESTION)
     began = time.process_time()
@@ -129,6 +130,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_text_is_refused_without_a_wait(name: str) -> None:
     text, code = HOSTILE[name]

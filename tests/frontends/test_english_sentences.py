@@ -228,11 +228,13 @@ REFUSED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("sentence", "meant"), READ, ids=[s for s, _ in READ])
 def test_a_sentence_is_read_as_it_says(sentence: str, meant: str) -> None:
     assert order(irc.loads(FIVE_STEPS + sentence).ir) == meant
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sentence", "code", "line", "column"), REFUSED, ids=[row[0] for row in REFUSED]
 )

@@ -394,6 +394,7 @@ def test_a_time_that_no_decimal_equals_is_not_rounded() -> None:
         plan_text(task, Schedule(entries))
 
 
+@pytest.mark.slow
 def test_what_must_come_before_the_start_of_time_is_not_written() -> None:
     """Crossing from 0 to 10 and arriving just before the harbour closes needs a start before 0."""
     domain, problem = (
@@ -461,6 +462,7 @@ def test_what_a_domain_has_that_is_not_taken_is_named_with_its_line(
     assert any(message in d.message and d.line == line for d in found), found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "message", "line"),
     [
@@ -501,6 +503,7 @@ def test_faults_of_both_files_come_in_one_run() -> None:
     assert any(d.message.startswith("problem.pddl:3:10: ") for d in found)
 
 
+@pytest.mark.slow
 def test_a_domain_too_large_to_ground_is_refused() -> None:
     names = " ".join(f"x{i}" for i in range(200))
     found = told(DOMAIN, PROBLEM.replace("b1 b2 - big", f"b1 b2 {names} - big"))
@@ -518,6 +521,7 @@ def test_rubbish_is_a_diagnostic(text: str) -> None:
 # --- the command --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_command_writes_one_task(tmp_path: Path) -> None:
     folder = EXAMPLES / "matchcellar"
     out = tmp_path / "task.json"

@@ -288,7 +288,7 @@ def test_a_fault_is_told_with_instance_field_and_place(
         (("candidate_goals", 1, "id"), "mash", "the candidate goal 'mash' is given twice"),
         (("candidate_goals", 1, "cost"), {"salt": 1}, "'inventory_limits' has no 'salt'"),
         (("candidate_goals", 1, "reward"), -1, "expected a whole number, 0 or more"),
-        (("candidate_goals", 1, "state"), "raw", "it holds from the start"),
+        (("candidate_goals", 1, "state"), "raw", "it is fulfilled from the start"),
         (("candidate_goals", 1, "state"), "boiled", "it cannot be boiled"),
         (("goal", "required_states"), {"okra": "cut"}, "'required_states' wants 'okra' 'cut'"),
         (("inventory_limits", "oil"), 1.5, "expected a whole number"),
@@ -387,6 +387,7 @@ def random_instance(rng: random.Random) -> Raw:
     }
 
 
+@pytest.mark.slow
 def test_random_instances_can_be_scheduled_and_their_schedules_are_valid() -> None:
     rng = random.Random(11)
     for _ in range(40):
@@ -429,7 +430,7 @@ def test_a_bad_instance_in_a_folder_is_status_1_and_nothing_is_written(tmp_path:
 def test_a_folder_without_instances_is_told(tmp_path: Path) -> None:
     result = run_irc("convert", tmp_path, "--from", "robo", "-o", tmp_path / "out")
     assert result.exit_code == 1
-    assert "holds no .json files" in result.stderr
+    assert "has no .json files" in result.stderr
 
 
 # --- the benchmark ------------------------------------------------------------------------------
@@ -446,6 +447,7 @@ def benchmark(shared_data: Path) -> list[tuple[Raw, Task]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_every_witness_is_valid_and_has_the_stated_optimum(
     benchmark: list[tuple[Raw, Task]],
@@ -505,6 +507,7 @@ def moved(entries: tuple[Entry, ...], entry: Entry, start: Any) -> Schedule:
     return Schedule(tuple(later if e is entry else e for e in entries))
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_a_damaged_witness_is_invalid(benchmark: list[tuple[Raw, Task]]) -> None:
     tried = 0
@@ -532,6 +535,7 @@ def test_a_reward_above_the_stock_is_invalid(benchmark: list[tuple[Raw, Task]]) 
         assert "reservoir" in rules, rules
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_the_makespan_tasks_have_the_stated_optimum_when_solved(
     benchmark: list[tuple[Raw, Task]],

@@ -61,6 +61,7 @@ def elements(value: Any, at: Pointer = ()) -> Iterator[tuple[Pointer, Any]]:
 # --- places -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(values, st.randoms(use_true_random=False))
 def test_the_text_at_each_place_is_the_element(value: Any, rng: random.Random) -> None:
     text = printed(value, rng)
@@ -80,6 +81,7 @@ def test_the_text_at_each_place_is_the_element(value: Any, rng: random.Random) -
             assert place.key_start is None
 
 
+@pytest.mark.slow
 @given(values, st.randoms(use_true_random=False))
 def test_only_wanted_elements_are_placed(value: Any, rng: random.Random) -> None:
     wanted = {pointer for pointer, _ in elements(value) if rng.random() < 0.3}
@@ -177,6 +179,7 @@ def agree(text: str, error: json.JSONDecodeError | None, found: Scan) -> bool:
     return told.offset == error.pos
 
 
+@pytest.mark.slow
 @settings(max_examples=250)
 @given(st.lists(values, max_size=3) | st.dictionaries(texts, values, max_size=3), st.randoms())
 def test_a_damaged_text_is_at_fault_where_json_says(value: Any, rng: random.Random) -> None:
@@ -251,6 +254,7 @@ def test_deep_nesting_is_refused_without_recursion(opening: str) -> None:
     assert (fault.code, fault.offset) == (Code.TOO_LARGE, 64 * len(opening))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text", ['["' + "a" * 300_000, '["' + r"\n" * 200_000, "[" + "1," * 200_000]
 )
@@ -261,6 +265,7 @@ def test_a_long_damaged_text_is_read_once(text: str) -> None:
 # --- through the front door ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(st.randoms())
 def test_a_damaged_task_is_never_taken_for_another(rng: random.Random) -> None:

@@ -227,6 +227,7 @@ def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
     assert whole.activities[3].details.repeats == (1, 2)
 
 
+@pytest.mark.slow
 @settings(
     max_examples=50,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.
@@ -272,6 +273,7 @@ def documented(task: Task) -> Document:
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_shuffling_arrays_and_keys_changes_no_byte_of_any_target(
     seed: int, shuffled: Shuffle

@@ -27,7 +27,7 @@ from irc.lsp.documents import Documents
 from irc.lsp.findings import shown
 from irc.lsp.positions import Encoding, Lines
 from irc.lsp.service import Service
-from irc.lsp.worker import Desk
+from irc.lsp.worker import AnalysisWorker
 
 EXAMPLES = sorted(p for p in (ROOT / "examples").iterdir() if p.suffix in (".json", ".txt"))
 WRONG = sorted(
@@ -74,7 +74,7 @@ def ask_everything(text: str, language: str, offset: int, encoding: Encoding) ->
     documents = Documents()
     documents.encoding = encoding
     document = documents.open("untitled:a", 1, text, None, language)
-    service = Service(Desk(documents))
+    service = Service(AnalysisWorker(documents))
     service.markdown = True
     lines = document.lines
     at = types.Position(*lines.place(offset))
@@ -133,6 +133,7 @@ def edited(text: str, draw: random.Random) -> tuple[str, int]:
     return text, at
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from(list(Encoding)))
 def test_no_edit_of_a_real_file_makes_a_feature_fail(
@@ -144,6 +145,7 @@ def test_no_edit_of_a_real_file_makes_a_feature_fail(
     ask_everything(text, language, at, encoding)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(st.integers(0, 2**32))
 def test_no_truncated_file_makes_a_feature_fail(texts: list[tuple[str, str]], seed: int) -> None:
@@ -153,12 +155,14 @@ def test_no_truncated_file_makes_a_feature_fail(texts: list[tuple[str, str]], se
     ask_everything(text[:end], language, end, Encoding.UTF_16)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(st.text(max_size=60), st.sampled_from(["irc", "json", "plaintext", ""]), st.data())
 def test_no_text_at_all_makes_a_feature_fail(text: str, language: str, data: st.DataObject) -> None:
     ask_everything(text, language, data.draw(st.integers(0, len(text))), Encoding.UTF_16)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "language"),
     [
@@ -182,6 +186,7 @@ def test_a_text_beyond_all_measure_is_not_checked_but_told() -> None:
     assert "not checked while it is typed" in found.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", WRONG, ids=lambda p: str(p.relative_to(CORPUS)))
 def test_the_findings_are_those_of_the_command(path: Path) -> None:
     """Codes and places of every wrong input, as `irc check` tells them."""

@@ -19,6 +19,8 @@ from lsp_client import WAIT_SECONDS, Client, uri_of
 
 pytest.importorskip("pygls")
 
+pytestmark = pytest.mark.slow
+
 KITCHEN = """\
 task "kitchen"
 unit min

@@ -123,6 +123,7 @@ def small(**document: Any) -> str:
 # --- one for all ways to write ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @slow_to_draw
 @given(documents(), st.integers())
 def test_order_of_arrays_and_keys_does_not_matter(
@@ -141,6 +142,7 @@ def test_order_does_not_matter_in_a_task_with_everything(
         )
 
 
+@pytest.mark.slow
 @slow_to_draw
 @given(tasks())
 def test_the_canonical_form_is_a_document_of_the_same_task(task: Task) -> None:
@@ -152,6 +154,7 @@ def test_the_canonical_form_is_a_document_of_the_same_task(task: Task) -> None:
     assert task_sha256(again) == canonical_sha256(canonical) == task_sha256(task)
 
 
+@pytest.mark.slow
 @slow_to_draw
 @given(tasks())
 def test_writing_a_task_down_keeps_its_hash(task: Task) -> None:

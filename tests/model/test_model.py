@@ -264,12 +264,14 @@ def read_back(text: str) -> Task:
     return Task.model_validate(json.loads(text, parse_float=Decimal))
 
 
+@pytest.mark.slow
 @slow_to_draw
 @given(tasks())
 def test_what_is_written_is_read_back_as_the_same_task(task: Task) -> None:
     assert read_back(dump_json(written_task(task))) == task
 
 
+@pytest.mark.slow
 @slow_to_draw
 @given(documents())
 def test_writing_keeps_the_order_of_arrays_and_the_units_of_times(document: Document) -> None:

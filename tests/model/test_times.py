@@ -254,6 +254,7 @@ def test_date_times_are_exact_to_the_microsecond(distance: timedelta) -> None:
 # --- writing ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(exact_numbers)
 def test_what_is_written_is_read_back_equal(value: Any) -> None:
     assert parse_number(format_number(value)) == value
@@ -261,6 +262,7 @@ def test_what_is_written_is_read_back_equal(value: Any) -> None:
     assert parse_span(through_json) == value
 
 
+@pytest.mark.slow
 @given(st.integers(-(10**9), 10**9), st.integers(1, 10**6))
 def test_a_whole_number_is_always_an_int(numerator: int, denominator: int) -> None:
     value = parse_number(f"{numerator}/{denominator}")
@@ -291,6 +293,7 @@ def test_numbers_are_written_exactly_and_short(value: Any, text: str, in_json: A
 # --- ticks --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(st.lists(exact_numbers, max_size=8))
 def test_the_tick_is_the_largest_that_divides_every_time(values: list[Any]) -> None:
     tick = common_tick(values)

@@ -93,6 +93,7 @@ def small_problems(kind: str, count: int) -> Iterator[tuple[Problem, int | None]
             assert best is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", SMALL_TASKS)
 def test_no_bound_exceeds_the_optimum(kind: str) -> None:
     compared = 0
@@ -107,6 +108,7 @@ def test_no_bound_exceeds_the_optimum(kind: str) -> None:
     assert compared > 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [0, 40, 400, 4_000])
 def test_an_early_end_of_the_budget_leaves_a_true_bound(
     steps: int, monkeypatch: pytest.MonkeyPatch
@@ -119,6 +121,7 @@ def test_an_early_end_of_the_budget_leaves_a_true_bound(
         assert best is None or value <= best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [7, 10**6 + 3, 10**15])
 def test_long_times_leave_a_true_bound(factor: int) -> None:
     for problem, best in small_problems("robots", 15):
@@ -201,6 +204,7 @@ TIGHTNESS: dict[str, Callable[[random.Random, int], Task]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TIGHTNESS)
 def test_the_bound_is_the_optimum_in_19_of_20_contended_tasks(kind: str) -> None:
     reached = by_energy = total = 0
@@ -264,6 +268,7 @@ def robo_task(document: Document) -> Task:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 @pytest.mark.skipif(not ROBO_CHALLENGE.is_dir(), reason="needs the benchmark data")
 def test_the_bound_is_the_optimum_of_every_robo_challenge_task() -> None:
@@ -578,6 +583,7 @@ def test_without_contention_the_problem_is_returned_as_it_is() -> None:
 # --- determinism and size -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_order_of_the_input_does_not_matter() -> None:
     for seed in range(20):
         rng = random.Random(seed)
@@ -622,6 +628,7 @@ def _user(name: str, duration: int, resource: int) -> Activity:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("activities", "seconds"), [(100, 1), (1_000, 3), (10_000, 5)])
 def test_the_bounds_take_little_time_on_large_problems(activities: int, seconds: float) -> None:
     problem = prepared(layered(activities, 20))

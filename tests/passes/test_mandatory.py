@@ -81,6 +81,7 @@ def test_of_a_calendar_the_greatest_capacity_remains() -> None:
     assert [(s.capacity, s.windows) for s in core.contention.pools] == [(3, ())]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("batch", range(4))
 def test_no_schedule_is_shorter_than_the_bound_of_the_mandatory_part(batch: int) -> None:
     """Of random tasks of which the makespan is what counts first."""

@@ -66,6 +66,7 @@ def before(problem: Problem) -> nx.DiGraph:
     return graph
 
 
+@pytest.mark.slow
 @given(orders())
 def test_reduction_keeps_who_is_before_whom(problem: Problem) -> None:
     reduced = reduce_transitively(problem)
@@ -73,6 +74,7 @@ def test_reduction_keeps_who_is_before_whom(problem: Problem) -> None:
     assert set(closures[0]) == set(closures[1])
 
 
+@pytest.mark.slow
 @given(orders())
 def test_reduction_takes_away_every_plain_arc_that_follows_and_nothing_else(
     problem: Problem,
@@ -82,6 +84,7 @@ def test_reduction_takes_away_every_plain_arc_that_follows_and_nothing_else(
     assert list(reduce_transitively(problem).arcs) == expected
 
 
+@pytest.mark.slow
 @given(orders())
 def test_reduction_moves_nothing(problem: Problem) -> None:
     try:
@@ -93,6 +96,7 @@ def test_reduction_moves_nothing(problem: Problem) -> None:
     assert reduced.bounds.tails == p.bounds.tails
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(orders())
 def test_beyond_the_limit_fewer_arcs_go_but_none_that_is_needed(problem: Problem) -> None:
@@ -225,6 +229,7 @@ def small_tasks(count: int) -> list[Task]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("road", ROADS)
 def test_the_passes_keep_the_optimum(road: str) -> None:
     backend = get_backend("cpsat")

@@ -35,6 +35,7 @@ def random_tasks(count: int) -> list[Task]:
     return tasks
 
 
+@pytest.mark.slow
 def test_what_the_rule_finds_is_valid_and_never_better_than_the_optimum() -> None:
     found_ones = 0
     for task in random_tasks(150):
@@ -66,6 +67,7 @@ def taken(problem: Problem, i: int, choice: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(problem.contention.pools[shared].members[0] for shared in choice)
 
 
+@pytest.mark.slow
 def test_with_pools_the_rule_keeps_the_summed_capacity() -> None:
     pooled = 0
     for seed in range(60):
@@ -149,6 +151,7 @@ def test_where_the_rule_is_defeated_there_is_no_schedule(
     assert list_schedule(problem) is None
 
 
+@pytest.mark.slow
 def test_two_thousand_jobs_take_little_time() -> None:
     task = contended_task(random.Random("many"), 2000)
     found = list_schedule(run_passes(lower(task)))
@@ -159,6 +162,7 @@ def test_two_thousand_jobs_take_little_time() -> None:
 # --- the horizon --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_some_optimal_schedule_has_ended_by_the_horizon() -> None:
     compared = 0
     for seed in range(300):

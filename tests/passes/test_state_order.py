@@ -150,6 +150,7 @@ def chains(size: int, length: int = 4) -> Problem:
     )
 
 
+@pytest.mark.slow
 def test_a_thousand_variables_take_no_longer_than_their_number_says() -> None:
     problem = chains(1_000)
     began = time.process_time()

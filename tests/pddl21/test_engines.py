@@ -142,6 +142,7 @@ def told(outcome: Outcome) -> str:
 # One planner that goes wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["exits", "fails", "crashes"])
 def test_a_plan_is_kept_however_the_planner_ends(optic, then: str) -> None:
     optic(POOR, then)
@@ -179,11 +180,13 @@ def test_a_planner_that_meets_the_bound_is_stopped_at_once(optic) -> None:
     assert makespan(outcome) == 7
 
 
+@pytest.mark.slow
 def test_the_best_of_several_plans_is_kept_not_the_last(optic) -> None:
     optic(BEST + POOR, "exits")
     assert makespan(outcome_of("optic")) == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("then", "why"), [("fails", "exit status 3: bad_alloc: cannot go on"), ("crashes", "signal 11")]
 )
@@ -193,6 +196,7 @@ def test_a_breakdown_without_a_plan_is_an_engine_failure(optic, then: str, why: 
         outcome_of("optic")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "says",
     [
@@ -220,6 +224,7 @@ def test_a_flood_is_cut_off_and_the_plan_before_it_kept(optic) -> None:
     assert makespan(outcome) == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("plan", "why"),
     [
@@ -239,6 +244,7 @@ def test_a_bad_plan_is_not_used_but_a_good_one_beside_it_is(optic, plan: str, wh
     assert makespan(outcome_of("optic")) == 9
 
 
+@pytest.mark.slow
 def test_damage_is_told_even_where_another_plan_is_used(optic) -> None:
     optic(POOR + OVERFLOWN, "exits")
     outcome = outcome_of("optic")
@@ -246,6 +252,7 @@ def test_damage_is_told_even_where_another_plan_is_used(optic) -> None:
     assert "'-2147483.00-647: (a)  [3.000]'" in told(outcome)
 
 
+@pytest.mark.slow
 def test_a_plan_against_the_precedence_is_put_in_order(optic) -> None:
     """A planner's times are not believed: its order on the oven is kept, the rest is re-timed."""
     optic(IN_WRONG_ORDER, "exits")
@@ -257,11 +264,13 @@ def test_a_plan_against_the_precedence_is_put_in_order(optic) -> None:
     }
 
 
+@pytest.mark.slow
 def test_a_plan_beyond_the_capacity_is_not_used(optic) -> None:
     optic(OVERBOOKED, "exits")
     assert outcome_of("optic").schedule is None
 
 
+@pytest.mark.slow
 def test_a_plan_beyond_the_capacity_does_not_displace_a_valid_one(optic) -> None:
     optic(POOR + OVERBOOKED, "exits")
     schedule = irc.solve(TASK, "pddl21", engine="optic", time_limit=20)
@@ -284,12 +293,14 @@ def test_a_plan_as_short_as_the_bound_needs_no_second_search(optic) -> None:
     assert makespan(outcome_of("optic")) == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["fails", "crashes", "hangs", "exits"])
 def test_a_planner_that_finds_none_so_short_is_asked_for_any(optic, then: str) -> None:
     optic(POOR, "exits", asked_first=("", then))
     assert makespan(outcome_of("optic", seconds=4)) == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["fails", "crashes", "exits"])
 def test_a_longer_plan_is_kept_where_the_second_search_gives_nothing(optic, then: str) -> None:
     optic("", then, asked_first=(under_a_deadline(POOR), "exits"))
@@ -299,6 +310,7 @@ def test_a_longer_plan_is_kept_where_the_second_search_gives_nothing(optic, then
 # What is claimed
 
 
+@pytest.mark.slow
 def test_optimal_is_said_only_where_the_makespan_meets_the_bound(optic) -> None:
     optic(POOR + "Problem Unsolvable\n;;;; Solution Found\n" + POOR, "exits")
     poor = irc.solve(TASK, "pddl21", engine="optic", time_limit=20)
@@ -363,6 +375,7 @@ def test_what_fits_optics_clock_once_divided_by_the_tick_is_not_refused(optic) -
     assert started.exists()
 
 
+@pytest.mark.slow
 def test_auto_goes_on_with_another_planner_where_optics_clock_is_too_short(optic) -> None:
     started = optic(POOR, "exits")
     schedule = irc.solve(long_task(2_000_000), "pddl21", time_limit=20)
@@ -385,12 +398,14 @@ def test_auto_without_optic_is_kairos(monkeypatch: pytest.MonkeyPatch, tmp_path:
     assert (schedule.engine, schedule.status, schedule.makespan) == ("kairos", Status.OPTIMAL, 7)
 
 
+@pytest.mark.slow
 def test_auto_takes_optics_plan_where_it_meets_the_bound(optic) -> None:
     optic(BEST, "exits")
     outcome = outcome_of("auto")
     assert (outcome.engine, makespan(outcome)) == ("optic", 7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("says", "then"),
     [("", "fails"), ("", "crashes"), ("", "exits"), (LACKS_AN_ACTION, "exits"), ("", "hangs")],
@@ -402,6 +417,7 @@ def test_auto_goes_on_with_kairos_where_optic_gives_nothing(optic, says: str, th
     assert told(outcome).startswith("optic: ")
 
 
+@pytest.mark.slow
 @without_aries
 def test_auto_is_not_taken_in_by_a_plan_beyond_the_capacity(optic) -> None:
     optic(OVERBOOKED, "exits")
@@ -409,6 +425,7 @@ def test_auto_is_not_taken_in_by_a_plan_beyond_the_capacity(optic) -> None:
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, 7)
 
 
+@pytest.mark.slow
 @without_aries
 def test_auto_goes_on_with_kairos_where_optics_plan_is_not_the_best(optic) -> None:
     optic(POOR, "exits")
@@ -451,6 +468,7 @@ def test_a_missing_optic_is_told_with_the_name_that_was_tried(
 # The command, ended from outside
 
 
+@pytest.mark.slow
 def test_a_planner_ends_with_the_command_that_started_it(optic, tmp_path: Path) -> None:
     started = optic("", "ignores")
     task = tmp_path / "task.json"

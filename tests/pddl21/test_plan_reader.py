@@ -238,6 +238,7 @@ def test_a_heading_glued_to_a_progress_line_that_begins_with_a_number_is_found()
     assert names(log.best) == ["b", "a", "c"]
 
 
+@pytest.mark.slow
 def test_a_heading_behind_megabytes_of_progress_is_found() -> None:
     log = read_plans("b (9.000 | 7.000)" * 200_000 + OPTIC_FIRST)
     assert names(log.best) == ["b", "a", "c"]
@@ -430,6 +431,7 @@ def test_a_text_cut_inside_a_line_leaves_damage() -> None:
         assert log.best is log.plans[0]
 
 
+@pytest.mark.slow
 def test_a_text_cut_anywhere_never_hides_the_last_whole_plan() -> None:
     whole = read_plans(OPTIC_ANYTIME).plans
     ends = [OPTIC_ANYTIME.index("\n", OPTIC_ANYTIME.index(mark)) for mark in ("7.002:", "4.001:")]
@@ -449,6 +451,7 @@ def test_an_instantaneous_step_without_newline_is_whole_where_none_has_a_duratio
 # Rubbish
 
 
+@pytest.mark.slow
 @given(st.text())
 def test_no_text_makes_the_reader_fail(text: str) -> None:
     assert read_plans(text).blocks >= len(read_plans(text).plans)
@@ -480,6 +483,7 @@ PIECES = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(PIECES | st.text(max_size=3), max_size=40))
 def test_no_shuffle_of_planner_output_makes_the_reader_fail(pieces: list[str]) -> None:
     log = read_plans("".join(pieces))
@@ -488,6 +492,7 @@ def test_no_shuffle_of_planner_output_makes_the_reader_fail(pieces: list[str]) -
     assert all(step.start >= 0 and step.end >= step.start for p in log.plans for step in p.steps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "piece",
     ["a", "\n", "1\n", "1:(\n", ";\n", "\x1b[0m", " ", ") [", "x 1: (a\n", ";\n5\n", "é\x00("],
@@ -502,6 +507,7 @@ def test_rubbish_takes_seconds_and_gives_no_plan(piece: str) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_comments_before_rubbish_are_not_read_again_for_each_line_of_it() -> None:
     text = ";;;; Solution Found\n" + ";\n" * 300_000 + "x\n5\n" * 100_000
     began = time.process_time()
@@ -572,6 +578,7 @@ def optic_heading(steps: Sequence[PlanStep]) -> str:
     return f"b (1.000 | 5.000)(G);;;; Solution Found\n; Cost: {makespan}\n; Time 0.00"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("heading", "line"),
     [(kairos_heading, ipc), (optic_heading, popf), (lambda _: "; Seed 46", lpg)],
@@ -589,6 +596,7 @@ def test_a_printed_plan_is_read_back_equal(
     assert all(plan.complete for plan in log.plans)
 
 
+@pytest.mark.slow
 @given(steps=STEPS)
 def test_a_printed_plan_without_durations_is_read_back_equal(steps: list[PlanStep]) -> None:
     log = read_plans("\n".join(map(instantaneous, steps)))
@@ -617,6 +625,7 @@ def test_the_recorded_logs_are_all_there(shared_data: Path) -> None:
     assert len(logs(shared_data)) == 81 + 8
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_real_logs_give_as_many_plans_as_they_print(shared_data: Path) -> None:
     for path in logs(shared_data):
@@ -629,6 +638,7 @@ def test_real_logs_give_as_many_plans_as_they_print(shared_data: Path) -> None:
             assert len(plan.steps) + len(plan.damage) == len(block), path
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_real_logs_have_their_damage_told_line_by_line(shared_data: Path) -> None:
     damaged = set()
@@ -647,6 +657,7 @@ def test_real_logs_have_their_damage_told_line_by_line(shared_data: Path) -> Non
     assert len(damaged) == 45
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_the_best_plan_of_a_real_log_is_the_last_one_to_the_digit(shared_data: Path) -> None:
     kept = 0
@@ -682,6 +693,7 @@ def test_unsolvable_is_reported_for_exactly_the_runs_without_a_plan(shared_data:
 # The module
 
 
+@pytest.mark.slow
 def test_importing_the_module_does_not_import_lark() -> None:
     code = "import sys, irc_pddl21.decoding.plan_reader; sys.exit('lark' in sys.modules)"
     path = os.pathsep.join(sys.path)

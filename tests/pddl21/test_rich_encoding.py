@@ -330,6 +330,7 @@ def test_tardiness_is_refused_and_a_due_date_without_it_is_not() -> None:
 TASKS = GOLDEN_TASKS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["state", "modes", "optional_actions", "calendars"])
 def test_unified_planning_accepts_the_raw_plan_on_the_emitted_text(
     name: str, tmp_path: Path

@@ -264,6 +264,7 @@ def test_the_empty_choice_is_an_answer() -> None:
     assert (schedule.status, schedule.entries) == (Status.OPTIMAL, ())
 
 
+@pytest.mark.slow
 def test_the_cheapest_way_is_found_and_proven() -> None:
     moved = {"effects": [{"at": "end", "var": "moved", "value": True}], "occurs": "optional"}
     task = Task.model_validate(
@@ -282,6 +283,7 @@ def test_the_cheapest_way_is_found_and_proven() -> None:
     assert schedule.status is Status.OPTIMAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 5, 6])
 def test_random_reward_tasks_are_never_called_optimal_wrongly(seed: int) -> None:
     task = reward_task(seed)
@@ -324,6 +326,7 @@ def test_a_reward_that_was_not_proven_is_feasible_and_says_how_much_more_there_c
     assert [(o.value, o.bound) for o in schedule.objective] == [(5, 10)]
 
 
+@pytest.mark.slow
 def test_a_planner_gets_one_time_limit_over_all_of_its_runs() -> None:
     needs_kairos()
     task = contended_task(random.Random("strategy 17"), 19)
@@ -335,6 +338,7 @@ def test_a_planner_gets_one_time_limit_over_all_of_its_runs() -> None:
     assert outcome.status is Status.FEASIBLE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 2, 4, 6])
 def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
     """Some want a mend to end before its match and to follow another mend at once."""
@@ -349,6 +353,7 @@ def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
     assert mine.makespan == best.makespan
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(16))
 def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int) -> None:
     needs_kairos()

@@ -61,6 +61,7 @@ def positive_components(size: int, edges: list[Edge]) -> set[frozenset[int]]:
     return found
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(graphs())
 def test_times_are_those_of_bellman_ford(case: tuple[int, list[Edge], list[int]]) -> None:
@@ -72,6 +73,7 @@ def test_times_are_those_of_bellman_ford(case: tuple[int, list[Edge], list[int]]
         assert times.t == expected
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(graphs())
 def test_every_component_with_a_positive_cycle_shows_one(
@@ -91,6 +93,7 @@ def test_every_component_with_a_positive_cycle_shows_one(
     assert all(any(points <= members for members in contradictory) for points in shown)
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_the_chain_behind_a_time_adds_up_to_it(case: tuple[int, list[Edge], list[int]]) -> None:
     size, edges, floors = case
@@ -105,6 +108,7 @@ def test_the_chain_behind_a_time_adds_up_to_it(case: tuple[int, list[Edge], list
         assert times.cause[first] == -1
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_least_times_leave_every_time_pressed_from_behind(
     case: tuple[int, list[Edge], list[int]],
@@ -119,6 +123,7 @@ def test_least_times_leave_every_time_pressed_from_behind(
         assert t[point] == max([floors[point], *pressed])
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_distances_to_the_end_are_those_from_it_turned_round(
     case: tuple[int, list[Edge], list[int]],
@@ -129,6 +134,7 @@ def test_distances_to_the_end_are_those_from_it_turned_round(
     assert backward.t == earliest(turned, floors).t
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_components_are_those_of_networkx_in_topological_order(
     case: tuple[int, list[Edge], list[int]],
@@ -148,6 +154,7 @@ def test_components_are_those_of_networkx_in_topological_order(
     assert all(place[src] <= place[dst] for src, dst, _ in edges)
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_acyclic_means_what_networkx_says(case: tuple[int, list[Edge], list[int]]) -> None:
     size, edges, _ = case
@@ -163,6 +170,7 @@ def test_the_points_of_a_contradiction_keep_what_came_from_outside() -> None:
     assert times.t == [1, 6, 0, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", [0, 10_000, 19_998])
 def test_a_contradiction_in_a_long_chain_is_found_in_little_time(where: int) -> None:
     size = 20_000
@@ -172,6 +180,7 @@ def test_a_contradiction_in_a_long_chain_is_found_in_little_time(where: int) -> 
     assert sorted(cycle) == [where, size - 1 + where]
 
 
+@pytest.mark.slow
 def test_many_small_components_in_a_row_are_settled_in_little_time() -> None:
     size = 20_000
     edges = [(2 * i, 2 * i + 1, 2) for i in range(size)]
@@ -181,6 +190,7 @@ def test_many_small_components_in_a_row_are_settled_in_little_time() -> None:
     assert times.t[-1] == 3 * size - 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [2_000, 20_000])
 def test_a_long_cycle_of_lags_is_settled_in_little_time(size: int) -> None:
     forward = [(i, i + 1, 2) for i in range(size - 1)]
@@ -189,6 +199,7 @@ def test_a_long_cycle_of_lags_is_settled_in_little_time(size: int) -> None:
     assert times.t == [2 * i for i in range(size)]
 
 
+@pytest.mark.slow
 def test_a_ladder_that_is_hard_for_label_correction_is_still_exact() -> None:
     rng = random.Random(7)
     size = 300

@@ -70,6 +70,7 @@ def comparable() -> Iterator[tuple[int, Task, Problem]]:
             yield seed, task, lower(task)
 
 
+@pytest.mark.slow
 def test_answers_are_the_same_with_and_without_what_the_compiler_knows() -> None:
     different = {}
     for seed, task, raw in comparable():

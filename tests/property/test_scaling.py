@@ -59,6 +59,7 @@ def contended(seed: int) -> Task:
 # --- scaling ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(seeds, factors)
 def test_scaling_all_times_scales_the_critical_path(seed: int, factor: Fraction) -> None:
@@ -66,6 +67,7 @@ def test_scaling_all_times_scales_the_critical_path(seed: int, factor: Fraction)
     assert makespan(with_times(task, times(factor))) == makespan(task) * factor
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds, factors)
 def test_scaling_all_times_scales_the_optimum_of_cp_sat(seed: int, factor: Fraction) -> None:
@@ -74,6 +76,7 @@ def test_scaling_all_times_scales_the_optimum_of_cp_sat(seed: int, factor: Fract
     assert makespan(scaled, shortcut=False) == makespan(task, shortcut=False) * factor
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds)
 def test_scaling_changes_no_file_of_any_target(seed: int) -> None:
@@ -95,6 +98,7 @@ def test_times_of_any_size_are_exact(factor: Fraction) -> None:
 UNITS = ["ms", "s", "min", "h", "day", "week", "month", "year"]
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(seeds, st.sampled_from(UNITS), st.sampled_from(UNITS))
 def test_the_unit_of_the_task_changes_numbers_not_times(seed: int, one: str, other: str) -> None:
@@ -107,6 +111,7 @@ def test_the_unit_of_the_task_changes_numbers_not_times(seed: int, one: str, oth
     assert first == makespan(task)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(seeds)
 def test_numbers_and_texts_can_be_mixed(seed: int) -> None:
@@ -124,6 +129,7 @@ def test_numbers_and_texts_can_be_mixed(seed: int) -> None:
     assert makespan(mixed) == 60 * makespan(task)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds, st.integers(1, 31))
 def test_months_are_as_long_as_the_task_says(seed: int, days: int) -> None:
@@ -136,6 +142,7 @@ def test_months_are_as_long_as_the_task_says(seed: int, days: int) -> None:
 # --- names and order ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds)
 def test_other_names_change_no_makespan(seed: int) -> None:
@@ -143,6 +150,7 @@ def test_other_names_change_no_makespan(seed: int) -> None:
     assert makespan(hostile_names(task, random.Random(seed))) == makespan(task)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds)
 def test_more_capacity_makes_nothing_later(seed: int) -> None:
@@ -163,6 +171,7 @@ def test_without_resources_a_makespan_is_a_longest_path(seed: int) -> None:
     assert makespan(task) == longest_path(task)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(seeds)
 def test_another_precedence_makes_nothing_earlier(seed: int) -> None:

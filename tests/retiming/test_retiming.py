@@ -105,6 +105,7 @@ def sharing(problem: Problem, placed: Sequence[Placed]) -> Iterator[tuple[int, i
     )
 
 
+@pytest.mark.slow
 def test_the_answer_is_the_earliest_of_its_choices_and_order() -> None:
     """Against longest paths over *all* pairs in order, by networkx."""
     for task, problem, decisions in answers(80):
@@ -172,6 +173,7 @@ def test_drift_and_rounding_within_the_tolerance_change_nothing() -> None:
         assert retime(problem, drifted, EPSILON * Fraction(3, 2)) == placed
 
 
+@pytest.mark.slow
 def test_an_optimal_schedule_stays_optimal() -> None:
     for seed in range(80):
         task = random_task(random.Random(f"optimum {seed}"), tighten=0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -67,6 +68,7 @@ def problems(task: Task) -> tuple[Problem, Problem]:
     return unroll(lower(task), 3), unroll(run_passes(lower(task)), 3)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds)
 def test_the_planted_schedule_is_valid(seed: int) -> None:
@@ -75,6 +77,7 @@ def test_the_planted_schedule_is_valid(seed: int) -> None:
     assert verdict.valid, verdict.violations
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(seeds)
 def test_what_is_re_timed_stays_valid_with_its_own_ranks(seed: int) -> None:
@@ -86,6 +89,7 @@ def test_what_is_re_timed_stays_valid_with_its_own_ranks(seed: int) -> None:
             assert verdict.valid, verdict.violations
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds)
 def test_nothing_becomes_later_and_choices_stay(seed: int) -> None:
@@ -98,6 +102,7 @@ def test_nothing_becomes_later_and_choices_stay(seed: int) -> None:
             assert place.end <= decision.end
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds)
 def test_what_is_re_timed_moves_no_further(seed: int) -> None:
@@ -107,6 +112,7 @@ def test_what_is_re_timed_moves_no_further(seed: int) -> None:
         assert retime(problem, as_decisions(placed)) == placed
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds, st.integers(1, 50))
 def test_waiting_before_everything_starts_changes_nothing(seed: int, wait: int) -> None:

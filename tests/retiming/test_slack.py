@@ -63,6 +63,7 @@ def delayed(
     return later if met else None
 
 
+@pytest.mark.slow
 def test_any_action_can_be_delayed_by_its_slack_and_not_by_a_tick_more() -> None:
     judged = delays = 0
     for seed in range(250):

@@ -67,11 +67,13 @@ def one(**fields: Any) -> Document:
 # --- there and back -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(schedules)
 def test_what_is_written_is_read_back_equal(schedule: Schedule) -> None:
     assert read(dump_json(schedule.to_dict())) == schedule
 
 
+@pytest.mark.slow
 @given(schedules)
 def test_binary_floats_of_another_reader_do_no_harm(schedule: Schedule) -> None:
     """A decimal is written as a number only where a float's shortest text is that decimal."""

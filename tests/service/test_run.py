@@ -73,6 +73,7 @@ def run(
 # --- requests -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_each_request_gets_one_answer_on_one_line_with_its_id(file: Path) -> None:
     code, answers, errors = run(
         file,
@@ -268,9 +269,10 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     assert "there is no engine 'abacus'" in errors
     code, answers, errors = run(Path("-"))
     assert (code, answers) == (2, [])
-    assert "standard input carries the requests" in errors
+    assert "standard input is for the requests" in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -303,6 +305,7 @@ def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
 # --- crashes ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
 def test_killed_at_random_points_it_forgets_nothing_that_it_acknowledged(tmp_path: Path) -> None:
     kitchen = Kitchen(tmp_path, random.Random(5))
@@ -316,6 +319,7 @@ def test_killed_at_random_points_it_forgets_nothing_that_it_acknowledged(tmp_pat
     process.communicate()
 
 
+@pytest.mark.slow
 def test_a_second_process_cannot_have_the_journal(file: Path) -> None:
     command = [sys.executable, "-m", "irc", "run", str(file), "--stdio"]
     command += ["--journal", str(file.with_name("run.journal"))]

@@ -170,6 +170,7 @@ def test_planners_read_every_name() -> None:
     assert kairos.parse_problem(program.files["problem.pddl"], domain).name == "irc_task_1"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "document", [chain(NAMES[::5]), chain(TWINS_OF_GENERATED), two_machines(NAMES[:5])]
 )
@@ -205,6 +206,7 @@ def test_names_of_resources_arrive_whole_in_the_cp_sat_model() -> None:
 # Both
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("target", "engine"), [("cpsat", "ortools"), ("pddl21", "kairos")])
 def test_a_schedule_has_the_original_names(target: str, engine: str) -> None:
     if target == "pddl21":
@@ -268,6 +270,7 @@ def test_names_do_not_depend_on_the_order_of_the_input(target: str) -> None:
     ] * 3
 
 
+@pytest.mark.slow
 def test_names_are_the_same_in_another_process() -> None:
     """Sets of strings come in another order there."""
     script = (
@@ -304,6 +307,7 @@ any_text = st.text(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(any_text, min_size=5, max_size=5, unique=True))
 def test_any_names_are_told_apart_and_add_nothing(names: list[str]) -> None:
     program = irc.compile(two_machines(names), "pddl21")
@@ -318,6 +322,7 @@ def test_any_names_are_told_apart_and_add_nothing(names: list[str]) -> None:
     assert {f"start {name}" for name in names[:3]} <= set(names_in_model)
 
 
+@pytest.mark.slow
 @given(st.lists(any_text, min_size=1, max_size=30))
 def test_the_name_table_never_hands_out_a_name_twice(texts: list[str]) -> None:
     from irc_pddl21.encoding.names import RESERVED, NameTable

@@ -255,6 +255,7 @@ def test_output_that_just_fits_its_limit_is_no_flood(fake) -> None:
     assert (fits.ended, over.ended) == (Ended.EXITED, Ended.OUTPUT_LIMIT)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the platform may have no such limit")
 def test_memory_beyond_its_limit_is_refused_to_the_child(fake) -> None:
     command = fake("eats_memory.py", "400")
@@ -309,10 +310,11 @@ def test_a_daemon_in_a_session_of_its_own_is_ended(fake, streams: str) -> None:
     assert seconds < SLACK
 
 
+@pytest.mark.slow
 @needs_proc
 def test_what_a_nested_run_started_is_ended_too(fake) -> None:
     command = fake("nested.py", str(FAKES / "ignore_sigterm.py"))
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
     result = run(command, UNLIMITED, env=environment, on_line=is_ready)
     assert (result.ended, result.stdout) == (Ended.STOPPED, "ready\n")
 
@@ -408,6 +410,7 @@ def test_an_interrupt_in_the_middle_of_the_start_leaves_no_child(fake, monkeypat
     abandoned[0].stderr.close()
 
 
+@pytest.mark.slow
 def test_runs_in_several_threads_do_not_end_each_other(fake) -> None:
     quick, slow = fake("daemonises.py", "silent"), fake("closes_stdout_and_sleeps.py", "0.8")
     with ThreadPoolExecutor() as pool:

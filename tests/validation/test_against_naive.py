@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -26,6 +27,7 @@ from oracles.naive_validation import (
 )
 
 
+@pytest.mark.slow
 @SLOW
 @given(tasks_and_schedules())
 def test_a_schedule_valid_by_construction_is_accepted(case: tuple[Task, list[Entry]]) -> None:
@@ -33,6 +35,7 @@ def test_a_schedule_valid_by_construction_is_accepted(case: tuple[Task, list[Ent
     assert validate(task, Schedule(tuple(entries))).violations == ()
 
 
+@pytest.mark.slow
 @SLOW
 @given(st.data(), tasks_and_schedules())
 def test_each_rule_is_broken_exactly_where_the_naive_check_says(
@@ -51,6 +54,7 @@ def test_each_rule_is_broken_exactly_where_the_naive_check_says(
     assert found == expected, verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=350)
 @given(state_cases())
 def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]) -> None:
@@ -60,6 +64,7 @@ def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]
     assert verdict.valid is some_ranks_do(task, entries), verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=700)
 @given(state_cases(with_levels=True))
 def test_ranks_suit_resources_stock_and_changes_of_the_world(
@@ -71,6 +76,7 @@ def test_ranks_suit_resources_stock_and_changes_of_the_world(
     assert verdict.valid is some_ranks_do(task, entries), verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=700)
 @given(st.data(), state_cases(with_levels=True))
 def test_given_ranks_are_judged_as_the_naive_check_does(

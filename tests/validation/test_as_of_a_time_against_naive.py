@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -158,6 +159,7 @@ def numbers(verdict: Verdict) -> tuple[set[int | None], set[int | None]]:
     return {v.number for v in verdict.violations}, {v.number for v in verdict.carried}
 
 
+@pytest.mark.slow
 @SLOW
 @given(st.data(), tasks_and_schedules(), st.integers(0, 9))
 def test_what_is_open_is_blamed_exactly_where_the_naive_check_says(
@@ -249,6 +251,7 @@ def has_ambiguous_values(
     return len(set(points)) < len(points)
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=300)
 @given(st.data(), state_cases(), st.integers(0, 3))
 def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
@@ -278,6 +281,7 @@ def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
         assert not verdict.carried, verdict
 
 
+@pytest.mark.slow
 @settings(SLOW, max_examples=250)
 @given(state_cases(), st.integers(0, 3))
 def test_ranks_are_looked_for_only_where_history_has_some(

@@ -181,6 +181,7 @@ def test_many_equal_choices_are_matched_at_once() -> None:
     assert is_explained(uses, {**dict.fromkeys(names[:38], 1), "r0": 3}) is False
 
 
+@pytest.mark.slow
 def test_a_packing_too_hard_to_decide_is_called_undecided_not_valid() -> None:
     names = [f"r{i:02}" for i in range(24)]
     uses = [Use(one_of=tuple(names), amount=100 + i) for i in range(48)]

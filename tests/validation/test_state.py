@@ -425,6 +425,7 @@ def test_a_search_that_gives_up_says_undecided_not_valid(monkeypatch: pytest.Mon
     assert str(verdict).startswith("undecided, 1 violation:")
 
 
+@pytest.mark.slow
 def test_a_hard_instant_is_answered_in_bounded_time() -> None:
     # Every order ends in g too early, but there are millions to try.
     pairs = [a + b for a in "abcdef" for b in "abcdef" if a != b] + ["ag", "bg"]

@@ -260,8 +260,10 @@ def test_a_binary_float_is_refused() -> None:
 # What it stands on
 
 
+@pytest.mark.slow
 def test_the_validator_imports_nothing_it_should_be_independent_of() -> None:
     allowed = {
+        "irc.diagnostics",
         "irc.display",
         "irc.errors",
         "irc.model",
