@@ -14,7 +14,7 @@ class OrTools(Engine):
     name: ClassVar[str] = "ortools"
 
     def missing(self) -> str | None:
-        """Why ortools cannot be imported, if it cannot."""
+        """The reason why ortools cannot be imported, or None if it can."""
         if find_spec("ortools") is None:
             return "the engine 'ortools' is not installed: pip install ortools"
         return None
