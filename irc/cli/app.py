@@ -56,6 +56,10 @@ def build_app(only: str | None = None) -> typer.Typer:
     for name, function in commands.items():
         if only not in commands or name == only:
             app.command(name)(function)
+    if only not in commands:
+        from irc.cli.eval import eval_app
+
+        app.add_typer(eval_app, name="eval")
     return app
 
 

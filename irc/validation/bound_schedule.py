@@ -25,7 +25,7 @@ from irc.model.times import Clock
 from irc.schedule import Entry, Schedule
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"
-"""What an entry of a schedule that is being carried out may say of itself."""
+"""The statuses that an entry of a schedule that is being carried out may have."""
 
 
 class UncheckedTaskError(IrcError, ValueError):

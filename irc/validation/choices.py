@@ -10,8 +10,8 @@ from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.verdict import Violations
 
 MAX_PARTIAL_CHOICES = 100_000
-"""Choices among *different* amounts are a packing problem; beyond so many partial ones the
-validator says that it does not know. Choices among equal amounts are a matching, never bounded."""
+"""Choices among *different* amounts are a packing problem; beyond this number of partial choices
+the verdict is "undecided". Choices among equal amounts are a matching, never bounded."""
 
 _Choice = tuple[int, frozenset[str]]
 """An amount, and the resources of which one gives it."""

@@ -68,7 +68,13 @@ def find_ranks(
         if outcome is not True:
             clusters = [search.clusters[i] for i in puzzle]
             _add_unsolved(clusters, outcome is None, violations)
-    return None if violations else graph.ranks[: timelines.node_count]
+    return None if violations else _from_zero(graph.ranks[: timelines.node_count])
+
+
+def _from_zero(ranks: Sequence[int]) -> list[int]:
+    """The same order of ranks, the least of them 0."""
+    least = min(ranks, default=0)
+    return [rank - least for rank in ranks]
 
 
 def _past_first_edges(bound: BoundSchedule, timelines: Timelines) -> tuple[int, list[Edge]]:
