@@ -77,7 +77,7 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "set_release", "action": "serve", "release": 40},
-            "'serve' must start at most 15 min after the end of 'bake', and the best plan found "
+            "'serve' must start at most 15 min after the end of 'bake', but the best plan found "
             "has 20 min",
         ),
         (
