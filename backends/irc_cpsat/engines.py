@@ -20,7 +20,7 @@ class OrTools(Engine):
         self.bounds, self.hints = bounds, hints
 
     def missing(self) -> str | None:
-        """Why ortools cannot be imported, if it cannot."""
+        """The reason why ortools cannot be imported, or None if it can."""
         if find_spec("ortools") is None:
             return "the engine 'ortools' is not installed: pip install ortools"
         return None

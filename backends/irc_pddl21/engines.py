@@ -30,7 +30,7 @@ class PlannerEngine(Engine):
     planner: ClassVar[Planner]
 
     def missing(self) -> str | None:
-        """Why the planner cannot run here and how to get it, or None if it can."""
+        """The reason why the planner cannot run here and how to get it, or None if it can."""
         return self.planner.missing()
 
     def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Outcome:
@@ -75,7 +75,7 @@ class Portfolio(Engine):
         self.planners = planners
 
     def missing(self) -> str | None:
-        """Why none of them can run."""
+        """The reason why none of them can run, or None."""
         reasons = [planner.missing() for planner in self.planners]
         return None if None in reasons else "; ".join(r for r in reasons if r)
 

@@ -12,7 +12,7 @@ from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
 from irc.problem import Problem
-from irc.problem.objective_values import worth
+from irc.problem.objective_values import schedule_values
 from irc.schedule import ObjectiveValue, Schedule, Status
 from irc.targets import (
     EngineFailed,
@@ -98,7 +98,7 @@ def _judged(
     problem: Problem, outcome: Outcome, schedule: Schedule
 ) -> tuple[Status, tuple[ObjectiveValue, ...]]:
     """(the status, the objective values with their bounds): optimal if all meet their bounds."""
-    values = worth(problem, schedule)
+    values = schedule_values(problem, schedule)
     known = {level.name: level.bound for level in outcome.levels}
     if problem.objectives[0] == "makespan":
         ours = problem.to_units(max(outcome.bound, problem.bounds.makespan.value))

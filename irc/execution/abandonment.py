@@ -1,7 +1,7 @@
-"""Which half-done orders are given up: as few as possible, and only on a proof.
+"""Decides which half-done groups are given up: as few as possible, and only on a proof.
 
-What is half-done is finished if any continuation allows it. Where a proof says that none does, it
-is found which can be finished together.
+A half-done group is finished if any continuation allows it. Where a proof says that none does, a
+search finds the groups that can be finished together.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PROVER_SHARE = 0.1
 """The part of the time left that this may take before an engine is asked."""
 
 GIVEN_UP_TRIED = 200
-"""So many choices of orders to give up are tried at most, smaller ones first."""
+"""At most this many choices of groups to give up are tried, smaller ones first."""
 
 
 def best_continuation(remainder: Remainder) -> Found:
@@ -43,7 +43,7 @@ def best_continuation(remainder: Remainder) -> Found:
     found, certain = _smallest(remainder, half_done, outcome.status is not Status.UNKNOWN)
     if found:
         return min(found, key=lambda f: _value(f[1], f[0]))
-    # Without a proof that the others can be finished no more, none is given up.
+    # Without a proof that the others cannot be finished, none is given up.
     return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
 
 
@@ -57,7 +57,7 @@ def _prover(remainder: Remainder, budget: Budget) -> Remainder:
 
 
 def _as_proven(remainder: Remainder) -> Found:
-    """The continuation that gives up what the prover has, so that no time is lost on the rest."""
+    """The continuation that gives up the groups which the prover gave up, to save time."""
     proven = best_continuation(_prover(remainder, remainder.budget.share(PROVER_SHARE)))
     if proven[0].status is Status.INFEASIBLE:
         return proven
@@ -67,7 +67,7 @@ def _as_proven(remainder: Remainder) -> Found:
 def _smallest(
     remainder: Remainder, half_done: Sequence[int], certain: bool
 ) -> tuple[list[Found], bool]:
-    """What comes of giving up as few as possible, and whether fewer are known not to do."""
+    """The result of giving up as few as possible, and whether fewer are proven not to suffice."""
     found: list[Found] = []
     sizes = range(1, 1 + len(half_done))
     choices = (chosen for size in sizes for chosen in combinations(half_done, size))

@@ -1,6 +1,6 @@
-"""What is left of a task that is being carried out, and how an engine is asked to continue it.
+"""Asks an engine for a continuation of a running task.
 
-An engine is given either the whole problem, in which what has begun is fixed, or what is left with
+An engine gets either the whole problem, in which the history is fixed, or the residual problem with
 the present as time 0 (`Backend.begins_now`). Either way the answer is of the whole.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.solve import SHORTCUT_ENGINE
-from irc.execution.freeze import Frozen, with_groups
+from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
@@ -27,7 +27,7 @@ from irc.passes.mandatory import least_occurrences
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
-from irc.problem.objective_values import worth
+from irc.problem.objective_values import schedule_values
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
@@ -46,7 +46,7 @@ from irc.targets import (
 Judge = Callable[[Schedule], str | None]
 
 PROVER = "cpsat"
-"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
+"""The target that proves which groups can be finished, where the chosen target proves nothing."""
 
 AFTERWARDS_SHARE = 0.1
 """The part of the time left that is kept for after the engine: for the prover, if the engine finds
@@ -66,7 +66,7 @@ class Remainder:
     """A frozen problem, with those who can solve it, and their time."""
 
     task: Task
-    frozen: Frozen
+    frozen: FrozenProblem
     history: History
     at: Number
     backend: Backend
@@ -109,18 +109,18 @@ class Remainder:
         return self.engine.solve(Program(self.backend, self.task, whole), options, budget)
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
-        """The entries of what was cancelled, or ran for an order that is given up, say so."""
+        """Marks the entries as cancelled, or as abandoned where their group is given up."""
         groups, activities = self.frozen.problem.groups, self.frozen.problem.activities
         kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
         lost = {activities[i].id for k in given_up for i in groups[k].members if i not in kept}
 
-        def told(entry: Entry) -> Entry:
+        def marked(entry: Entry) -> Entry:
             before = self.history.entries.get(key_of(entry))
             cancelled = before is not None and before.status == CANCELLED
             status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
             return replace(entry, status=status)
 
-        entries = (told(e) for e in schedule.entries if e.id not in self.frozen.helpers)
+        entries = (marked(e) for e in schedule.entries if e.id not in self.frozen.helpers)
         return replace(schedule, entries=tuple(entries))
 
     def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
@@ -130,14 +130,14 @@ class Remainder:
         return self.engine.solve(program, self.options, budget)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
-        """What the validator has against a whole history; None: nothing."""
+        """The violations that the validator finds in a whole history; None if it is valid."""
         from irc.validation import validate
 
         verdict = validate(self.task, self.with_status(schedule, given_up), self.at)
         return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
 
     def _from_now(self, frozen: Problem, whole: Problem, given_up: Sequence[int]) -> Outcome:
-        """The outcome of what is left, with the history before it."""
+        """The outcome of the residual problem, with the history before it."""
         now = self.frozen.now
         try:
             residual = residual_problem(frozen, self.frozen.executed, now)
@@ -157,7 +157,7 @@ class Remainder:
         try:
             merged = residual.merged(whole, found.schedule)
         except AnswerError as error:
-            raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
+            raise EngineFailed(f"the answer does not continue the history: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
         kept = stabilised(
             whole,
@@ -172,7 +172,7 @@ class Remainder:
 
 @dataclass(frozen=True, slots=True)
 class _WithHistory:
-    """What the validator says of a plan with the history before it; None: nothing."""
+    """Judges a plan of the residual problem together with the history; None if it is valid."""
 
     remainder: Remainder
     residual: ResidualProblem
@@ -195,7 +195,7 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
     try:
         problem = run_passes(problem, _PASSES)
     except ValueError:
-        return problem, _impossible("what has begun and the lags of the task contradict each other")
+        return problem, _impossible("the history and the lags of the task contradict each other")
     bound = problem.bounds.makespan
     if problem.deadline is not None and bound.value > problem.deadline:
         least = f"no continuation ends before {problem.time_text(since + bound.value)}"
@@ -212,24 +212,24 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
 
 
 def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str | None:
-    """What keeps an activity from being so late; None: nothing."""
+    """The reason why an activity cannot start or end this late; None if it can."""
     activity, deadline = problem.activities[i], problem.effective_deadline(i)
     if deadline is not None and end > deadline:
         if deadline < 0:
-            return f"{activity.id!r} must have ended by now, and has not begun"
+            return f"{activity.id!r} must have ended by now, but has not begun"
         earliest, limit = problem.time_text(since + end), problem.time_text(since + deadline)
-        return f"{activity.id!r} cannot end before {earliest}, and must by {limit}"
+        return f"{activity.id!r} must end by {limit}, but cannot end before {earliest}"
     if activity.start is not None and start > activity.start:
         earliest, fixed = (
             problem.time_text(since + start),
             problem.time_text(since + activity.start),
         )
-        return f"{activity.id!r} must start at {fixed}, and cannot before {earliest}"
+        return f"{activity.id!r} must start at {fixed}, but cannot start before {earliest}"
     return None
 
 
 def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
-    """Everything as early as it can be: what is too late even so shows that nothing is possible."""
+    """The outcome with all activities as early as possible; infeasible if one is too late then."""
     try:
         placed = earliest_schedule(problem)
     except AnswerError as error:
@@ -243,9 +243,9 @@ def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
 
 
 def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, now: int) -> Outcome:
-    """An outcome of what is left as one of the whole: each value is off by what history adds."""
+    """The outcome of the residual problem as one of the whole; the history adds to each value."""
     assert found.schedule is not None
-    part, all_of_it = worth(left, found.schedule), worth(whole, merged)
+    part, all_of_it = schedule_values(left, found.schedule), schedule_values(whole, merged)
     levels = []
     for level in found.levels:
         bound = level.bound
@@ -259,8 +259,8 @@ def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, n
 
 
 def _stabilised(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
-    """The outcome once less of it moves: the bounds are as before, the values may not be."""
-    values = worth(whole, schedule)
+    """The outcome with a schedule that moves less: its bounds stay, its values are new."""
+    values = schedule_values(whole, schedule)
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
     status = outcome.status
     if status is Status.OPTIMAL and whole.previous.stability:

@@ -17,11 +17,12 @@ from irc.schedule import Entry, Schedule
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What one instant came to.
+    """The result of replanning at one instant.
 
-    `completed` and `running` are ids as of then, `moved` counts the planned actions whose start,
-    mode or resources differ from before (or that are gone), `abandoned` are half-done groups that
-    cannot be finished. `schedule` is the whole history with the new plan, an answer to `task`.
+    `completed` and `running` are ids as of then. `moved` counts the planned occurrences whose
+    start, mode or resources differ from the previous plan, or that are gone. `abandoned` are
+    half-done groups that cannot be finished. `schedule` is the whole history with the new plan, an
+    answer to `task`.
     """
 
     at: Number
@@ -35,7 +36,7 @@ class Step:
     abandoned: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """The step as `irc simulate --format json` has it."""
+        """The step as `irc simulate --format json` writes it."""
         return {
             "at": json_number(self.at),
             "event": [event.id for event in self.events],
@@ -49,7 +50,7 @@ class Step:
 
 
 def moved(planned: Sequence[Entry], schedule: Schedule, history: History) -> int:
-    """How many planned occurrences, still wanted, are elsewhere now, or not there any more."""
+    """The number of planned occurrences, not cancelled, that moved or are gone."""
     now: dict[Key, Entry] = {key_of(entry): entry for entry in schedule.entries}
     return sum(
         entry.id not in history.cancelled and not _same(entry, now.get(key_of(entry)))

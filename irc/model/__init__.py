@@ -1,6 +1,6 @@
-"""The IR as pydantic models: what the user wrote, checked for shape only.
+"""The IR as pydantic models: in, a raw document; out, a typed task, checked for shape only.
 
-The models are loaded when they are asked for: who only needs times, say, does not load pydantic.
+Each model is loaded when it is first used: a caller that needs only times does not load pydantic.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ _HOMES = {
     "parts": "Action DurationRange Precedence Resource Use",
     "task": "Task",
 }
-"""Where each model is loaded from."""
+"""The module of each model."""
 
 
 def __getattr__(name: str) -> Any:

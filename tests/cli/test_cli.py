@@ -584,7 +584,9 @@ def test_validate_as_of_a_time_carries_what_only_history_causes(tmp_path: Path) 
     schedule = written(tmp_path, entries, "schedule.json")
     result = run_irc("validate", task, schedule, "--at", "90 s")
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "note: 1 violation carried, which only what began before 1.5 min causes" in result.stdout
+    assert "note: 1 violation carried, caused only by entries that began before 1.5 min:" in (
+        result.stdout
+    )
     assert run_irc("validate", task, schedule, "--at", "0").exit_code == 1
     verdict = json.loads(
         run_irc("validate", task, schedule, "--at", "1.5", "--format", "json").stdout

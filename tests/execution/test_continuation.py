@@ -18,7 +18,7 @@ from irc.execution.freeze import freeze
 from irc.lowering.lower import lower
 from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
-from irc.problem.objective_values import worth
+from irc.problem.objective_values import schedule_values
 from irc.targets import Budget, get_backend
 from irc.validation import validate
 from irc_cpsat import CpSat
@@ -51,7 +51,7 @@ def answer(left: Remainder) -> tuple[str, tuple[Number, ...], int]:
     schedule = left.with_status(outcome.schedule, given_up)
     verdict = validate(left.task, schedule, left.at)
     assert verdict.valid, [v.message for v in verdict.violations]
-    values = worth(whole, schedule)
+    values = schedule_values(whole, schedule)
     return outcome.status.value, tuple(values[n] for n in whole.objectives), len(given_up)
 
 

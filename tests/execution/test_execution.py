@@ -119,7 +119,7 @@ def test_where_nothing_continues_the_old_plan_stays() -> None:
 def test_a_schedule_of_something_else_is_refused() -> None:
     with pytest.raises(InputError, match="does not have"):
         Execution(CHAIN, plan(entry("x", 0, 1)))
-    with pytest.raises(InputError, match="twice"):
+    with pytest.raises(InputError, match="two entries of"):
         Execution(CHAIN, plan(entry("a", 0, 4, "van"), entry("a", 4, 8, "van")))
 
 

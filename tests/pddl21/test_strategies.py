@@ -14,7 +14,7 @@ from builders import Document, after_passes, lettered, task_of
 from irc.driver.compile import lower_for
 from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.passes.restrict import drop_ample_stock, restrict, settle_presence
+from irc.passes.restrict import decide_presence, drop_ample_stock, restrict
 from irc.passes.serial_sgs import quick_makespan
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
@@ -57,7 +57,7 @@ def test_restricting_keeps_what_is_chosen_and_drops_the_rest() -> None:
 
 def test_what_belongs_to_a_group_that_must_be_there_is_mandatory() -> None:
     group = {"id": "g", "actions": ["a", "b"], "required": False}
-    problem = settle_presence(
+    problem = decide_presence(
         problem_of({}, {}, {"occurs": "optional"}, groups=[group], goals=["b"])
     )
     assert [a.details.optional for a in problem.activities] == [False, False, True]
@@ -66,9 +66,9 @@ def test_what_belongs_to_a_group_that_must_be_there_is_mandatory() -> None:
 def test_a_group_with_a_member_that_cannot_be_is_gone() -> None:
     group = {"id": "g", "actions": ["a", "b"], "required": False, "deadline": 100}
     never: Document = {"occurs": {"min": 0, "max": 0}}
-    problem = settle_presence(problem_of(never, {"occurs": "optional"}, {}))
+    problem = decide_presence(problem_of(never, {"occurs": "optional"}, {}))
     assert [a.id for a in problem.activities] == ["b", "c"]
-    assert settle_presence(problem_of({}, {}, groups=[group])).groups
+    assert decide_presence(problem_of({}, {}, groups=[group])).groups
 
 
 def test_only_stock_that_can_run_out_or_over_is_kept() -> None:

@@ -22,7 +22,7 @@ class KairosPlanner(Planner):
     searches: ClassVar[tuple[str, ...]] = ("novelty", "")
 
     def missing(self) -> str | None:
-        """Why kairos cannot be imported, if it cannot."""
+        """The reason why kairos cannot be imported, or None if it can."""
         if find_spec("kairos") is None:
             return (
                 "the engine 'kairos' is missing: pip install kairos-planner "

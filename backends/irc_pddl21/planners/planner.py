@@ -76,7 +76,7 @@ class Planner(ABC):
 
     @abstractmethod
     def missing(self) -> str | None:
-        """Why the planner cannot run here and how to get it, or None if it can."""
+        """The reason why the planner cannot run here and how to get it, or None if it can."""
 
     @abstractmethod
     def command(self, given: PlannerInput) -> list[str]:

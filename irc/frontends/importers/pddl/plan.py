@@ -19,7 +19,7 @@ from irc.model import DurationRange, Task
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
-from irc.validation.ranked import NoRanksError, Ranks, ranks_of
+from irc.validation.ranked import NoRanksError, ScheduleRanks, ranks_of
 
 LARGEST_EPSILON = Fraction(1, 1000)
 """The usual epsilon of planners."""
@@ -65,7 +65,7 @@ class _Tie:
     least: int
 
 
-def _offsets(entries: Sequence[Entry], found: Ranks) -> list[int]:
+def _offsets(entries: Sequence[Entry], found: ScheduleRanks) -> list[int]:
     """The number of epsilons by which each rank node moves (difference constraints)."""
     origin = len(found.ranks)
     ties = [_Tie(a, b, least) for a, b, least in found.edges]
