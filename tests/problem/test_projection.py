@@ -34,6 +34,7 @@ from irc.problem import (
     PreviousPlace,
     PreviousPlan,
     Problem,
+    Ranks,
     Renewable,
     Requirement,
     Reservoir,
@@ -81,7 +82,7 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Details: {
         **dict.fromkeys(("optional", "repeats", "occurrence", "modes", "due", "weight"), PLAIN),
-        **dict.fromkeys(("reward", "cost"), PLAIN),
+        **dict.fromkeys(("reward", "cost", "ranks", "not_before"), PLAIN),
         "previous_occurrence": "activities",
         "use_modes": "own uses",
         "stock": "part",
@@ -119,6 +120,7 @@ MEANING: dict[type, dict[str, str]] = {
         kind: dict.fromkeys(names, PLAIN)
         for kind, names in {
             Bound: ("value", "reason"),
+            Ranks: ("start", "end", "at_least"),
             Mode: ("id", "duration_min", "duration_max"),
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows"),
@@ -237,6 +239,8 @@ def random_activity(rng: random.Random, i: int, n: int, resources: int, pools: i
             previous_occurrence=rng.choice((None, rng.randrange(n))),
             modes=(Mode("m", i, i + 1), Mode("n", i, i + 1)),
             use_modes=tuple(rng.choice((None, 0, 1)) for _ in uses),
+            ranks=Ranks(i, None),
+            not_before=(i, i + 1),
             stock=tuple(StockChange(rng.randrange(3), k, k % 2 == 0) for k in range(3)),
             conditions=tuple(Condition(rng.randrange(3), k % 2, "all") for k in range(3)),
             effects=tuple(Effect(rng.randrange(3), k % 2, k > 1) for k in range(3)),
