@@ -24,6 +24,9 @@ from irc.targets import (
 SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""
 
+CHECK_ENGINE = "stock-order"
+"""What is named as engine where stock alone rules every schedule out."""
+
 
 def solve_task(
     task: Task,
@@ -49,6 +52,8 @@ def solve_task(
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
+    elif (stuck := _impossible_stock(problem)) is not None:
+        outcome = Outcome(Status.INFEASIBLE, CHECK_ENGINE, notes=(stuck,))
     else:
         reason = runner.missing()
         if reason is not None:
@@ -68,3 +73,12 @@ def _too_short(problem: Problem) -> Diagnostic:
         ("deadline",),
         "a later deadline or more capacity would be needed",
     )
+
+
+def _impossible_stock(problem: Problem) -> Diagnostic | None:
+    """Why stock keeps something required from ever happening; loaded for tasks with stock."""
+    if not problem.reservoirs:
+        return None
+    from irc.checks.stock_order import impossible_stock
+
+    return impossible_stock(problem)
