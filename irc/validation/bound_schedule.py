@@ -94,6 +94,14 @@ class Occurrence(NamedTuple):
         return self.shortest != self.longest or self.rank != self.end_rank
 
     @property
+    def ends_by_itself(self) -> bool:
+        """Whether it has an end of its own that nobody chose.
+
+        What runs for as long as somebody likes may be ended at an event, behind what it changes.
+        """
+        return self.start < self.end and self.shortest == self.longest
+
+    @property
     def cancelled(self) -> bool:
         """Whether it was ended before it was done: nothing that its end does has happened."""
         return self.entry.status == CANCELLED

@@ -2,8 +2,10 @@
 
 The instants concerned are those of changes of the world, and the one as of which a schedule is
 judged. The order is one of ranks and weak: what must not share a rank says so by interference. It
-is asked of all that has to do with state or stock. An end whose time could be chosen may have been
-chosen at the event, behind its changes, so it is not bound.
+is asked of all that has to do with state or stock. An end that could be chosen is not bound: a
+schedule does not say whether it had come by then, which is before the event's changes, or was chosen
+at the event, in their knowledge and so behind them. (Who repairs a schedule knows it: there what is
+completed is bound, whatever its duration.)
 """
 
 from __future__ import annotations
@@ -41,18 +43,13 @@ def event_instants(bound: BoundSchedule) -> Iterator[EventInstant]:
     ended: dict[Number, list[Occurrence]] = {time: [] for time in changes}
     starts: dict[Number, list[Occurrence]] = {time: [] for time in changes}
     for occurrence in others if changes else ():
-        if occurrence.end in ended and _ended_by_itself(occurrence):
+        if occurrence.end in ended and occurrence.ends_by_itself:
             ended[occurrence.end].append(occurrence)
         if occurrence.start in starts:
             starts[occurrence.start].append(occurrence)
     for time, own in changes.items():
         if (ended[time] or own) and (own or starts[time]):
             yield EventInstant(time, tuple(ended[time]), tuple(own), tuple(starts[time]))
-
-
-def _ended_by_itself(occurrence: Occurrence) -> bool:
-    """Whether its end was not chosen: what runs may be ended behind what an event changes."""
-    return occurrence.start < occurrence.end and occurrence.shortest == occurrence.longest
 
 
 def _is_concerned(occurrence: Occurrence) -> bool:
