@@ -20,7 +20,7 @@ from irc.execution.executed import (
     previous_place_of,
 )
 from irc.execution.history import History
-from irc.execution.past import known_ranks, past_first
+from irc.execution.past import known_ranks, past_first, stock_past_first
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
@@ -119,6 +119,8 @@ def freeze(
     frozen = replace(frozen, required=_still_required(frozen, executed))
     if frozen.variables:
         frozen, executed = past_first(frozen, executed, ticks)
+    if frozen.reservoirs:
+        frozen = stock_past_first(frozen, executed, ticks)
     count = len(frozen.activities)
     frozen, executed = relaxed(frozen, executed, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])

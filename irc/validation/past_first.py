@@ -3,9 +3,9 @@
 The instants concerned are those of changes of the world, and the one as of which a schedule is
 judged. The order is one of ranks and weak: what must not share a rank says so by interference. It
 is asked of all that has to do with state or stock. An end that could be chosen is not bound: a
-schedule does not say whether it had come by then, which is before the event's changes, or was chosen
-at the event, in their knowledge and so behind them. (Who repairs a schedule knows it: there what is
-completed is bound, whatever its duration.)
+schedule does not say whether it had come by then, which is before the event's changes, or was
+chosen at the event, in their knowledge and so behind them. (Who repairs a schedule knows it: there
+what is completed is bound, whatever its duration.)
 """
 
 from __future__ import annotations

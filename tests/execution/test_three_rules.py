@@ -9,7 +9,7 @@ import pytest
 
 import irc
 from irc.execution import Execution, replan, simulate
-from irc.model import Event, Task
+from irc.model import Event, StateVariable, Task
 from irc.schedule import Entry, Schedule
 from irc.targets import SolveOptions
 from irc.validation import validate
@@ -387,3 +387,48 @@ def test_amounts_that_pass_each_other_need_room(room: int, makespan: int | None)
     )
     schedule = irc.solve(task, time_limit=20)
     assert (schedule.makespan if schedule.answered else None) == makespan
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("state", [False, True])
+@pytest.mark.parametrize(("helped", "status"), [(True, "optimal"), (False, "infeasible")])
+def test_what_starts_at_an_event_has_only_the_stock_that_the_past_left(
+    helped: bool, status: str, state: bool, target: str
+) -> None:
+    """The swaps would pay each other with the coin that was spent at this very instant."""
+    spent = {"id": "shop", "duration": 4, "consumes": [{"resource": "coins", "at": "end"}]}
+    if state:
+        spent["effects"] = [fact("start", "open")]
+    swaps = [{**BUY, "release": 4}, {**SELL, "release": 4}]
+    salary = {"id": "work", "duration": 6, "produces": [{"resource": "coins"}]}
+    task = stocks(spent, *swaps, *([salary] if helped else []), coins=1)
+    if state:
+        task = task.model_copy(update={"state": (StateVariable(id="open"),)})
+    paid = (Entry("work", 0, 6),) if helped else ()
+    plan = Schedule((Entry("shop", 0, 4), Entry("buy", 4, 4), Entry("sell", 4, 4), *paid))
+    assert validate(task, plan).valid
+    assert not validate(task, plan, at=4).valid
+    step = replan(task, plan, 4, target=target, options=OPTIONS)
+    assert step.schedule.status == status
+    starts = {e.id: e.start for e in step.schedule.entries}
+    assert not helped or (starts["buy"], starts["sell"]) == (6, 6)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_an_end_that_is_chosen_at_an_event_may_come_behind_what_starts(target: str) -> None:
+    """The store has room only once something is taken: the filling is ended behind that."""
+    store = {"id": "store", "kind": "reservoir", "initial": 1, "max": 1}
+    fill = {"id": "fill", "duration": {"min": 1, "max": 5}, "produces": [{"resource": "store"}]}
+    take = {"id": "take", "duration": 1, "release": 3, "consumes": [{"resource": "store"}]}
+    task = Task.model_validate({"resources": [store], "actions": [fill, take]})
+    plan = Schedule((Entry("fill", 0, 5), Entry("take", 4, 5)))
+    due = {"op": "set_deadline", "action": "fill", "deadline": 3}
+    event = Event.model_validate({"at": 3, "changes": [due]})
+    step = replan(task, plan, 3, [event], target=target, options=OPTIONS)
+    assert [(e.id, e.start, e.end) for e in step.schedule.entries] == [
+        ("fill", 0, 3),
+        ("take", 3, 4),
+    ]
+    verdict = validate(step.task, step.schedule, at=3)
+    assert verdict.valid
+    assert verdict.carried == ()
