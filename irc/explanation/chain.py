@@ -76,7 +76,9 @@ _Cost = tuple[int, int, int]
 def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | None:
     """The links in order of time; None for a schedule that could end earlier as it stands.
 
-    `schedule` must be a valid one of exactly the problem's activities.
+    It is asked for problems without state and stock alone, in which ranks decide nothing (see
+    `irc.retiming.slack.slacks`). `schedule` must be a valid one of exactly the problem's
+    activities.
     """
     if not schedule.entries:
         return ()
