@@ -25,7 +25,7 @@ SHORTCUT_ENGINE = "critical-path"
 """What is named as engine where no solver was needed."""
 
 CHECK_ENGINE = "stock-order"
-"""What is named as engine where stock alone rules every schedule out."""
+"""The engine named where stock alone rules every schedule out."""
 
 
 def solve_task(

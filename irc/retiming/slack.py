@@ -22,8 +22,8 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     of them have, they have in common, not each. (Total float, with resources: Wiest, "Some
     properties of schedules for large projects with limited resources", 1964.)
 
-    Ranks play no part. Without state and stock whoever frees a resource at an instant may do so at
-    the rank at which another takes it, and lags ask for no more than weakly rising ranks: a valid
+    Ranks play no part. Without state and stock a resource is freed and taken at one rank of an
+    instant, and lags ask for no more than weakly rising ranks: a valid
     schedule of such a problem is valid with all ranks 0, too, and so is each one that keeps its
     order by time.
 

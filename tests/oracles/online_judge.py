@@ -137,10 +137,11 @@ def _ranks_of_the_past(facts: Sequence[Frozen], schedule: Schedule) -> Iterator[
     now = {(e.id, e.occurrence): e for e in schedule.entries}
     for fact in facts:
         entry = now.get((fact.entry.id, fact.entry.occurrence))
-        if entry is not None and None not in fact.ranks:
-            if (entry.rank, entry.last_rank) != fact.ranks:
-                found = (entry.rank, entry.last_rank)
-                yield f"history: {entry.id} had the ranks {fact.ranks}, and has {found}"
+        if entry is None or None in fact.ranks:
+            continue
+        found = (entry.rank, entry.last_rank)
+        if found != fact.ranks:
+            yield f"history: {entry.id} had the ranks {fact.ranks}, and has {found}"
 
 
 def _way(entry: Entry) -> tuple[object, ...]:

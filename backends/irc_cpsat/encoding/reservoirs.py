@@ -124,7 +124,7 @@ def _places(builder: Builder, ordered: Sequence[_Happening]) -> dict[tuple[int, 
 
 
 def _past_first(problem: Problem, ordered: Sequence[_Happening]) -> Iterator[tuple[int, int]]:
-    """What has ended at an event's instant, and what comes behind it if it starts then."""
+    """The pairs of what has ended at an event's instant and what starts then, by number."""
     for j, starting in enumerate(ordered):
         not_before = problem.activities[starting.activity].details.not_before
         if not_before is None or starting.at_end:
