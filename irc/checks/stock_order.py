@@ -98,7 +98,7 @@ def _unreached(problem: Problem) -> list[_Happening]:
 
 
 def _happenings(i: int, activity: Activity) -> Iterator[_Happening]:
-    """The start and the end of an activity that changes stock; without the start there is no end."""
+    """The start and the end of what changes stock; without the start there is no end."""
     most = greatest_occurrences(activity)
     if not activity.details.stock or most == 0:
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, PreviousPlace, Problem, Ranks
+from irc.problem import Activity, OpenDemand, PreviousPlace, Problem, Ranks, Requirement
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import with_uses
 from irc.schedule import CANCELLED, Entry
@@ -86,23 +86,7 @@ def as_executed(
     apart = _ends_apart(activity, past, ranks)
     if apart:
         longest = shortest + 1
-    uses = activity.uses
-    demands = activity.open_demands
-    if past.resources is not None:
-        taken = [r for r in past.resources if r is not None]
-        uses = tuple(
-            use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
-        )
-        demands = tuple(
-            demand._replace(
-                alternatives=tuple(
-                    k
-                    for k in demand.alternatives
-                    if taken[demand.use] in problem.contention.pools[k].members
-                )
-            )
-            for demand in activity.open_demands
-        )
+    uses, demands = _known_uses(problem, activity, past)
     details = activity.details
     details = replace(
         details,
@@ -140,6 +124,29 @@ def as_executed(
         open_demands=demands if past.running or frees_now else (),
         details=details,
     )
+
+
+def _known_uses(
+    problem: Problem, activity: Activity, past: ExecutedActivity
+) -> tuple[tuple[Requirement, ...], tuple[OpenDemand, ...]]:
+    """The uses and the demands of an activity, of the resources that it has taken if these are
+    known."""
+    if past.resources is None:
+        return activity.uses, activity.open_demands
+    taken = [r for r in past.resources if r is not None]
+    uses = tuple(
+        use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
+    )
+    pools = problem.contention.pools
+    demands = tuple(
+        demand._replace(
+            alternatives=tuple(
+                k for k in demand.alternatives if taken[demand.use] in pools[k].members
+            )
+        )
+        for demand in activity.open_demands
+    )
+    return uses, demands
 
 
 def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None) -> bool:

@@ -117,14 +117,20 @@ def freeze(
         ),
     )
     frozen = replace(frozen, required=_still_required(frozen, executed))
-    if frozen.variables:
-        frozen, executed = past_first(frozen, executed, ticks)
-    if frozen.reservoirs:
-        frozen = stock_past_first(frozen, executed, ticks)
-    count = len(frozen.activities)
-    frozen, executed = relaxed(frozen, executed, ticks)
-    helpers = frozenset(a.id for a in frozen.activities[count:])
-    return Frozen(frozen, ticks, executed, helpers)
+    return _without_conflicts(frozen, executed, ticks)
+
+
+def _without_conflicts(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> Frozen:
+    """The frozen problem in which the past comes first, and its conflicts do not bind."""
+    if problem.variables:
+        problem, executed = past_first(problem, executed, now)
+    if problem.reservoirs:
+        problem = stock_past_first(problem, executed, now)
+    count = len(problem.activities)
+    problem, executed = relaxed(problem, executed, now)
+    return Frozen(problem, now, executed, frozenset(a.id for a in problem.activities[count:]))
 
 
 def _is_due(activity: Activity, now: int) -> bool:
