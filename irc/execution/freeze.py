@@ -107,11 +107,11 @@ def freeze(
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
             entries = planned.get(activity.id)
             earlier.append(previous_place_of(problem, activity, entries[0]) if entries else None)
-    places = (*earlier, *(None for _ in further)) if any(earlier) else ()
+    before = (*earlier, *(None for _ in further)) if any(earlier) else ()
     frozen = replace(
         problem,
         activities=(*activities, *_chained(further, len(activities))),
-        previous=replace(problem.previous, places=places, recurring=recurring),
+        previous=replace(problem.previous, places=before, recurring=recurring),
     )
     frozen = replace(frozen, required=_still_required(frozen, executed))
     return _without_conflicts(frozen, executed, ticks)
