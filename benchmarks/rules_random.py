@@ -1,7 +1,7 @@
 """Random tasks with state, resources, stock and changes of the world, against brute force.
 
     python benchmarks/rules_random.py [--count 1000] [--first 0] [--target cpsat --target pddl21]
-                                      [--time-limit 5]
+                                      [--time-limit 5] [--without-state]
 
 Each task (`tests/oracles/rules_random.py`) is solved on each target, and then the world changes at
 an instant of the plan. Every answer must be valid, no better than the optimum of brute force, and
@@ -46,9 +46,9 @@ def judge_plan(task: Task, schedule: Schedule, best: Optimum | None) -> str | No
     return None
 
 
-def play(seed: int, options: SolveOptions, figures: Counter[str]) -> list[str]:
+def play(seed: int, options: SolveOptions, figures: Counter[str], *, state: bool) -> list[str]:
     """Solves a task, and goes on after a change of the world; returns the faults."""
-    task, target = rules_task(seed), options.target
+    task, target = rules_task(seed, state=state), options.target
     try:
         best = optimum(task, max_situations=60_000)
     except TooLargeError:
@@ -60,7 +60,7 @@ def play(seed: int, options: SolveOptions, figures: Counter[str]) -> list[str]:
         fault = judge_plan(task, schedule, best)
         if fault is not None:
             return [fault]
-        event = rules_event(seed, schedule) if schedule.answered else None
+        event = rules_event(seed, schedule, state=state) if schedule.answered else None
         if event is None:
             return []
         step = replan(task, schedule, event.at, [event], options=options)
@@ -85,13 +85,14 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--target", action="append", default=[])
     parser.add_argument("--time-limit", type=float, default=5)
+    parser.add_argument("--without-state", action="store_true")
     options = parser.parse_args()
     figures: Counter[str] = Counter()
     faults = 0
     for seed in range(options.first, options.first + options.count):
         for target in options.target or ["cpsat", "pddl21"]:
-            how = SolveOptions(target, time_limit=options.time_limit)
-            for fault in play(seed, how, figures):
+            how = SolveOptions(target=target, time_limit=options.time_limit, workers=1)
+            for fault in play(seed, how, figures, state=not options.without_state):
                 faults += 1
                 print(f"seed {seed} on {target}: {fault}", flush=True)
     for name, count in sorted(figures.items()):

@@ -24,6 +24,9 @@ from irc.targets import (
 SHORTCUT_ENGINE = "critical-path"
 """The name of the engine in a schedule that needed no solver."""
 
+CHECK_ENGINE = "stock-order"
+"""The engine named where stock alone rules every schedule out."""
+
 
 def solve_task(
     task: Task, options: SolveOptions | None = None, budget: Budget | None = None
@@ -51,6 +54,8 @@ def solve_by(
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
+    elif (stuck := _impossible_stock(problem)) is not None:
+        outcome = Outcome(Status.INFEASIBLE, CHECK_ENGINE, notes=(stuck,))
     else:
         reason = engine.missing()
         if reason is not None:
@@ -70,3 +75,12 @@ def _too_short(problem: Problem) -> Diagnostic:
         ("deadline",),
         "a later deadline or more capacity is needed",
     )
+
+
+def _impossible_stock(problem: Problem) -> Diagnostic | None:
+    """Why stock keeps something required from ever happening; loaded for tasks with stock."""
+    if not problem.reservoirs:
+        return None
+    from irc.checks.stock_order import impossible_stock
+
+    return impossible_stock(problem)

@@ -20,7 +20,7 @@ from irc.execution.executed import (
     previous_place_of,
 )
 from irc.execution.history import History
-from irc.execution.past import known_ranks, past_first
+from irc.execution.past import known_ranks, past_first, stock_past_first
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
@@ -111,12 +111,21 @@ def freeze(
         previous=replace(problem.previous, places=places, recurring=recurring),
     )
     frozen = replace(frozen, required=_still_required(frozen, executed))
-    if frozen.variables:
-        frozen, executed = past_first(frozen, executed, ticks)
-    count = len(frozen.activities)
-    frozen, executed = relaxed(frozen, executed, ticks)
-    helpers = frozenset(a.id for a in frozen.activities[count:])
-    return FrozenProblem(frozen, ticks, executed, helpers)
+    return _without_conflicts(frozen, executed, ticks)
+
+
+def _without_conflicts(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> FrozenProblem:
+    """The frozen problem in which the past comes first, and its conflicts do not bind."""
+    if problem.variables:
+        problem, executed = past_first(problem, executed, now)
+    if problem.reservoirs:
+        problem = stock_past_first(problem, executed, now)
+    count = len(problem.activities)
+    problem, executed = relaxed(problem, executed, now)
+    helpers = frozenset(a.id for a in problem.activities[count:])
+    return FrozenProblem(problem, now, executed, helpers)
 
 
 def _places_of_first(

@@ -96,6 +96,30 @@ def _at_instant(
     return replace(problem, activities=tuple(activities), arcs=(*problem.arcs, *arcs)), ranked
 
 
+def stock_past_first(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> Problem:
+    """The problem in which what starts now changes stock behind what has ended now.
+
+    Its level is then that of the past: what starts may give each other what the past has left, and
+    not what it took.
+    """
+    ended = any(
+        past.start < past.end == now
+        and not past.running
+        and any(change.at_end for change in problem.activities[i].details.stock)
+        for i, past in executed.items()
+    )
+    if not ended:
+        return problem
+    activities = list(problem.activities)
+    for i, activity in enumerate(activities):
+        details = activity.details
+        if details.stock and details.not_before is None and _begins(executed.get(i), now, now):
+            activities[i] = replace(activity, details=replace(details, not_before=(now, 0)))
+    return replace(problem, activities=tuple(activities))
+
+
 def _begins(past: ExecutedActivity | None, time: int, now: int) -> bool:
     """Whether an activity has begun, or may begin, at an instant that is now or earlier."""
     return time == now if past is None else past.start == time and not past.by_itself

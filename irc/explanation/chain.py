@@ -77,7 +77,9 @@ _Cost = tuple[int, int, int]
 def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | None:
     """The links in order of time; None for a schedule that could end earlier in the same order.
 
-    `schedule` must be a valid schedule of exactly the problem's activities.
+    Use it only for problems without state and stock, where ranks decide nothing (see
+    `irc.retiming.slack.slacks`). `schedule` must be a valid one of exactly the problem's
+    activities.
     """
     if not schedule.entries:
         return ()

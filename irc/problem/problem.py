@@ -102,7 +102,8 @@ class Details:
     mode (index) it is held, None: in all; empty stands for all None.
 
     `ranks` are those that its start and its end are known to have; where it starts at the time of
-    `not_before`, (time, rank), its start has that rank at least.
+    `not_before`, (time, rank), its start has that rank at least, and changes stock behind all that
+    ended then.
     """
 
     optional: bool = False
@@ -150,6 +151,14 @@ class Activity:
     open_demands: tuple[OpenDemand, ...] = ()
     origin: Pointer = ()
     details: Details = PLAIN
+
+    def has_ended_by(self, time: int) -> bool:
+        """Whether it is known to have started before a time, and to end at it."""
+        return (
+            self.start is not None
+            and self.is_fixed
+            and self.start < time == self.start + self.duration_min
+        )
 
     @property
     def is_fixed(self) -> bool:

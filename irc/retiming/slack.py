@@ -22,6 +22,11 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     several actions have is common to them. (Total float, with resources: Wiest, "Some
     properties of schedules for large projects with limited resources", 1964.)
 
+    Ranks play no part. Without state and stock a resource is freed and taken at one rank of an
+    instant, and lags ask for no more than weakly rising ranks: a valid
+    schedule of such a problem is valid with all ranks 0, too, and so is each one that keeps its
+    order by time.
+
     `schedule` must be a valid one of exactly the problem's activities; an answer without entries
     gives nothing. Raises `AnswerError` otherwise. Takes O(n log n) and the time of one pass over
     the temporal network.

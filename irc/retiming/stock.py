@@ -39,6 +39,9 @@ class _Change(NamedTuple):
     rank: int
     happening: Happening
     amounts: Amounts
+    is_past: bool = False
+    comes_behind: bool = False
+    """Whether it comes behind the past of its instant."""
 
 
 def keep_stock(
@@ -81,7 +84,16 @@ def _changes(problem: Problem, decisions: Sequence[Decision]) -> Iterator[_Chang
             if at_end:
                 time, rank = (decision.end, decision.end_rank)
             if changed:
-                yield _Change(time, rank, Happening(i, at_end), changed)
+                yield _staged(problem, _Change(time, rank, Happening(i, at_end), changed))
+
+
+def _staged(problem: Problem, change: _Change) -> _Change:
+    """Where an instant's past comes first, whether a change is of it, or behind it."""
+    activity, time = problem.activities[change.happening.activity], change.time
+    not_before = activity.details.not_before
+    if change.happening.at_end:
+        return change._replace(is_past=isinstance(time, int) and activity.has_ended_by(time))
+    return change._replace(comes_behind=not_before is not None and not_before[0] == time)
 
 
 def _in_order(problem: Problem, changes: list[_Change]) -> list[_Change]:
@@ -106,8 +118,9 @@ def _within_rank(problem: Problem, levels: Sequence[int], members: list[_Change]
     if len(members) < 2:
         return members
     reservoirs = problem.reservoirs
-    by_gain = sorted(members, key=lambda c: (_kind(c), c.happening))
-    for simple in (by_gain, sorted(members, key=lambda c: (-_kind(c), c.happening))):
+    by_gain = sorted(members, key=lambda c: (c.comes_behind, _kind(c), c.happening))
+    by_need = sorted(members, key=lambda c: (c.comes_behind, -_kind(c), c.happening))
+    for simple in (by_gain, by_need):
         if _stays_within(reservoirs, levels, simple):
             return simple
     order = _StockOrder(reservoirs, levels, members).find()
@@ -169,6 +182,7 @@ class _StockOrder:
 
     def _next(self, order: Sequence[int]) -> Iterator[int]:
         placed = frozenset(order)
+        past_is_left = any(m.is_past for k, m in enumerate(self.members) if k not in placed)
         now = Counter(dict(enumerate(self.levels)))
         for k in order:
             now.update(self.members[k].amounts)
@@ -176,6 +190,7 @@ class _StockOrder:
             k
             for k, change in enumerate(self.members)
             if k not in placed
+            and not (change.comes_behind and past_is_left)
             and all(_is_within(self.reservoirs[r], now[r] + a) for r, a in change.amounts.items())
         ]
         for k in possible:

@@ -96,6 +96,14 @@ class Occurrence(NamedTuple):
         return self.shortest != self.longest or self.rank != self.end_rank
 
     @property
+    def ends_by_itself(self) -> bool:
+        """Whether it has an end of its own that nobody chose.
+
+        An end that can be chosen may be chosen at an event, after the changes of that event.
+        """
+        return self.start < self.end and self.shortest == self.longest
+
+    @property
     def cancelled(self) -> bool:
         """Whether it ended before it was done, so that the effects of its end did not happen."""
         return self.entry.status == CANCELLED

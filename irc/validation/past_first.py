@@ -2,8 +2,9 @@
 
 The rule holds at the instants of world changes, and at the instant as of which a schedule is
 judged. It orders ranks weakly: interference says which happenings must not share a rank. It applies
-to all happenings that concern state or stock. An end whose time could be chosen may have been
-chosen at the event, after its changes, so the rule does not bind it.
+to all happenings that concern state or stock. An end whose time could be chosen is not bound: a
+schedule does not say whether the end came before the event or was chosen at the event, after its
+changes. (A repair knows it, and binds what is completed, whatever its duration.)
 """
 
 from __future__ import annotations
@@ -41,18 +42,13 @@ def event_instants(bound: BoundSchedule) -> Iterator[EventInstant]:
     ended: dict[Number, list[Occurrence]] = {time: [] for time in changes}
     starts: dict[Number, list[Occurrence]] = {time: [] for time in changes}
     for occurrence in others if changes else ():
-        if occurrence.end in ended and _ended_by_itself(occurrence):
+        if occurrence.end in ended and occurrence.ends_by_itself:
             ended[occurrence.end].append(occurrence)
         if occurrence.start in starts:
             starts[occurrence.start].append(occurrence)
     for time, own in changes.items():
         if (ended[time] or own) and (own or starts[time]):
             yield EventInstant(time, tuple(ended[time]), tuple(own), tuple(starts[time]))
-
-
-def _ended_by_itself(occurrence: Occurrence) -> bool:
-    """Whether its end was not chosen: a running action may be ended after an event's changes."""
-    return occurrence.start < occurrence.end and occurrence.shortest == occurrence.longest
 
 
 def _is_concerned(occurrence: Occurrence) -> bool:

@@ -35,7 +35,8 @@ _Step = tuple[Number, list[tuple[Occurrence, int]]]
 class StockHappening(NamedTuple):
     """A start or an end that changes stock, or both at once.
 
-    `stage` is 0 for an end at the instant as of which the schedule is judged, else 1.
+    `stage` is 0 for an end that was not chosen, at the instant as of which the schedule is judged,
+    else 1.
     """
 
     time: Number
@@ -80,7 +81,7 @@ def stock_happenings(bound: BoundSchedule, ranks: RankPairs) -> Iterator[StockHa
             changes = tuple(sorted((r, amount) for r, amount in amounts.items() if amount))
             if changes:
                 time, its = (occurrence.end, end_rank) if at_end else (occurrence.start, rank)
-                stage = 0 if time == bound.at and occurrence.start < time else 1
+                stage = 0 if at_end and time == bound.at and occurrence.ends_by_itself else 1
                 yield StockHappening(time, its, stage, occurrence, at_end, changes)
 
 

@@ -9,10 +9,11 @@ import pytest
 
 import irc
 from irc.execution import Execution, replan, simulate
-from irc.model import Event, Task
+from irc.model import Event, StateVariable, Task
 from irc.schedule import Entry, Schedule
 from irc.targets import SolveOptions
 from irc.validation import validate
+from oracles.state_brute_force import optimum
 
 OPTIONS = SolveOptions(time_limit=20)
 TARGETS = ("cpsat", "pddl21")
@@ -245,6 +246,70 @@ def test_the_rank_of_an_end_that_was_chosen_stays_too() -> None:
         ]
 
 
+def late_light(**weld: Any) -> dict[str, Any]:
+    """A weld that needs light just before its end, which only a lamp that starts then gives."""
+    effects = [fact("start", "lit"), fact("end", "lit", False)]
+    return {
+        "resources": [{"id": "r"}],
+        "state": [{"id": "lit"}],
+        "actions": [
+            {"id": "weld", "duration": 4, "conditions": [fact("end", "lit")], **weld},
+            {"id": "lamp", "duration": 2, "effects": effects, "uses": [{"resource": "r"}]},
+        ],
+    }
+
+
+def test_who_ends_with_a_resource_cannot_wait_for_who_takes_it() -> None:
+    """The lamp starts before the weld ends, and takes what the weld frees: there is no plan."""
+    task = Task.model_validate(late_light(uses=[{"resource": "r"}]))
+    assert optimum(task) is None
+    assert irc.solve(task, time_limit=20).status == "infeasible"
+    assert irc.solve(task, target="pddl21", time_limit=3).status == "unknown"
+    fixed = Task.model_validate(late_light(uses=[{"resource": "r"}], start=0))
+    assert optimum(fixed) is None
+    assert simulate(fixed, options=OPTIONS).final.status == "infeasible"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_plan_made_before_that_was_a_rule_keeps_its_ranks(target: str) -> None:
+    """The plan is not valid, but its past is a fact: what ended at rank 1 keeps it."""
+    task = Task.model_validate(late_light(uses=[{"resource": "r"}]))
+    plan = Schedule((Entry("weld", 0, 4, {"r": 1}, rank=1), Entry("lamp", 4, 6, {"r": 1})))
+    assert [v.rule for v in validate(task, plan).violations] == ["capacity"]
+    step = replan(task, plan, 4, target=target, options=OPTIONS)
+    assert [(e.id, e.start, e.rank) for e in step.schedule.entries] == [
+        ("weld", 0, 1),
+        ("lamp", 4, 2),
+    ]
+    verdict = validate(step.task, step.schedule, at=4)
+    assert verdict.valid
+    assert [v.rule for v in verdict.carried] == ["state"]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_what_ended_at_a_rank_keeps_it_without_an_event_and_with_one(target: str) -> None:
+    """Without the resource there is a plan, in which the weld ends at rank 1 of instant 4.
+
+    What starts then comes behind it, once 4 is past.
+    """
+    document = late_light(start=0)
+    document["actions"][1]["release"] = 4
+    task = Task.model_validate(document)
+    plan = irc.solve(task, target=target, time_limit=20)
+    assert [(e.id, e.start, e.rank) for e in plan.entries] == [("weld", 0, 1), ("lamp", 4, 0)]
+    step = replan(task, plan, 4, target=target, options=OPTIONS)
+    assert [(e.id, e.start, e.rank) for e in step.schedule.entries] == [
+        ("weld", 0, 1),
+        ("lamp", 4, 2),
+    ]
+    later = replan(task, plan, 5, target=target, options=OPTIONS)
+    assert [(e.id, e.rank) for e in later.schedule.entries] == [("weld", 1), ("lamp", 0)]
+    tidy = {"op": "add_actions", "actions": [{"id": "tidy", "duration": 1}]}
+    noted = Task.model_validate({**document, "events": [{"at": 4, "changes": [tidy]}]})
+    final = simulate(noted, target=target, options=OPTIONS).final
+    assert [(e.id, e.rank) for e in final.entries] == [("weld", 1), ("tidy", 0), ("lamp", 2)]
+
+
 def swap(name: str, takes: str, gives: str, **fields: Any) -> dict[str, Any]:
     return {
         "id": name,
@@ -270,21 +335,20 @@ def stocks(*actions: dict[str, Any], coins: int = 0, tokens: int = 0) -> Task:
 BUY, SELL = swap("buy", "coins", "tokens"), swap("sell", "tokens", "coins")
 
 
-def test_two_milestones_do_not_pay_each_other_with_what_neither_has() -> None:
-    assert irc.solve(stocks(BUY, SELL), time_limit=20).status == "infeasible"
-    assert irc.solve(stocks(BUY, SELL, coins=1), time_limit=20).makespan == 0
+@pytest.mark.parametrize("target", TARGETS)
+def test_two_milestones_do_not_pay_each_other_with_what_neither_has(target: str) -> None:
+    assert irc.solve(stocks(BUY, SELL), target=target, time_limit=20).status == "infeasible"
+    assert irc.solve(stocks(BUY, SELL, coins=1), target=target, time_limit=20).makespan == 0
+    assert irc.solve(stocks(BUY, SELL, tokens=1), target=target, time_limit=20).makespan == 0
+
+
+def test_the_validator_sees_who_pays_with_what_nobody_has() -> None:
     both = Schedule((Entry("buy", 0, 0), Entry("sell", 0, 0)))
     (violation,) = validate(stocks(BUY, SELL), both).violations
     assert violation.message == (
         "no order of 'buy', 'sell' at 0 s keeps 'coins', 'tokens' within bounds"
     )
     assert validate(stocks(BUY, SELL, coins=1), both).valid
-
-
-def test_a_planner_does_not_say_that_they_do_either() -> None:
-    assert irc.solve(stocks(BUY, SELL), target="pddl21", time_limit=3).status != "optimal"
-    found = irc.solve(stocks(BUY, SELL, tokens=1), target="pddl21", time_limit=20)
-    assert found.makespan == 0
 
 
 def test_a_circle_of_three_needs_one_to_begin_with() -> None:
@@ -323,3 +387,48 @@ def test_amounts_that_pass_each_other_need_room(room: int, makespan: int | None)
     )
     schedule = irc.solve(task, time_limit=20)
     assert (schedule.makespan if schedule.answered else None) == makespan
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("state", [False, True])
+@pytest.mark.parametrize(("helped", "status"), [(True, "optimal"), (False, "infeasible")])
+def test_what_starts_at_an_event_has_only_the_stock_that_the_past_left(
+    helped: bool, status: str, state: bool, target: str
+) -> None:
+    """The swaps would pay each other with the coin that was spent at this very instant."""
+    spent = {"id": "shop", "duration": 4, "consumes": [{"resource": "coins", "at": "end"}]}
+    if state:
+        spent["effects"] = [fact("start", "open")]
+    swaps = [{**BUY, "release": 4}, {**SELL, "release": 4}]
+    salary = {"id": "work", "duration": 6, "produces": [{"resource": "coins"}]}
+    task = stocks(spent, *swaps, *([salary] if helped else []), coins=1)
+    if state:
+        task = task.model_copy(update={"state": (StateVariable(id="open"),)})
+    paid = (Entry("work", 0, 6),) if helped else ()
+    plan = Schedule((Entry("shop", 0, 4), Entry("buy", 4, 4), Entry("sell", 4, 4), *paid))
+    assert validate(task, plan).valid
+    assert not validate(task, plan, at=4).valid
+    step = replan(task, plan, 4, target=target, options=OPTIONS)
+    assert step.schedule.status == status
+    starts = {e.id: e.start for e in step.schedule.entries}
+    assert not helped or (starts["buy"], starts["sell"]) == (6, 6)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_an_end_that_is_chosen_at_an_event_may_come_behind_what_starts(target: str) -> None:
+    """The store has room only once something is taken: the filling is ended behind that."""
+    store = {"id": "store", "kind": "reservoir", "initial": 1, "max": 1}
+    fill = {"id": "fill", "duration": {"min": 1, "max": 5}, "produces": [{"resource": "store"}]}
+    take = {"id": "take", "duration": 1, "release": 3, "consumes": [{"resource": "store"}]}
+    task = Task.model_validate({"resources": [store], "actions": [fill, take]})
+    plan = Schedule((Entry("fill", 0, 5), Entry("take", 4, 5)))
+    due = {"op": "set_deadline", "action": "fill", "deadline": 3}
+    event = Event.model_validate({"at": 3, "changes": [due]})
+    step = replan(task, plan, 3, [event], target=target, options=OPTIONS)
+    assert [(e.id, e.start, e.end) for e in step.schedule.entries] == [
+        ("fill", 0, 3),
+        ("take", 3, 4),
+    ]
+    verdict = validate(step.task, step.schedule, at=3)
+    assert verdict.valid
+    assert verdict.carried == ()

@@ -82,6 +82,7 @@ def judge_step(
         return found
     if not found.infeasible:
         found.faults += _history(facts, step.schedule, at)
+        found.faults += _ranks_of_the_past(facts, step.schedule) if task.state else ()
         found.faults += _snapshot(old, facts, step, found.over, at)
         found.faults += _valid(task, old, facts, step, at)
     _compare(found, task, facts, step, _world(before, task, events), max_situations)
@@ -129,6 +130,18 @@ def _history(facts: Sequence[Frozen], schedule: Schedule, at: Number) -> Iterato
             yield f"past: {entry.id} is planned for {entry.start}, before the event at {at}"
         if entry.status is not None:
             yield f"status: {entry.id} is {entry.status}, and has not started"
+
+
+def _ranks_of_the_past(facts: Sequence[Frozen], schedule: Schedule) -> Iterator[str]:
+    """What is completed has the ranks that it had."""
+    now = {(e.id, e.occurrence): e for e in schedule.entries}
+    for fact in facts:
+        entry = now.get((fact.entry.id, fact.entry.occurrence))
+        if entry is None or None in fact.ranks:
+            continue
+        found = (entry.rank, entry.last_rank)
+        if found != fact.ranks:
+            yield f"history: {entry.id} had the ranks {fact.ranks}, and has {found}"
 
 
 def _way(entry: Entry) -> tuple[object, ...]:

@@ -8,8 +8,8 @@ bounds; neighbours in it are weakly in the order of their ranks.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import pairwise, permutations, product
+from collections.abc import Collection, Mapping, Sequence
+from itertools import combinations, pairwise, permutations, product
 
 from oracles.state_instant import Demand
 from oracles.state_task import Stock
@@ -34,16 +34,21 @@ def hand_over_orders(
 
 
 def level_orders(
-    stocks: Mapping[str, Stock], levels: Mapping[str, int], parties: Sequence[Party]
+    stocks: Mapping[str, Stock],
+    levels: Mapping[str, int],
+    parties: Sequence[Party],
+    first: Collection[int] = (),
+    behind: Collection[int] = (),
 ) -> list[tuple[Demand, ...]]:
-    """The chains of weak demands of all orders that keep every level; () alone if all do."""
-    found = [order for order in permutations(parties) if _keeps(stocks, levels, order)]
+    """The chains of weak demands of all orders that keep every level; () alone if all do.
+
+    The nodes of `first` come before those of `behind`.
+    """
+    orders = [o for o in permutations(parties) if _past_comes_first(o, first, behind)]
+    found = [order for order in orders if _keeps(stocks, levels, order)]
     if not found:
         return []
-    total = 1
-    for k in range(2, len(parties) + 1):
-        total *= k
-    if len(found) == total:
+    if len(found) == len(orders):
         return [()]
     return [_chain([node for node, _ in order]) for order in found]
 
@@ -52,6 +57,13 @@ def combined(choices: Sequence[list[tuple[Demand, ...]]]) -> list[frozenset[Dema
     """One of each, in every way; those that ask for more than another are left out."""
     found = {frozenset(d for part in parts for d in part) for parts in product(*choices)}
     return [one for one in found if not any(other < one for other in found)]
+
+
+def _past_comes_first(
+    order: Sequence[Party], first: Collection[int], behind: Collection[int]
+) -> bool:
+    nodes = [node for node, _ in order]
+    return not any(a in behind and b in first for a, b in combinations(nodes, 2))
 
 
 def _keeps(stocks: Mapping[str, Stock], levels: Mapping[str, int], order: Sequence[Party]) -> bool:

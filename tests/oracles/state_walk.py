@@ -422,16 +422,29 @@ class Walk:
         """What ended at an event's instant, then what it changes, then what starts."""
         if self.past is None or now != self.at:
             return
+        ended, _ = self._ended_first(situation, starts, due, now)
+        changes = [2 * i for i, _ in starts if self.jobs[i].id in self.past.world]
+        others = [2 * i for i, _ in starts if self.jobs[i].id not in self.past.world]
+        for earlier, later in ((ended, changes), (ended, others), (changes, others)):
+            yield from ((a, b, 0) for a, b in product(earlier, later) if self._matter(a, b))
+
+    def _ended_first(
+        self,
+        situation: Situation,
+        starts: Sequence[tuple[int, Run]],
+        due: Sequence[int],
+        now: int,
+    ) -> tuple[list[int], list[int]]:
+        """The nodes of what ended at an event's instant, and of what starts at it."""
+        if self.past is None or now != self.at:
+            return [], []
         # (An end that can be chosen may be chosen at the event, behind its changes.)
         ended = [
             _end_node(i, run)
             for i in due
             if (run := situation.runs[i]) is not None and not run.option.ends_freely
         ]
-        changes = [2 * i for i, _ in starts if self.jobs[i].id in self.past.world]
-        others = [2 * i for i, _ in starts if self.jobs[i].id not in self.past.world]
-        for earlier, later in ((ended, changes), (ended, others), (changes, others)):
-            yield from ((a, b, 0) for a, b in product(earlier, later) if self._matter(a, b))
+        return ended, [2 * i for i, _ in starts]
 
     def _matter(self, *nodes: int) -> bool:
         return all(self.ranked[node // 2] for node in nodes)
@@ -451,7 +464,8 @@ class Walk:
         parties = self._stock_parties(situation, starts, due)
         if parties:
             levels = dict(zip(self.stocks, situation.levels, strict=True))
-            choices.append(level_orders(self.plain.stocks, levels, parties))
+            first, behind = self._ended_first(situation, starts, due, now)
+            choices.append(level_orders(self.plain.stocks, levels, parties, first, behind))
         if any(self.ranked):
             choices += self._hand_overs(situation, starts, due, now)
         ways = combined(choices)

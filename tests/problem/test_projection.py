@@ -240,12 +240,12 @@ def random_activity(rng: random.Random, i: int, n: int, resources: int, pools: i
             previous_occurrence=rng.choice((None, rng.randrange(n))),
             modes=(Mode("m", i, i + 1), Mode("n", i, i + 1)),
             use_modes=tuple(rng.choice((None, 0, 1)) for _ in uses),
+            ranks=Ranks(i, None),
+            not_before=(i, i + 1),
             stock=tuple(StockChange(rng.randrange(3), k, k % 2 == 0) for k in range(3)),
             conditions=tuple(Condition(rng.randrange(3), k % 2, "all") for k in range(3)),
             effects=tuple(Effect(rng.randrange(3), k % 2, k > 1) for k in range(3)),
             reward=i,
-            ranks=Ranks(i, None),
-            not_before=(i, 1),
         ),
     )
 

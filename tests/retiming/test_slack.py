@@ -265,3 +265,25 @@ def test_an_order_that_contradicts_the_lags_is_refused() -> None:
     entries = (Entry("b", 0, 2, {"knife": 1}), Entry("a", 2, 4, {"knife": 1}))
     with pytest.raises(AnswerError, match="contradicts the lags"):
         slacks(problem, Schedule(entries))
+
+
+def test_ranks_decide_nothing_where_there_is_neither_state_nor_stock() -> None:
+    """Each schedule that is valid with its ranks is valid without, and has the same slack."""
+    rng = random.Random("ranks of plain schedules")
+    seen = 0
+    for _ in range(400):
+        task = contended_task(rng, 4)
+        problem = run_passes(lower(task))
+        placed = by_rule(problem)
+        if placed is None or problem.has_calendars:
+            continue
+        plain = schedule_of(problem, placed)
+        entries = tuple(
+            replace(e, rank=(rank := rng.randint(0, 2)), end_rank=rank) for e in plain.entries
+        )
+        if not validate(task, Schedule(entries)).valid:
+            continue
+        seen += any(e.rank for e in entries)
+        assert validate(task, plain).valid
+        assert slacks(problem, Schedule(entries)) == slacks(problem, plain)
+    assert seen > 20

@@ -238,6 +238,22 @@ def blames_6(
     return False
 
 
+def comes_before_the_past(
+    task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int], at: Number
+) -> bool:
+    """Whether something open starts at `at` with a lower rank than a fixed duration ended with."""
+    ended, starts = [], []
+    for entry, action, start, end in end_points(task, entries, ranks):
+        low, high = bounds_of(action, entry) or (0, 0)
+        if not (action.conditions or action.effects):
+            continue
+        if entry.start < entry.end == at and low == high:
+            ended.append(end)
+        if entry.start == at and not is_past(task, entry, at):
+            starts.append(start)
+    return any(start < end for start in starts for end in ended)
+
+
 def has_ambiguous_values(
     task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int], at: Number
 ) -> bool:
@@ -276,7 +292,8 @@ def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
     if has_ambiguous_values(task, ranked, ranks, at):
         return
     verdict = validate(task, Schedule(tuple(ranked)), at)
-    assert verdict.valid is not blames_6(task, ranked, ranks, at), verdict
+    blamed = blames_6(task, ranked, ranks, at) or comes_before_the_past(task, ranked, ranks, at)
+    assert verdict.valid is not blamed, verdict
     if validate(task, Schedule(tuple(ranked))).valid:
         assert not verdict.carried, verdict
 

@@ -118,7 +118,20 @@ def _places(builder: Builder, ordered: Sequence[_Happening]) -> dict[tuple[int, 
         model.add(place == places[i, False]).only_enforce_if(~apart)
     if count > 1:
         model.add_all_different(numbers)
+    for k, j in _past_first(builder.problem, ordered):
+        model.add(numbers[k] < numbers[j])
     return places
+
+
+def _past_first(problem: Problem, ordered: Sequence[_Happening]) -> Iterator[tuple[int, int]]:
+    """The pairs of what has ended at an event's instant and what starts then, by number."""
+    for j, starting in enumerate(ordered):
+        not_before = problem.activities[starting.activity].details.not_before
+        if not_before is None or starting.at_end:
+            continue
+        for k, other in enumerate(ordered):
+            if other.at_end and problem.activities[other.activity].has_ended_by(not_before[0]):
+                yield k, j
 
 
 def _reservoirs_that_want_order(
