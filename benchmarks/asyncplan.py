@@ -19,7 +19,7 @@ from irc.driver.solve import solve_task
 from irc.frontends.importers.asyncplan import import_asyncplan
 from irc.model import Task
 from irc.schedule import Status
-from irc.targets import Limits
+from irc.targets import SolveOptions
 from raw_plans import raw_plan_faults
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "asyncplan_xxl"
@@ -39,19 +39,14 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--seconds", type=float, default=30.0)
     options = parser.parse_args()
+    how = SolveOptions(options.target, options.engine, options.seconds, workers=1, shortcut=False)
     counts: Counter[str] = Counter()
     seconds = []
     for name, task in instances(options.data):
         began = time.perf_counter()
         counts["tasks"] += 1
         try:
-            answer = solve_task(
-                task,
-                options.target,
-                options.engine,
-                Limits(options.seconds, workers=1),
-                shortcut=False,
-            )
+            answer = solve_task(task, how)
         except InputError as error:
             counts["refused"] += 1
             print(f"{name}: {error.report.errors[0].message}")

@@ -21,7 +21,7 @@ from irc.diagnostics import InputError
 from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
-from irc.targets import Limits
+from irc.targets import SolveOptions
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, random_task
 
@@ -29,8 +29,8 @@ from oracles.generators import big_capacity_task, random_task
 def answer(task: Task, target: str, engine: str, seconds: float) -> Schedule | None:
     """The validated answer of a target with its engine forced to run; None if it refuses."""
     try:
-        limits = Limits(seconds, workers=1)
-        return solve_task(task, target, engine, limits, shortcut=False).schedule
+        options = SolveOptions(target, engine, seconds, workers=1, shortcut=False)
+        return solve_task(task, options).schedule
     except InputError:
         return None
 

@@ -35,7 +35,7 @@ from irc.model.canonical import written_task
 from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.schedule import Schedule, dump_json
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_judge import judge_step
 from oracles.online_random import OPERATIONS, Played, play
 
@@ -97,9 +97,7 @@ HEAD = (
 class Run:
     """The options of repairs, and the folder for faults."""
 
-    target: str
-    engine: str
-    limits: Limits
+    options: SolveOptions
     repros: Path | None
     whole: bool
     now: list[tuple[Task, Schedule, Number, Sequence[Event]]] = field(default_factory=list)
@@ -107,17 +105,8 @@ class Run:
 
     def replan(self, task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
         self.now[:] = [(task, schedule, at, events)]
-        with _at_most(2 * (self.limits.seconds or 60) + 10):
-            return replan(
-                task,
-                schedule,
-                at,
-                events,
-                target=self.target,
-                engine=self.engine,
-                time_limit=self.limits.seconds,
-                workers=self.limits.workers,
-            )
+        with _at_most(2 * (self.options.time_limit or 60) + 10):
+            return replan(task, schedule, at, events, options=self.options)
 
     def execution(self, seed: int, operation: str, figures: Figures) -> None:
         """Runs one execution and judges each of its steps."""
@@ -135,7 +124,7 @@ class Run:
                 figures.counts["compared"] += judged.compared
                 figures.counts["equal"] += judged.equal
                 figures.counts["worse"] += judged.worse is not None
-                if self.target != "cpsat" and not one.step.schedule.answered:
+                if self.options.target != "cpsat" and not one.step.schedule.answered:
                     figures.counts["unanswered"] += not judged.infeasible
                     judged.faults[:] = [f for f in judged.faults if not f.startswith("status:")]
                 if judged.why_not is not None:
@@ -146,7 +135,7 @@ class Run:
                     self.fault(figures, operation, seed, judged.faults, one.step)
                     return
         except (InputError, EngineFailed, HangError) as error:
-            if isinstance(error, InputError) and self.target != "cpsat":
+            if isinstance(error, InputError) and self.options.target != "cpsat":
                 figures.counts["refused"] += 1
                 return
             figures.counts["steps"] += 1
@@ -165,14 +154,7 @@ class Run:
         first = played[0]
         events = tuple(event for one in played for event in one.events)
         task = first.task.model_copy(update={"events": events})
-        done = simulate(
-            task,
-            schedule=first.schedule,
-            target=self.target,
-            engine=self.engine,
-            time_limit=self.limits.seconds,
-            workers=self.limits.workers,
-        )
+        done = simulate(task, schedule=first.schedule, options=self.options)
         plans = [step.schedule for step in done.steps[1:]]
         for k, one in enumerate(played):
             if k >= len(plans) or plans[k].entries != one.step.schedule.entries:
@@ -220,8 +202,8 @@ def main() -> int:
     parser.add_argument("--repros", type=Path)
     parser.add_argument("--whole", action="store_true")
     options = parser.parse_args()
-    limits = Limits(options.time_limit, workers=1)
-    run = Run(options.target, options.engine, limits, options.repros, options.whole)
+    how = SolveOptions(options.target, options.engine, options.time_limit, workers=1)
+    run = Run(how, options.repros, options.whole)
     rows = []
     total = Figures()
     for operation in [options.only] if options.only else [*OPERATIONS, MIXED]:

@@ -22,7 +22,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from irc.diagnostics import InputError
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_orders_play import Played, play
 from timed import spread
 
@@ -64,7 +64,7 @@ def main() -> int:
     parser.add_argument("--time-limit", type=float, default=20.0)
     parser.add_argument("--repros", type=Path)
     options = parser.parse_args()
-    limits = Limits(options.time_limit, workers=1)
+    how = SolveOptions(options.target, options.engine, options.time_limit, workers=1)
     counts: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
     seconds: list[float] = []
@@ -73,7 +73,7 @@ def main() -> int:
         number, before, faulty, abandons = 0, counts["faults"], False, False
         began = time.perf_counter()
         try:
-            for one in play(seed, options.target, options.engine, limits):
+            for one in play(seed, how):
                 number += 1
                 tell(seed, number, one, counts)
                 kinds[str(one.event["id"]).rsplit(" ", 1)[0]] += 1

@@ -28,7 +28,7 @@ from irc.diagnostics import InputError
 from irc.execution import simulate
 from irc.frontends.convert import load_importer
 from irc.model import Task
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_robo import Verdict, judge
 from timed import spread
 
@@ -93,21 +93,14 @@ def episodes(data: Path) -> Iterator[tuple[dict[str, Any], Task]]:
             yield (raw[k] if isinstance(raw, list) else raw), task
 
 
-def run(raw: dict[str, Any], task: Task, target: str, engine: str, limits: Limits) -> Episode:
+def run(raw: dict[str, Any], task: Task, options: SolveOptions) -> Episode:
     """Simulates an episode and judges it."""
     began = [time.perf_counter()]
 
     def on_step(_: object) -> None:
         began.append(time.perf_counter())
 
-    done = simulate(
-        task,
-        target=target,
-        engine=engine,
-        on_step=on_step,
-        time_limit=limits.seconds,
-        workers=limits.workers,
-    )
+    done = simulate(task, on_step=on_step, options=options)
     document = json.loads(json.dumps(done.to_dict()), parse_float=Fraction)
     seconds = tuple(later - earlier for earlier, later in pairwise(began))
     return Episode(str(task.name), document, judge(raw, document), seconds)
@@ -131,13 +124,13 @@ def main() -> int:
     parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--report", type=Path)
     options = parser.parse_args()
-    limits = Limits(options.time_limit, workers=1)
+    how = SolveOptions(options.target, options.engine, options.time_limit, workers=1)
     done: list[Episode] = []
     failed = 0
     lines = []
     for raw, task in list(episodes(options.data))[: options.limit]:
         try:
-            episode = run(raw, task, options.target, options.engine, limits)
+            episode = run(raw, task, how)
         except (InputError, EngineFailed) as error:
             failed += 1
             print(f"{raw['id']}: {error}", flush=True)

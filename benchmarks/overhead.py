@@ -21,10 +21,11 @@ from functools import partial
 
 from ortools.sat.python import cp_model
 
-from irc.driver.solve import solve_task
+from irc.driver.solve import solve_by
 from irc.model import Task
 from irc.schedule import Status
-from irc.targets import Limits
+from irc.targets import Budget, SolveOptions, get_backend
+from irc_cpsat.engines import OrTools
 
 
 def job_shop(seed: int) -> Task:
@@ -112,8 +113,9 @@ def by_hand(task: Task, seed: int, limit: float) -> tuple[bool, int]:
 
 def through_irc(task: Task, seed: int, limit: float, helped: bool) -> tuple[bool, int]:
     """(proven, makespan) through `irc`, with or without its own bounds and hints."""
-    limits = Limits(limit, workers=1, seed=seed, bounds=helped, hints=helped)
-    schedule = solve_task(task, "cpsat", limits=limits).schedule
+    engine = OrTools(bounds=helped, hints=helped)
+    options, budget = SolveOptions(workers=1, seed=seed), Budget(limit)
+    schedule = solve_by(task, get_backend("cpsat"), engine, options, budget).schedule
     return schedule.status is Status.OPTIMAL, int(schedule.makespan)
 
 

@@ -27,7 +27,7 @@ from irc.driver.solve import solve_task
 from irc.frontends.files import read_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Limits, Program, Refusal, get_backend
+from irc.targets import Budget, EngineFailed, Program, Refusal, SolveOptions, get_backend
 from irc.validation import validate
 from irc_pddl21.engines import Portfolio
 from irc_pddl21.planners.aries import AriesPlanner
@@ -55,16 +55,17 @@ FAMILIES = {
 }
 
 
-def answer(task: Task, engine: str, limits: Limits, tactics: Tactics) -> Schedule:
+def answer(task: Task, engine: str, seconds: float, tactics: Tactics) -> Schedule:
     """The answer of one planner, or of the portfolio, not yet validated."""
     backend = get_backend("pddl21")
     program = Program(backend, task, lower_for(task, backend))
+    options, budget = SolveOptions(workers=1), Budget(seconds)
     if engine == "auto":
         runner = backend.engines()["auto"]
         assert isinstance(runner, Portfolio)
-        outcome = runner.solve(program, limits)
+        outcome = runner.solve(program, options, budget)
     else:
-        outcome = solve_with(PLANNERS[engine], program, limits, tactics=tactics)
+        outcome = solve_with(PLANNERS[engine], program, options, budget, tactics)
     return finish(task, program.problem, outcome, "pddl21", outcome.seconds)
 
 
@@ -121,13 +122,13 @@ def main() -> None:
     seconds: list[float] = []
     for k, task in enumerate(tasks, start=options.first):
         try:
-            best = solve_task(task, "cpsat", limits=Limits(30.0, workers=1)).schedule
+            best = solve_task(task, SolveOptions(time_limit=30, workers=1)).schedule
         except InputError:
             counts["faulty"] += 1
             continue
         began = time.perf_counter()
         try:
-            schedule = answer(task, options.engine, Limits(options.seconds, workers=1), tactics)
+            schedule = answer(task, options.engine, options.seconds, tactics)
         except (InputError, Refusal) as error:
             counts["refused"] += 1
             print(f"{k}: {error}")

@@ -19,7 +19,7 @@ _STEP = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*:\s*\(([^)\s]+)\)\s*(?:\[(\d+(?:\.\d+
 
 def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0) -> str:
     """The output of the engine for the program's two files, which are written into `folder`."""
-    from irc.targets import Limits
+    from irc.targets import SolveOptions
     from irc_pddl21.planners.kairos import KairosPlanner
     from irc_pddl21.planners.optic import OpticPlanner
     from irc_pddl21.planners.planner import PlannerInput, PlanRequest
@@ -34,7 +34,7 @@ def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0)
         program.names,
         folder / "domain.pddl",
         folder / "problem.pddl",
-        Limits(seconds, workers=1),
+        SolveOptions(time_limit=seconds, workers=1),
         seconds,
     )
     return run(planner.command(given), ProcessLimits(seconds=seconds)).stdout

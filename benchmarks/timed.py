@@ -12,7 +12,7 @@ from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.model.quantities import Number
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ def solve_timed(
     """Solves with the engine forced to run. An answer that is not valid ends the benchmark."""
     began = time.perf_counter()
     try:
-        limits = Limits(seconds, workers=workers)
-        schedule = solve_task(task, target, engine, limits, shortcut=False).schedule
+        options = SolveOptions(target, engine, seconds, workers=workers, shortcut=False)
+        schedule = solve_task(task, options).schedule
     except InputError as error:
         return Timed(None, time.perf_counter() - began, f"refused: {next(iter(error.report))}")
     except EngineFailed as error:

@@ -14,9 +14,8 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits, SolveOptions
+from irc.targets import SolveOptions
 
-LIMITS = Limits(20, workers=1)
 OPTIONS = SolveOptions(time_limit=20, workers=1)
 
 

@@ -79,16 +79,7 @@ def solve(
     The task is planned as of t = 0: its events are ignored. Raises `InputError`, `OptionError`,
     `UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
-    chosen = SolveOptions.of(options, more, target)
-    answer = solve_task(
-        ir_of(task),
-        chosen.target,
-        chosen.engine,
-        chosen.limits,
-        shortcut=chosen.shortcut,
-        on_progress=chosen.on_progress,
-    )
-    return answer.schedule
+    return solve_task(ir_of(task), SolveOptions.of(options, more, target)).schedule
 
 
 def explain(task: AnyTask, *, time_limit: float | None = None) -> Explanation:

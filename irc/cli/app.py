@@ -182,15 +182,22 @@ def solve(
     """Compile a task, run an engine, and show the exact, validated schedule."""
     from irc.cli.progress import progress_shown
     from irc.driver.solve import solve_task
-    from irc.targets import Limits
+    from irc.targets import SolveOptions
 
     with reporting_errors(format):
         reading = _read(file)
-        limits = Limits(time_limit, memory_limit, workers, seed)
         with progress_shown(reading.task) as on_progress:
-            answer = solve_task(
-                reading.task, target, engine, limits, shortcut=shortcut, on_progress=on_progress
+            options = SolveOptions(
+                target,
+                engine,
+                time_limit,
+                memory_limit,
+                workers,
+                seed,
+                shortcut,
+                on_progress=on_progress,
             )
+            answer = solve_task(reading.task, options)
         _print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for

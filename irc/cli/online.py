@@ -55,11 +55,13 @@ def replan(
     format: FormatOption = Format.text,
 ) -> None:
     """Plan the rest of a running schedule again, after events at a time."""
-    from irc.cli.planning import Planning
     from irc.cli.replan import replan_file
+    from irc.targets import SolveOptions
 
-    planning = Planning(target, engine, time_limit, memory_limit, seed, workers, stability)
-    replan_file(file, schedule, at, event or [], planning, output, task_output, format)
+    options = SolveOptions(
+        target, engine, time_limit, memory_limit, workers, seed, stability=stability
+    )
+    replan_file(file, schedule, at, event or [], options, output, task_output, format)
 
 
 def simulate(
@@ -82,11 +84,13 @@ def simulate(
     format: FormatOption = Format.text,
 ) -> None:
     """Run a task through all of its own events, planning again after each."""
-    from irc.cli.planning import Planning
     from irc.cli.simulate import simulate_file
+    from irc.targets import SolveOptions
 
-    planning = Planning(target, engine, time_limit, memory_limit, seed, workers, stability)
-    simulate_file(file, schedule, planning, output, steps, format)
+    options = SolveOptions(
+        target, engine, time_limit, memory_limit, workers, seed, stability=stability
+    )
+    simulate_file(file, schedule, options, output, steps, format)
 
 
 def run(
@@ -114,8 +118,10 @@ def run(
     stability: StabilityOption = Fraction(0),
 ) -> None:
     """Serve a running task: read a JSON request on each line, print an answer on each line."""
-    from irc.cli.planning import Planning
     from irc.cli.run import run_file
+    from irc.targets import SolveOptions
 
-    planning = Planning(target, engine, time_limit, memory_limit, seed, workers, stability)
-    run_file(file, stdio, schedule, journal, planning)
+    options = SolveOptions(
+        target, engine, time_limit, memory_limit, workers, seed, stability=stability
+    )
+    run_file(file, stdio, schedule, journal, options)

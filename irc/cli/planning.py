@@ -1,17 +1,14 @@
-"""Shared parts of the online commands: the options of planning, and the inputs."""
+"""Shared parts of the online commands: how they plan, and the inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 
 from irc.checks import run_checks
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.cli.output import Format, fail, print_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
-from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
 from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json.document import read_document
@@ -22,50 +19,26 @@ from irc.schedule import Schedule, Status, schedule_from_json
 from irc.targets import SolveOptions, get_backend
 
 
-@dataclass(frozen=True)
-class Planning:
-    """The options with which each step plans the rest of a task."""
+def require_engine(options: SolveOptions) -> None:
+    """Raises `UnknownTarget` if there is no such target or engine."""
+    get_backend(options.target).engine(options.engine)
 
-    target: str
-    engine: str
-    time_limit: float
-    memory_limit: int | None
-    seed: int
-    workers: int | None
-    stability: Fraction
 
-    @property
-    def options(self) -> SolveOptions:
-        """The options for the library."""
-        return SolveOptions(
-            self.target,
-            self.engine,
-            self.time_limit,
-            self.memory_limit,
-            self.workers,
-            self.seed,
-            stability=self.stability,
-        )
+def execution_of(
+    task: Task,
+    schedule: Schedule,
+    options: SolveOptions,
+    at: Number = 0,
+    source: Source | None = None,
+) -> Execution:
+    """The execution of a task by a schedule (read from `source`, if given), as of `at`.
 
-    def require_engine(self) -> None:
-        """Raises `UnknownTarget` if there is no such target or engine."""
-        get_backend(self.target).engine(self.engine)
-
-    def execution(
-        self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None
-    ) -> Execution:
-        """The execution of a task by a schedule (read from `source`, if given), as of `at`.
-
-        Raises `InputError` if the schedule does not fit the task.
-        """
-        try:
-            return Execution(task, schedule, at, options=self.options)
-        except InputError as error:
-            raise InputError(Report(error.report.diagnostics, source)) from None
-
-    def first_schedule(self, task: Task) -> Schedule:
-        """The best schedule of a task before its start, without its events."""
-        return solve_task(task, self.target, self.engine, self.options.limits).schedule
+    Raises `InputError` if the schedule does not fit the task.
+    """
+    try:
+        return Execution(task, schedule, at, options=options)
+    except InputError as error:
+        raise InputError(Report(error.report.diagnostics, source)) from None
 
 
 def one_standard_input(format: Format, *names: str | None) -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 from irc.cli.moments import moment_of
 from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
-    Planning,
     end_with,
+    execution_of,
     one_standard_input,
     read_schedule,
     read_sound_task,
@@ -31,6 +31,7 @@ from irc.model.quantities import Number, TimeError
 from irc.model.times import format_number, json_number
 from irc.schedule import Schedule, dump_json
 from irc.service.protocol import own_event
+from irc.targets import SolveOptions
 
 STEP_VERSION = "1"
 
@@ -40,7 +41,7 @@ def replan_file(
     schedule: str,
     at: str,
     named: Sequence[str],
-    planning: Planning,
+    options: SolveOptions,
     output: Path | None,
     task_output: Path | None,
     format: Format,
@@ -52,7 +53,7 @@ def replan_file(
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
         events = _events(task, named, moment, format)
-        step = _step(_running(task, before, source, moment, planning), events)
+        step = _step(_running(task, before, source, moment, options), events)
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
@@ -132,7 +133,7 @@ def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
 
 
 def _running(
-    task: Task, schedule: Schedule, source: Source, at: Number, planning: Planning
+    task: Task, schedule: Schedule, source: Source, at: Number, options: SolveOptions
 ) -> Execution:
     """The execution of a task by a schedule at `at`, after the task's own events before `at`.
 
@@ -141,7 +142,7 @@ def _running(
     """
     earlier = [_own(task, task.events.index(e)) for e in in_order(task) if task.number(e.at) < at]
     if earlier and schedule.task_sha256 == task_sha256(task):
-        execution = planning.execution(task, schedule, source=source)
+        execution = execution_of(task, schedule, options, source=source)
         _apply(execution, earlier)
         execution.advance(at)
         return execution
@@ -152,7 +153,7 @@ def _running(
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
     require_task(schedule, source, task)
-    return planning.execution(task, schedule, at, source)
+    return execution_of(task, schedule, options, at, source)
 
 
 def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:

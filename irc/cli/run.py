@@ -14,22 +14,25 @@ from typing import IO, NoReturn
 from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
 from irc.cli.output import Format, fail, print_notes, reporting_errors, say
 from irc.cli.planning import (
-    Planning,
     end_with,
+    execution_of,
     read_sound_task,
+    require_engine,
     schedule_to_begin_with,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.driver.solve import solve_task
 from irc.frontends.files import STANDARD_INPUT
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.service.journal import Journal, JournalError
 from irc.service.protocol import MAX_LINE
 from irc.service.session import Session, first_schedule
+from irc.targets import SolveOptions
 
 
 def run_file(
-    file: str, stdio: bool, schedule: str | None, journal: Path | None, planning: Planning
+    file: str, stdio: bool, schedule: str | None, journal: Path | None, options: SolveOptions
 ) -> None:
     """Serves one execution until its requests end or one of them is `stop`."""
     if not stdio:
@@ -39,10 +42,10 @@ def run_file(
     with reporting_errors(Format.text), ExitStack() as open_files:
         before = signal.signal(signal.SIGTERM, _ended)
         open_files.callback(signal.signal, signal.SIGTERM, before)
-        planning.require_engine()
+        require_engine(options)
         task = read_sound_task(file, Format.text)
         try:
-            session = _session(task, schedule, journal, planning, open_files)
+            session = _session(task, schedule, journal, options, open_files)
             _serve(session, sys.stdin.buffer)
         except JournalError as error:
             fail(EXIT_USE, str(error), Format.text)
@@ -57,26 +60,26 @@ def _session(
     task: Task,
     schedule: str | None,
     path: Path | None,
-    planning: Planning,
+    options: SolveOptions,
     open_files: ExitStack,
 ) -> Session:
     given, source = (None, None) if schedule is None else schedule_to_begin_with(schedule, task)
     if path is None:
-        first = given or _planned(task, planning)
-        return Session.start(planning.execution(task, first, source=source))
+        first = given or _planned(task, options)
+        return Session.start(execution_of(task, first, options, source=source))
     journal, found = Journal.open(path)
     open_files.enter_context(journal)
     if found is None:
-        first = given or _planned(task, planning)
-        return Session.start(planning.execution(task, first, source=source), journal)
+        first = given or _planned(task, options)
+        return Session.start(execution_of(task, first, options, source=source), journal)
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
-    return Session.resume(lambda first: planning.execution(task, first), task, journal, found)
+    return Session.resume(lambda first: execution_of(task, first, options), task, journal, found)
 
 
-def _planned(task: Task, planning: Planning) -> Schedule:
-    schedule = planning.first_schedule(task)
+def _planned(task: Task, options: SolveOptions) -> Schedule:
+    schedule = solve_task(task, options).schedule
     if not schedule.answered:
         say(f"error: there is no schedule to begin with: {schedule.status}")
         end_with([schedule.status])

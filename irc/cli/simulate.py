@@ -9,7 +9,6 @@ from pathlib import Path
 from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.output import Format, print_notes, put, put_json, reporting_errors, say
 from irc.cli.planning import (
-    Planning,
     end_with,
     one_standard_input,
     read_sound_task,
@@ -21,13 +20,14 @@ from irc.driver.files import write_folder, write_whole
 from irc.execution.simulation import Simulation, simulate
 from irc.execution.step import Step
 from irc.schedule import Schedule, dump_json
+from irc.targets import SolveOptions
 from irc.validation import Verdict, validate
 
 
 def simulate_file(
     file: str,
     schedule: str | None,
-    planning: Planning,
+    options: SolveOptions,
     output: Path | None,
     steps: Path | None,
     format: Format,
@@ -38,12 +38,7 @@ def simulate_file(
         task = read_sound_task(file, format)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
         reporter = _StepReporter(steps, format)
-        simulation = simulate(
-            task,
-            schedule=given,
-            on_step=reporter.report,
-            options=planning.options,
-        )
+        simulation = simulate(task, schedule=given, on_step=reporter.report, options=options)
         if output is not None and simulation.final.answered:
             write_whole(output, dump_json(simulation.final.to_dict()))
         verdict = _verdict(simulation)

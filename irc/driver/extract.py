@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -17,6 +16,7 @@ from irc.problem.decisions import AnswerError
 from irc.schedule import Status
 from irc.targets import (
     MANIFEST_VERSION,
+    Budget,
     EngineFailed,
     Outcome,
     get_backend,
@@ -35,7 +35,7 @@ def extract_answer(
     Raises `InputError` if the manifest is not one of irc or the answer has no valid schedule; it
     shows the place in the manifest's text (if its source is given) or in the answer.
     """
-    began = time.perf_counter()
+    budget = Budget()
     task, target, names = _read_manifest(manifest, manifest_source)
     backend = get_backend(target)
     problem = lower_for(task, backend)
@@ -48,7 +48,7 @@ def extract_answer(
         diagnostic = Diagnostic(Code.BAD_ANSWER, message, ("names",))
         raise InputError(Report((diagnostic,), manifest_source)) from None
     outcome = Outcome(Status.FEASIBLE, "extract", schedule)
-    schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
+    schedule = finish(task, problem, outcome, target, budget.elapsed)
     try:
         approved = _approved(task, replace(schedule, engine=None))
         return Answer(approved, problem, later_events(task))

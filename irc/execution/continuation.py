@@ -6,9 +6,8 @@ the present as time 0 (`Backend.begins_now`). Either way the answer is of the wh
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.solve import SHORTCUT_ENGINE
@@ -17,7 +16,6 @@ from irc.execution.history import History
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
-from irc.execution.step import Means
 from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.quantities import Number
@@ -35,12 +33,14 @@ from irc.retiming.to_schedule import schedule_of
 from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
 from irc.targets import (
     Backend,
+    Budget,
     Engine,
     EngineFailed,
     EngineMissing,
     ObjectiveLevel,
     Outcome,
     Program,
+    SolveOptions,
 )
 
 Judge = Callable[[Schedule], str | None]
@@ -48,8 +48,9 @@ Judge = Callable[[Schedule], str | None]
 PROVER = "cpsat"
 """The target that proves which groups can be finished, where the chosen target proves nothing."""
 
-LEAST_SECONDS = 0.1
-"""An engine is always given so much."""
+AFTERWARDS_SHARE = 0.1
+"""The part of the time left that is kept for after the engine: for the prover, if the engine finds
+nothing, or for the search for a schedule in which less moves."""
 
 _PASSES = (
     reduce_transitively,
@@ -62,7 +63,7 @@ _PASSES = (
 
 @dataclass
 class Remainder:
-    """A frozen problem, with those who can solve it within the limits that began at `began`."""
+    """A frozen problem, with those who can solve it, and their time."""
 
     task: Task
     frozen: FrozenProblem
@@ -70,14 +71,8 @@ class Remainder:
     at: Number
     backend: Backend
     engine: Engine
-    means: Means
-    began: float = field(default_factory=time.perf_counter)
-
-    @property
-    def left(self) -> float | None:
-        """Seconds until the limit."""
-        seconds = self.means.limits.seconds
-        return None if seconds is None else seconds - (time.perf_counter() - self.began)
+    options: SolveOptions
+    budget: Budget
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers.
@@ -95,13 +90,13 @@ class Remainder:
             raise EngineMissing(missing)
         if self.backend.begins_now:
             return self._from_now(frozen, whole, given_up), whole
-        if not whole.is_plain and self.means.limits.hints:
+        if not whole.is_plain:
             found = warm_start(whole, self.frozen.executed, self.history.plan)
             whole = replace(whole, previous=replace(whole.previous, warm_start=found))
         return self._solved(whole), whole
 
-    def tried(self, problem: Problem, seconds: float) -> Outcome:
-        """The outcome of another problem of the whole, within some seconds of its own.
+    def tried(self, problem: Problem, budget: Budget) -> Outcome:
+        """The outcome of another problem of the whole, within a budget of its own.
 
         Raises `EngineFailed` or `irc.targets.Refusal`.
         """
@@ -110,8 +105,8 @@ class Remainder:
             return impossible
         if not whole.has_contention:
             return _by_critical_path(whole)
-        limits = replace(self.means.limits, seconds=seconds)
-        return self.engine.solve(Program(self.backend, self.task, whole), limits)
+        options = replace(self.options, on_progress=None)
+        return self.engine.solve(Program(self.backend, self.task, whole), options, budget)
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
         """Marks the entries as cancelled, or as abandoned where their group is given up."""
@@ -130,10 +125,9 @@ class Remainder:
 
     def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
         program = Program(self.backend, self.task, problem, judge=judge)
-        limits = self.means.limits
-        if self.left is not None:
-            limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
-        return self.engine.solve(program, limits, self.means.on_progress)
+        alone = self.backend.proves and not self.backend.begins_now
+        budget = self.budget if alone else self.budget.share(1 - AFTERWARDS_SHARE)
+        return self.engine.solve(program, self.options, budget)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """The violations that the validator finds in a whole history; None if it is valid."""
@@ -169,8 +163,9 @@ class Remainder:
             whole,
             merged,
             self.history.entries.values(),
-            self.means.stability,
+            self.options.share,
             lambda schedule: self.judged(schedule, given_up) is None,
+            self.budget,
         )
         return _stabilised(outcome, whole, kept)
 

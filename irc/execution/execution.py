@@ -12,7 +12,7 @@ from irc.events.apply import apply
 from irc.execution.history import History
 from irc.execution.replanning import solve_step
 from irc.execution.state import ExecutionState
-from irc.execution.step import Means, Step
+from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
 from irc.model.quantities import Number
@@ -148,9 +148,7 @@ class Execution:
         Where no continuation exists the step reports it, and the previous schedule stays. Raises
         `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
         """
-        step = solve_step(
-            self.task, self._history, self.now, Means.of(self.options), tuple(self._events)
-        )
+        step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
         if step.schedule.answered:
             self.adopt(step.schedule)
         return step

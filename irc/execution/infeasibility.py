@@ -6,7 +6,6 @@ alone, with CP-SAT and for a short time only.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,7 +20,7 @@ from irc.passes import order_from_state
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, PreviousPlan, Problem
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Refusal, get_backend
+from irc.targets import Budget, EngineFailed, Refusal, get_backend
 
 PATIENCE = 3.0
 """Seconds for all attempts together."""
@@ -38,8 +37,7 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
 
     Empty where nothing was found. It takes little time, and no more than the time that is left.
     """
-    frozen, left = remainder.frozen, remainder.left
-    until = time.perf_counter() + (PATIENCE if left is None else min(PATIENCE, left))
+    frozen, budget = remainder.frozen, remainder.budget.at_most(PATIENCE)
     problem = order_from_state(with_groups(frozen, frozen.half_done()))
     problem = replace(problem, previous=PreviousPlan(stability=problem.previous.stability))
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
@@ -47,14 +45,14 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
     prover = replace(remainder, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None:
         return ()
-    search = _LimitSearch(problem, helpers.union(frozen.executed), prover, until)
+    search = _LimitSearch(problem, helpers.union(frozen.executed), prover, budget)
     for sort in _SORTS:
         found = [*sort(search)]
         if found:
             return tuple(
                 Diagnostic(Code.NO_CONTINUATION, why, hint=hint) for why, hint in found[:SHOWN]
             )
-        if search.left <= 0:
+        if budget.is_over:
             break
     return ()
 
@@ -70,11 +68,7 @@ class _LimitSearch:
     problem: Problem
     begun: Collection[int]
     prover: Remainder
-    until: float
-
-    @property
-    def left(self) -> float:
-        return self.until - time.perf_counter()
+    budget: Budget
 
     @property
     def open(self) -> list[tuple[int, Activity]]:
@@ -87,10 +81,10 @@ class _LimitSearch:
 
     def tried(self, relaxed: Problem) -> tuple[Schedule, bool] | None:
         """A schedule of a relaxed problem, and whether it is the best, if one was found."""
-        if self.left <= 0:
+        if self.budget.is_over:
             return None
         try:
-            found = self.prover.tried(relaxed, min(EACH, self.left))
+            found = self.prover.tried(relaxed, self.budget.at_most(EACH))
         except (AnswerError, EngineFailed, Refusal):
             return None  # An engine that fails proves nothing.
         if found.schedule is None:

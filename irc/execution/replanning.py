@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
@@ -14,7 +13,7 @@ from irc.execution.continuation import Remainder
 from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History, ids
 from irc.execution.infeasibility import what_is_in_the_way
-from irc.execution.step import Means, Step, moved
+from irc.execution.step import Step, moved
 from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.model.quantities import Number
@@ -23,9 +22,9 @@ from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, get_backend, require_support
+from irc.targets import Budget, EngineFailed, SolveOptions, get_backend, require_support
 
-__all__ = ["Means", "Step", "solve_step"]
+__all__ = ["Step", "solve_step"]
 
 CHOICES_APART = 400
 """With more alternatives than this in all, pools are merged though moves within a pool count.
@@ -33,26 +32,30 @@ Members are then assigned after solving; each action gets its previous member if
 
 
 def solve_step(
-    task: Task, history: History, at: Number, means: Means, events: tuple[Event, ...] = ()
+    task: Task,
+    history: History,
+    at: Number,
+    options: SolveOptions,
+    events: tuple[Event, ...] = (),
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
     Raises `InputError` (the target refuses the task, or the history does not fit it),
     `UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
-    began = time.perf_counter()
+    budget = Budget(options.time_limit)
     state = history.state(at)
-    backend = get_backend(means.target)
-    engine = backend.engine(means.engine)
+    backend = get_backend(options.target)
+    engine = backend.engine(options.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     problem = lower(task, instants)
-    previous = replace(problem.previous, stability=means.stability)
+    previous = replace(problem.previous, stability=options.share)
     problem = replace(problem, previous=previous)
     if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
         problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
-    remainder = Remainder(task, frozen, history, at, backend, engine, means)
+    remainder = Remainder(task, frozen, history, at, backend, engine, options, budget)
     with reporting_refusals(task):
         outcome, whole, given_up = best_continuation(remainder)
     if outcome.status is Status.INFEASIBLE:
@@ -60,7 +63,7 @@ def solve_step(
     if outcome.schedule is not None:
         marked = remainder.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
-    schedule = finish(task, whole, outcome, means.target, time.perf_counter() - began)
+    schedule = finish(task, whole, outcome, backend.name, budget.elapsed)
     notes = outcome.notes
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))

@@ -70,14 +70,7 @@ def simulate(
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
     if schedule is None:
-        answer = solve_task(
-            task,
-            chosen.target,
-            chosen.engine,
-            chosen.limits,
-            shortcut=chosen.shortcut,
-            on_progress=chosen.on_progress,
-        )
+        answer = solve_task(task, chosen)
         schedule, notes = answer.schedule, answer.notes
     else:
         notes = ()

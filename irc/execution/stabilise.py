@@ -8,7 +8,6 @@ back moves that have no benefit.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -22,9 +21,10 @@ from irc.problem.objective_values import costs
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
+from irc.targets import Budget
 
 PATIENCE = 1.0
-"""Seconds."""
+"""Seconds that are spent on it at most; all together is tried once in any case."""
 
 
 def stabilised(
@@ -33,6 +33,7 @@ def stabilised(
     old: Iterable[Entry],
     stability: Fraction,
     is_valid: Callable[[Schedule], bool],
+    budget: Budget,
 ) -> Schedule:
     """The schedule with as many activities as possible where they were in the `old` one.
 
@@ -57,7 +58,7 @@ def stabilised(
         and now[i].present
         and _place(before[i]) != _place(now[i])
     ]
-    search = _Stabilising(problem, before, now, limits, schedule)
+    search = _Stabilising(problem, before, now, limits, schedule, budget.at_most(PATIENCE))
     search.keep_most_of(sorted(can_stay, key=lambda i: before[i].start))
     return search.best if is_valid(search.best) else schedule
 
@@ -105,18 +106,16 @@ class _Stabilising:
     now: Sequence[Decision]
     limits: dict[str, Number]
     best: Schedule
-
-    def __post_init__(self) -> None:
-        self.until = time.perf_counter() + PATIENCE
+    budget: Budget
 
     def keep_most_of(self, candidates: Sequence[int]) -> None:
         """Puts as many activities as possible back where they were."""
-        if not candidates or time.perf_counter() > self.until or self._keep(candidates):
+        if not candidates or self._keep(candidates) or len(candidates) == 1:
             return
-        if len(candidates) > 1:
-            half = len(candidates) // 2
-            self.keep_most_of(candidates[:half])
-            self.keep_most_of(candidates[half:])
+        half = len(candidates) // 2
+        for part in (candidates[:half], candidates[half:]):
+            if not self.budget.is_over:
+                self.keep_most_of(part)
 
     def _keep(self, candidates: Sequence[int]) -> bool:
         """Whether these can be where they were, in the previous order or in that of the answer."""

@@ -1,10 +1,9 @@
-"""What a step of repair is given, and what it came to."""
+"""The result of replanning at one instant."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from fractions import Fraction
+from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics import Diagnostic
@@ -14,25 +13,6 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits, OnProgress, SolveOptions
-
-
-@dataclass(frozen=True, slots=True)
-class Means:
-    """What a step is solved with. `stability` is a part of the objective, 0 to 1 and beyond."""
-
-    target: str = "cpsat"
-    engine: str = "auto"
-    limits: Limits = field(default_factory=Limits)
-    stability: Fraction = Fraction(0)
-    on_progress: OnProgress | None = None
-
-    @classmethod
-    def of(cls, options: SolveOptions) -> Means:
-        """Those that options name."""
-        return cls(
-            options.target, options.engine, options.limits, options.share, options.on_progress
-        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,6 @@ the solver alone refutes the remaining set once more.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
 from irc.explanation.minimise import Conflict, Possibility, Trial, minimise, narrow
 from irc.passes.contention import drop_uncontended, merge_pools
@@ -28,7 +27,7 @@ from irc.problem.statements import (
     problem_of,
 )
 from irc.schedule import Status
-from irc.targets import EngineFailed
+from irc.targets import Budget, EngineFailed
 from irc.targets.refuter import Assumptions, Refuter
 
 _ORDER = (
@@ -45,17 +44,14 @@ _ORDER = (
 
 _OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
 
-_LEAST_SECONDS = 0.05
-"""The least time for one call of the solver."""
 
-
-def resource_conflict(problem: Problem, refuter: Refuter, until: float) -> Conflict | None:
+def resource_conflict(problem: Problem, refuter: Refuter, budget: Budget) -> Conflict | None:
     """A minimal conflict of a problem that has no schedule, although time alone allows one.
 
-    None if `until` (of `time.perf_counter`) has passed already; if it passes during the search, the
-    conflict may not be minimal. The caller must have proven that the problem has no schedule.
+    None if the budget is over at the start; if it ends during the search, the conflict may not be
+    minimal. The caller must have proven that the problem has no schedule.
     """
-    return _Search(problem, refuter, until).conflict()
+    return _Search(problem, refuter, budget).conflict()
 
 
 def horizon_without_limits(problem: Problem) -> int:
@@ -67,7 +63,7 @@ def horizon_without_limits(problem: Problem) -> int:
 class _Search:
     problem: Problem
     refuter: Refuter
-    until: float
+    budget: Budget
     known: dict[frozenset[Statement], Trial] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -84,11 +80,11 @@ class _Search:
 
     def _found(self) -> frozenset[Statement] | None:
         """The set to minimise: the solver's core if it is confirmed, else all statements."""
-        if perf_counter() > self.until:
+        if self.budget.is_over:
             return None
         statements = frozenset(self._relevant())
         if not _refuted_by_energy(self._part(statements)):
-            core = self.refuter.core(self._assumptions(statements), self._seconds())
+            core = self.refuter.core(self._assumptions(statements), self.budget)
             if core is not None and self.attempt(core).result is Possibility.IMPOSSIBLE:
                 return core
         return statements
@@ -96,7 +92,7 @@ class _Search:
     def _rechecked(self, conflict: Conflict) -> Conflict:
         """The conflict, minimal only if the solver alone also finds it impossible."""
         part = self._part(frozenset(conflict.statements))
-        status = self.refuter.decide(part, self.horizon, self._seconds())
+        status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.FEASIBLE:
             raise EngineFailed("a conflict turned out to have a schedule; this is a defect of irc")
         return replace(conflict, minimal=conflict.minimal and status is Status.INFEASIBLE)
@@ -115,7 +111,7 @@ class _Search:
 
     def _possibility(self, statements: frozenset[Statement]) -> Possibility:
         """Decides by bounds and quick schedules first: most sets need no solver."""
-        if perf_counter() > self.until:
+        if self.budget.is_over:
             return Possibility.UNKNOWN
         part = self._part(statements)
         if not part.has_contention:
@@ -124,16 +120,13 @@ class _Search:
             return Possibility.IMPOSSIBLE
         if list_schedule(part) is not None:
             return Possibility.POSSIBLE
-        status = self.refuter.decide(part, self.horizon, self._seconds())
+        status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.UNKNOWN and _refuted_by_cases(part):
             return Possibility.IMPOSSIBLE
         return {
             Status.FEASIBLE: Possibility.POSSIBLE,
             Status.INFEASIBLE: Possibility.IMPOSSIBLE,
         }.get(status, Possibility.UNKNOWN)
-
-    def _seconds(self) -> float:
-        return max(_LEAST_SECONDS, self.until - perf_counter())
 
     def _relevant(self) -> list[Statement]:
         """The statements without those about resources that have no contention.

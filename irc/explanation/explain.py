@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from time import perf_counter
 
 from irc.checks import run_checks
 from irc.diagnostics import Code, InputError
@@ -32,7 +31,7 @@ from irc.problem.statements import (
 )
 from irc.retiming.slack import slacks
 from irc.schedule import Schedule, Status
-from irc.targets import Limits, get_backend
+from irc.targets import Budget, SolveOptions, get_backend
 from irc.targets.refuter import Refuter
 
 TARGET = "cpsat"
@@ -49,42 +48,40 @@ def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
     the task has faults other than that it has no schedule, or an element that the solver's target
     does not support; `EngineMissing` or `EngineFailed` as solving does.
     """
-    began = perf_counter()
-    until = began + (float("inf") if time_limit is None else time_limit)
+    budget = Budget(time_limit)
     checked = run_checks(task, lint=False)
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
     # (If the part that every schedule contains is infeasible, so is the whole task.)
     problem, _ = mandatory_part(checked.problem)
     if not checked.report.ok:
-        explanation = _without_solver(task, problem, until)
+        explanation = _without_solver(task, problem, budget)
         if explanation is None:
             raise InputError(checked.report)
     else:
-        explanation = _with_solver(task, problem, until, whole=problem is checked.problem)
-    return replace(explanation, source=task.source, seconds=round(perf_counter() - began, 3))
+        explanation = _with_solver(task, problem, budget, whole=problem is checked.problem)
+    return replace(explanation, source=task.source, seconds=round(budget.elapsed, 3))
 
 
-def _without_solver(task: Task, problem: Problem, until: float) -> Explanation | None:
+def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation | None:
     """A minimal conflict for the faults that the checks found; None if the problem has none."""
-    conflict = temporal_conflict(problem, until)
+    conflict = temporal_conflict(problem, budget)
     if conflict is not None:
         return _infeasible(task, problem, conflict, "time")
     conflict = demand_conflict(problem)
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
-def _with_solver(task: Task, problem: Problem, until: float, *, whole: bool) -> Explanation:
+def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -> Explanation:
     """The explanation with a solver; `whole`: the problem is the whole task, not only a part."""
     # One worker and one seed: the same task gets the same explanation.
-    limits = Limits(_left(until), workers=1, seed=0)
-    answer = solve_task(task, TARGET, limits=limits)
+    answer = solve_task(task, SolveOptions(TARGET, time_limit=None, workers=1, seed=0), budget)
     if answer.schedule.answered:
         return _feasible(task, problem, answer) if whole else _solved(task, answer)
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = get_backend(TARGET).refuter()
-    if not whole and not _is_refuted(problem, refuter, until):
+    if not whole and not _is_refuted(problem, refuter, budget):
         return Explanation(
             Status.INFEASIBLE,
             task.name,
@@ -94,7 +91,7 @@ def _with_solver(task: Task, problem: Problem, until: float, *, whole: bool) -> 
             reason=_RICH,
         )
     with reporting_refusals(task):
-        conflict = None if refuter is None else resource_conflict(problem, refuter, until)
+        conflict = None if refuter is None else resource_conflict(problem, refuter, budget)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
@@ -106,13 +103,13 @@ _RICH = (
 )
 
 
-def _is_refuted(problem: Problem, refuter: Refuter | None, until: float) -> bool:
+def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bool:
     """Whether the mandatory part alone has no schedule."""
     if refuter is None:
         return False
-    seconds = min(_left(until) or _REFUTING_SECONDS, _REFUTING_SECONDS)
     horizon = horizon_without_limits(problem)
-    return refuter.decide(problem, horizon, seconds) is Status.INFEASIBLE
+    part = budget.at_most(_REFUTING_SECONDS)
+    return refuter.decide(problem, horizon, part) is Status.INFEASIBLE
 
 
 _REFUTING_SECONDS = 60.0
@@ -135,11 +132,6 @@ def _solved(task: Task, answer: Answer) -> Explanation:
         proof=f"{proof}; the critical chain is shown only for tasks without state, stock, "
         "calendars and choices",
     )
-
-
-def _left(until: float) -> float | None:
-    left = until - perf_counter()
-    return None if left == float("inf") else max(0.01, left)
 
 
 def _infeasible(task: Task, problem: Problem, conflict: Conflict, by: str) -> Explanation:

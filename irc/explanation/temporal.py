@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
 from irc.explanation.minimise import Conflict, Possibility, Trial, minimise, narrow
 from irc.problem import Problem
@@ -23,6 +22,7 @@ from irc.problem.statements import (
     how_time_is,
 )
 from irc.problem.temporal_network import Network, earliest
+from irc.targets import Budget
 
 STEPS = 6_000_000
 """Limit on the constraints visited in the search for a cycle of few statements."""
@@ -31,11 +31,11 @@ ROOTS = 40
 """Limit on the points of a cycle from which the search starts."""
 
 
-def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
+def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
     """A minimal set of statements that cannot hold together in time; None if there is none.
 
-    Of several it is one with few statements, within the limit `STEPS`. After `until` (of
-    `time.perf_counter`) nothing more is left out, and the conflict may not be minimal.
+    Of several it is one with few statements, within the limit `STEPS`. After the end of the budget
+    nothing more is left out, and the conflict may not be minimal.
     """
     differences = _graph(problem, all_statements(problem))
     cycles = _cycles(differences)
@@ -45,7 +45,7 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
     statements = found.statements
 
     def attempt(statements: frozenset[Statement]) -> Trial:
-        if perf_counter() > until:
+        if budget.is_over:
             return Trial(Possibility.UNKNOWN)
         cycles = _cycles(_graph(problem, statements))
         if not cycles:

@@ -19,12 +19,9 @@ from irc.model import Task
 from irc.model.features import Feature
 from irc.model.times import format_number
 from irc.problem import Problem
-from irc.targets.outcome import (
-    Limits,
-    OnProgress,
-    Outcome,
-    UnknownTarget,
-)
+from irc.targets.budget import Budget
+from irc.targets.options import SolveOptions
+from irc.targets.outcome import Outcome, UnknownTarget
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule
@@ -115,12 +112,12 @@ class Engine(ABC):
         """The reason why the engine cannot run here and how to install it; None if it can run."""
 
     @abstractmethod
-    def solve(
-        self, program: Program, limits: Limits, on_progress: OnProgress | None = None
-    ) -> Outcome:
-        """Runs within the limits and returns the best answer with its proven status.
+    def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Outcome:
+        """Runs until the budget is over and returns the best answer with its proven status.
 
-        Raises `EngineFailed` if the engine breaks down without any answer.
+        Of the options an engine needs `memory_limit`, `workers`, `seed` and `on_progress`; its time
+        is that of the budget alone. Raises `EngineFailed` if the engine breaks down without any
+        answer.
         """
 
 

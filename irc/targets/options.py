@@ -11,7 +11,7 @@ from irc.diagnostics import did_you_mean
 from irc.errors import OptionError
 from irc.model.quantities import TimeError, exact
 from irc.model.times import format_number, parse_number
-from irc.targets.outcome import Limits, OnProgress
+from irc.targets.outcome import OnProgress
 
 
 def require_seconds(time_limit: float | None) -> None:
@@ -101,11 +101,6 @@ class SolveOptions:
                 raise TypeError(f"there is no option {name!r}; {hint}")
         named = more if target is None else {**more, "target": target}
         return replace(options or cls(), **named)
-
-    @property
-    def limits(self) -> Limits:
-        """The limits of an engine for each plan."""
-        return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
 
     @property
     def share(self) -> Fraction:

@@ -1,4 +1,4 @@
-"""Limits, progress and outcome of an engine's run, and the errors of engines and targets."""
+"""Progress and outcome of an engine's run, and the errors of engines and targets."""
 
 from __future__ import annotations
 
@@ -12,21 +12,6 @@ from irc.model.quantities import Number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """The limits of an engine: wall-clock seconds, memory, threads; and its random seed.
-
-    `bounds` and `hints` let benchmarks switch off the bounds and hints that irc adds to a model.
-    """
-
-    seconds: float | None = None
-    memory_mb: int | None = None
-    workers: int | None = None
-    seed: int = 0
-    bounds: bool = True
-    hints: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,6 @@ limit.
 with threads, is not used.
 """
 
-import math
 import os
 import queue
 import selectors
@@ -44,6 +43,7 @@ from types import TracebackType
 from typing import IO, Protocol, Self
 
 from irc.errors import IrcError
+from irc.targets.budget import Budget
 
 __all__ = [
     "CommandNotFound",
@@ -202,13 +202,12 @@ def run(
     """
     data = stdin.encode() if isinstance(stdin, str) else stdin
     capture = _Capture(limits.output_bytes, on_line)
-    begun = time.monotonic()
-    deadline = math.inf if limits.seconds is None else begun + limits.seconds
+    budget = Budget(limits.seconds)
     with _Tree() as tree:
         child = tree.start(command, limits.memory_mb, data is not None, cwd, env)
         with closing(_PIPES(child, data, capture)) as pipes:
-            cause = _watch(child, pipes, capture, deadline)
-            seconds = time.monotonic() - begun
+            cause = _watch(child, pipes, capture, budget)
+            seconds = budget.elapsed
             if cause is None:
                 # The tee of `planner > >(tee log)`, for example, may still have lines to write.
                 _read_rest(pipes)
@@ -414,12 +413,12 @@ def _write_all(stream: IO[bytes], data: bytes) -> None:
 
 
 def _watch(
-    child: subprocess.Popen[bytes], pipes: _Pipes, capture: _Capture, deadline: float
+    child: subprocess.Popen[bytes], pipes: _Pipes, capture: _Capture, budget: Budget
 ) -> Ended | None:
     """Reads until the child has exited (`None`), or until there is a reason to end it."""
     while child.poll() is None:
-        remaining = deadline - time.monotonic()
-        if remaining <= 0:
+        remaining = budget.left
+        if not remaining:
             return Ended.TIMEOUT
         if pipes.idle:
             with suppress(subprocess.TimeoutExpired):
@@ -433,12 +432,9 @@ def _watch(
 
 def _read_rest(pipes: _Pipes) -> None:
     """Reads to the end of the output, for at most `GRACE_SECONDS`."""
-    deadline = time.monotonic() + GRACE_SECONDS
-    while pipes.readable:
-        remaining = deadline - time.monotonic()
-        if remaining <= 0:
-            return
-        pipes.pump(remaining)
+    grace = Budget(GRACE_SECONDS)
+    while pipes.readable and not grace.is_over:
+        pipes.pump(grace.left)
 
 
 class _Tree:
@@ -499,8 +495,8 @@ class _Tree:
         left = True
         try:
             left = self._signal(_ASK)
-            deadline = time.monotonic() + GRACE_SECONDS
-            while left and time.monotonic() < deadline:
+            grace = Budget(GRACE_SECONDS)
+            while left and not grace.is_over:
                 pause(_STEP_SECONDS)
                 left = self._signal(_LOOK)
         finally:  # also after a second Ctrl-C during the wait
@@ -510,9 +506,9 @@ class _Tree:
 
     def _kill(self) -> None:
         self._signal(_KILL)
-        deadline = time.monotonic() + _KILL_SECONDS
+        patience = Budget(_KILL_SECONDS)
         # Once is enough for a group. Processes outside are found one by one and may fork meanwhile.
-        while _bearers(self._token) and time.monotonic() < deadline:
+        while _bearers(self._token) and not patience.is_over:
             time.sleep(_STEP_SECONDS / 10)
             self._signal(_KILL)
         if self._child is not None:

@@ -9,6 +9,7 @@ from typing import Protocol
 from irc.problem import Problem
 from irc.problem.statements import Difference, Statement
 from irc.schedule import Status
+from irc.targets.budget import Budget
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +31,12 @@ class Assumptions:
 
 
 class Refuter(Protocol):
-    """A solver that proves infeasibility, reproducibly. `seconds` is wall-clock time."""
+    """A solver that proves infeasibility, reproducibly unless the budget ends its search."""
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         """Statements that cannot hold together, not necessarily few; None if none were found."""
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
         """Whether the problem has a schedule: `FEASIBLE`, `INFEASIBLE` or `UNKNOWN`.
 
         It answers `FEASIBLE` only with a schedule that exact re-timing has confirmed.

@@ -20,7 +20,7 @@ from irc.driver.judge import finish, validate_schedule
 from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Status
-from irc.targets import Backend, Engine, Limits, Program, refused_features
+from irc.targets import Backend, Budget, Engine, Program, SolveOptions, refused_features
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ def _check_encoding(case: Case, program: Program) -> None:
 
 
 def _check_engine(case: Case, program: Program, engine: Engine, seconds: float) -> None:
-    outcome = engine.solve(program, Limits(seconds=seconds, workers=1))
+    outcome = engine.solve(program, SolveOptions(time_limit=seconds, workers=1), Budget(seconds))
     where = f"{case.name}, {program.target} with {engine.name}"
     schedule = finish(case.task, program.problem, outcome, program.target, outcome.seconds)
     if outcome.schedule is None:

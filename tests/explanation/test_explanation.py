@@ -30,7 +30,7 @@ from irc.problem.statements import (
     problem_of,
 )
 from irc.schedule import Entry, Schedule, Status
-from irc.targets import get_backend
+from irc.targets import Budget, get_backend
 from irc.targets.refuter import Assumptions
 from oracles.brute_force import optimal_makespan
 from oracles.conflicts import by_solving, faults_of, only, statements_of
@@ -173,8 +173,8 @@ def test_without_time_nothing_is_called_minimal() -> None:
     problem = run_checks(document).problem
     refuter = get_backend("cpsat").refuter()
     assert refuter is not None
-    assert resource_conflict(problem, refuter, until=0.0) is None
-    undecided = resource_conflict(problem, _Undecided(refuter), until=float("inf"))
+    assert resource_conflict(problem, refuter, Budget(0)) is None
+    undecided = resource_conflict(problem, _Undecided(refuter), Budget())
     assert undecided is not None
     assert not undecided.minimal
 
@@ -186,14 +186,14 @@ class _Undecided:
         self.refuter = refuter
         self.whole: int | None = None
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         return None
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
         self.whole = self.whole or len(problem.activities)
         if len(problem.activities) < self.whole:
             return Status.UNKNOWN
-        status = self.refuter.decide(problem, horizon, seconds)
+        status = self.refuter.decide(problem, horizon, budget)
         return Status.UNKNOWN if status is Status.FEASIBLE else status
 
 
@@ -204,20 +204,20 @@ class _Misleading:
         self.refuter = refuter
         self.asked = 0
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         self.asked += 1
-        core = sorted(self.refuter.core(assumptions, seconds))
+        core = sorted(self.refuter.core(assumptions, budget))
         return frozenset(core[1:])
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
-        return self.refuter.decide(problem, horizon, seconds)
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
+        return self.refuter.decide(problem, horizon, budget)
 
 
 def test_a_solvers_core_is_not_believed() -> None:
     case = next(c for c in SOLVER if c.name == "no order of three windows")
     problem = run_checks(Task.model_validate(case.document)).problem
     misleading = _Misleading(get_backend("cpsat").refuter())
-    conflict = resource_conflict(problem, misleading, until=float("inf"))
+    conflict = resource_conflict(problem, misleading, Budget())
     assert misleading.asked == 1
     assert conflict is not None
     assert {in_words(problem, s) for s in conflict.statements} == case.expected
@@ -229,7 +229,7 @@ def test_the_solvers_core_leaves_out_what_is_far_from_the_conflict() -> None:
     parts = [*case.document["actions"], *case.document["resources"], r("shed"), *far]
     problem = run_checks(Task.model_validate(task(*parts))).problem
     listening = _Listening(get_backend("cpsat").refuter())
-    conflict = resource_conflict(problem, listening, until=float("inf"))
+    conflict = resource_conflict(problem, listening, Budget())
     assert conflict is not None
     assert {in_words(problem, s) for s in conflict.statements} == case.expected
     assert listening.core_found is not None
@@ -240,8 +240,8 @@ def test_the_solvers_core_leaves_out_what_is_far_from_the_conflict() -> None:
 class _Listening(_Misleading):
     core_found: frozenset[Statement] | None = None
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
-        self.core_found = self.refuter.core(assumptions, seconds)
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
+        self.core_found = self.refuter.core(assumptions, budget)
         return self.core_found
 
 

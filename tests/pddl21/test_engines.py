@@ -19,7 +19,7 @@ import pytest
 
 import irc
 from irc.schedule import Status
-from irc.targets import EngineFailed, EngineMissing, Limits, Outcome, get_backend
+from irc.targets import Budget, EngineFailed, EngineMissing, Outcome, SolveOptions, get_backend
 from irc_pddl21.encoding.encode import encode
 from paths import FAKES
 
@@ -128,7 +128,8 @@ def command_line(process: Path) -> bytes:
 def outcome_of(engine: str, seconds: float = 20, task: dict[str, Any] = TASK) -> Outcome:
     """What an engine makes of a task; a net of 20 s where the limit is not what is tested."""
     program = irc.compile(task, "pddl21")
-    return get_backend("pddl21").engines()[engine].solve(program, Limits(seconds=seconds))
+    chosen = get_backend("pddl21").engines()[engine]
+    return chosen.solve(program, SolveOptions(), Budget(seconds))
 
 
 def makespan(outcome: Outcome) -> object:

@@ -207,7 +207,7 @@ def test_a_restart_needs_no_solver_and_stands_where_the_last_run_did(
     lines = ['{"do": "advance", "to": 2}', '{"do": "fly"}', JAM, '{"do": "state"}']
     _, answers, _ = run(file, *lines, journal=True)
     monkeypatch.setattr("irc.execution.execution.solve_step", None)
-    monkeypatch.setattr("irc.cli.planning.solve_task", None)
+    monkeypatch.setattr("irc.cli.run.solve_task", None)
     _, (greeting, state), _ = run(file, '{"do": "state"}', journal=True)
     assert (greeting["recovered"], greeting["last_id"], greeting["now"]) == (2, "j", 4)
     assert greeting["state"] == answers[-1]["state"] == state["state"]

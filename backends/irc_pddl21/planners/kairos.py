@@ -47,10 +47,10 @@ class KairosPlanner(Planner):
             str(given.domain),
             str(given.problem_file),
             f"{given.seconds:.3f}",
-            str(given.limits.memory_mb or 0),
+            str(given.options.memory_limit or 0),
             str(float(given.target)),
-            str(given.limits.workers or 1),
-            str(given.limits.seed),
+            str(given.options.workers or 1),
+            str(given.options.seed),
             "first" if given.request.first_plan else "best",
             *([given.request.search] if given.request.search else []),
         ]

@@ -10,7 +10,7 @@ from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 from irc.problem.objective_values import in_units, schedule_values
 from irc.schedule import Status
-from irc.targets import Limits, ObjectiveLevel, OnProgress, Outcome, Program
+from irc.targets import Budget, ObjectiveLevel, Outcome, Program, SolveOptions
 from irc_pddl21.objective_values import objective_values
 from irc_pddl21.planners.planner import Planner
 from irc_pddl21.search.makespan import shorten
@@ -27,16 +27,16 @@ from irc_pddl21.search.selection_search import SelectionSearch, shortest_of_best
 def solve_with(
     planner: Planner,
     program: Program,
-    limits: Limits,
-    on_progress: OnProgress | None = None,
+    options: SolveOptions,
+    budget: Budget,
     tactics: Tactics = ALL_TACTICS,
 ) -> Outcome:
-    """The best answer of one planner within the limits, with its status.
+    """The best answer of one planner within the budget, with its status.
 
     The objectives are taken one after the other: reward and cost by selecting optional items, the
     makespan by deadlines. Raises `EngineFailed` or `Refusal` where no run gave an answer.
     """
-    session = PlannerSession(planner, program, limits, on_progress, tactics)
+    session = PlannerSession(planner, program, options, budget, tactics)
     problem = program.problem
     first = tuple(takewhile(lambda name: name in SELECTIVE, problem.objectives))
     rest = problem.objectives[len(first) :]
