@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from irc.execution.continuation import PROVER, Remainder
+from irc.execution.continuation import PROVER, Repair
 from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import costs
@@ -27,46 +27,42 @@ GIVEN_UP_TRIED = 200
 """At most this many choices of groups to give up are tried, smaller ones first."""
 
 
-def best_continuation(remainder: Remainder) -> Found:
+def best_continuation(repair: Repair) -> Found:
     """The best continuation that gives up as few half-done groups as possible."""
-    half_done = remainder.frozen.half_done()
-    has_prover = not remainder.backend.proves and get_backend(PROVER).engine().missing() is None
+    half_done = repair.frozen.half_done()
+    has_prover = not repair.backend.proves and get_backend(PROVER).engine().missing() is None
     if half_done and has_prover:
-        return _as_proven(remainder)
-    outcome, problem = remainder.attempt(())
+        return _as_proven(repair)
+    outcome, problem = repair.attempt(())
     if outcome.status is Status.UNKNOWN and has_prover:
-        proven, whole = _prover(remainder, remainder.budget).attempt(())
+        proven, whole = _prover(repair, repair.budget).attempt(())
         if proven.status is Status.INFEASIBLE:
             return proven, whole, ()
     if outcome.schedule is not None or not half_done:
         return outcome, problem, ()
-    found, certain = _smallest(remainder, half_done, outcome.status is not Status.UNKNOWN)
+    found, certain = _smallest(repair, half_done, outcome.status is not Status.UNKNOWN)
     if found:
         return min(found, key=lambda f: _value(f[1], f[0]))
     # Without a proof that the others cannot be finished, none is given up.
     return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
 
 
-def _prover(remainder: Remainder, budget: Budget) -> Remainder:
-    """The same for the prover, with a budget of its own."""
+def _prover(repair: Repair, budget: Budget) -> Repair:
+    """The repair with the prover instead of its engine, and with another budget."""
     prover = get_backend(PROVER)
-    options = replace(remainder.options, on_progress=None)
-    return replace(
-        remainder, backend=prover, engine=prover.engine(), options=options, budget=budget
-    )
+    options = replace(repair.options, on_progress=None)
+    return replace(repair, backend=prover, engine=prover.engine(), options=options, budget=budget)
 
 
-def _as_proven(remainder: Remainder) -> Found:
+def _as_proven(repair: Repair) -> Found:
     """The continuation that gives up the groups which the prover gave up, to save time."""
-    proven = best_continuation(_prover(remainder, remainder.budget.share(PROVER_SHARE)))
+    proven = best_continuation(_prover(repair, repair.budget.share(PROVER_SHARE)))
     if proven[0].status is Status.INFEASIBLE:
         return proven
-    return (*remainder.attempt(proven[2]), proven[2])
+    return (*repair.attempt(proven[2]), proven[2])
 
 
-def _smallest(
-    remainder: Remainder, half_done: Sequence[int], certain: bool
-) -> tuple[list[Found], bool]:
+def _smallest(repair: Repair, half_done: Sequence[int], certain: bool) -> tuple[list[Found], bool]:
     """The result of giving up as few as possible, and whether fewer are proven not to suffice."""
     found: list[Found] = []
     sizes = range(1, 1 + len(half_done))
@@ -74,10 +70,10 @@ def _smallest(
     for tried, given_up in enumerate(choices):
         if found and len(given_up) > len(found[0][2]):
             break
-        certain = certain and not remainder.budget.is_over and tried < GIVEN_UP_TRIED
+        certain = certain and not repair.budget.is_over and tried < GIVEN_UP_TRIED
         if not certain:
             break
-        outcome, problem = remainder.attempt(given_up)
+        outcome, problem = repair.attempt(given_up)
         if outcome.schedule is not None:
             found.append((outcome, problem, given_up))
         certain = outcome.status is not Status.UNKNOWN

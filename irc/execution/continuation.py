@@ -62,8 +62,8 @@ _PASSES = (
 
 
 @dataclass
-class Remainder:
-    """A frozen problem, with those who can solve it, and their time."""
+class Repair:
+    """One repair: a frozen problem, the engine that continues it, and the budget."""
 
     task: Task
     frozen: FrozenProblem
@@ -174,7 +174,7 @@ class Remainder:
 class _WithHistory:
     """Judges a plan of the residual problem together with the history; None if it is valid."""
 
-    remainder: Remainder
+    repair: Repair
     residual: ResidualProblem
     whole: Problem
     given_up: Sequence[int]
@@ -184,7 +184,7 @@ class _WithHistory:
             merged = self.residual.merged(self.whole, schedule)
         except AnswerError as error:
             return str(error)
-        return self.remainder.judged(merged, self.given_up)
+        return self.repair.judged(merged, self.given_up)
 
 
 def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:

@@ -12,7 +12,7 @@ from functools import partial
 from typing import TypeVar
 
 from irc.diagnostics import Code, Diagnostic
-from irc.execution.continuation import PROVER, Remainder
+from irc.execution.continuation import PROVER, Repair
 from irc.execution.freeze import with_groups
 from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
 from irc.model.state_values import value_text
@@ -32,17 +32,17 @@ SHOWN = 3
 """At most this many limits of one sort are named."""
 
 
-def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
+def what_is_in_the_way(repair: Repair) -> tuple[Diagnostic, ...]:
     """The limits that would have to be relaxed where no continuation exists, as diagnostics.
 
     Empty where nothing was found. It takes little time, and no more than the time that is left.
     """
-    frozen, budget = remainder.frozen, remainder.budget.at_most(PATIENCE)
+    frozen, budget = repair.frozen, repair.budget.at_most(PATIENCE)
     problem = order_from_state(with_groups(frozen, frozen.half_done()))
     problem = replace(problem, previous=PreviousPlan(stability=problem.previous.stability))
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
     backend = get_backend(PROVER)
-    prover = replace(remainder, backend=backend, engine=backend.engine())
+    prover = replace(repair, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None:
         return ()
     search = _LimitSearch(problem, helpers.union(frozen.executed), prover, budget)
@@ -67,7 +67,7 @@ _Reason = tuple[str, str]
 class _LimitSearch:
     problem: Problem
     begun: Collection[int]
-    prover: Remainder
+    prover: Repair
     budget: Budget
 
     @property

@@ -9,7 +9,7 @@ from irc.driver.compile import reporting_refusals
 from irc.driver.judge import finish
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
-from irc.execution.continuation import Remainder
+from irc.execution.continuation import Repair
 from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History, ids
 from irc.execution.infeasibility import what_is_in_the_way
@@ -55,13 +55,13 @@ def solve_step(
     if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
         problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
-    remainder = Remainder(task, frozen, history, at, backend, engine, options, budget)
+    repair = Repair(task, frozen, history, at, backend, engine, options, budget)
     with reporting_refusals(task):
-        outcome, whole, given_up = best_continuation(remainder)
+        outcome, whole, given_up = best_continuation(repair)
     if outcome.status is Status.INFEASIBLE:
-        outcome = replace(outcome, notes=what_is_in_the_way(remainder) or outcome.notes)
+        outcome = replace(outcome, notes=what_is_in_the_way(repair) or outcome.notes)
     if outcome.schedule is not None:
-        marked = remainder.with_status(outcome.schedule, given_up)
+        marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
     schedule = finish(task, whole, outcome, backend.name, budget.elapsed)
     notes = outcome.notes

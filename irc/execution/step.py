@@ -1,4 +1,4 @@
-"""What a step of repair came to."""
+"""The result of replanning at one instant."""
 
 from __future__ import annotations
 

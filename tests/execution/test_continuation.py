@@ -13,7 +13,7 @@ import pytest
 from irc.execution import Execution
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
-from irc.execution.continuation import Remainder
+from irc.execution.continuation import Repair
 from irc.execution.freeze import freeze
 from irc.lowering.lower import lower
 from irc.model.quantities import Number
@@ -32,7 +32,7 @@ class FromNow(CpSat):
     begins_now = True
 
 
-def remainder(execution: Execution) -> Remainder:
+def repair(execution: Execution) -> Repair:
     """What is left of an execution, as `solve_step` has it."""
     history, at, task = execution._history, execution.now, execution.task
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
@@ -40,10 +40,10 @@ def remainder(execution: Execution) -> Remainder:
     problem = merge_pools(problem, overloaded(problem, history.state(at).running))
     frozen = freeze(problem, history, at, problem.whole_ticks(at))
     backend = get_backend("cpsat")
-    return Remainder(task, frozen, history, at, backend, backend.engine(), OPTIONS, Budget(20))
+    return Repair(task, frozen, history, at, backend, backend.engine(), OPTIONS, Budget(20))
 
 
-def answer(left: Remainder) -> tuple[str, tuple[Number, ...], int]:
+def answer(left: Repair) -> tuple[str, tuple[Number, ...], int]:
     """Status, objectives and groups given up; the answer must be valid."""
     outcome, whole, given_up = best_continuation(left)
     if outcome.schedule is None:
@@ -71,7 +71,7 @@ def executions(seeds: range) -> Iterator[tuple[int, Execution]]:
 def test_both_roads_come_to_the_same(seeds: range) -> None:
     different = {}
     for seed, execution in executions(seeds):
-        whole = remainder(execution)
+        whole = repair(execution)
         from_now = replace(whole, backend=FromNow())
         if (one := answer(whole)) != (other := answer(from_now)):
             different[seed] = one, other
