@@ -206,6 +206,12 @@ def some_order_does(task: Task, levels: dict[str, int], changes: list[dict[str, 
     return False
 
 
+def end_is_chosen(action: Action) -> bool:
+    """A range of one value leaves nothing to choose."""
+    duration = action.duration
+    return isinstance(duration, DurationRange) and duration.min != duration.max
+
+
 def past_comes_first(
     task: Task, entries: Sequence[Entry], ranks: dict[tuple[int, str], int]
 ) -> bool:
@@ -214,7 +220,7 @@ def past_comes_first(
         (
             action.id.startswith("p at"),
             start,
-            end if not isinstance(action.duration, DurationRange) else start,
+            start if end_is_chosen(action) else end,
         )
         for _, action, start, end in end_points(task, entries, ranks)
         if action.conditions or action.effects or action.consumes or action.produces
