@@ -128,6 +128,8 @@ class Facts:
             said.append(f"not before {self._time(action.release)}")
         if action.start is not None:
             said.append(f"fixed to start at {self._time(action.start)}")
+        if action.latest_start is not None:
+            said.append(f"to start by {self._time(action.latest_start)}")
         if action.deadline is not None:
             said.append(f"to end by {self._time(action.deadline)}")
         if action.due is not None:
