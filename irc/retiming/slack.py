@@ -17,9 +17,9 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
 
     What stays: the makespan (or less), the resources and modes chosen, and the order of every two
     actions that share a resource without overlapping. What may change: all times and, where a
-    duration is a range, durations. All lags, deadlines and fixed starts hold. Under these rules
-    an action can start at *any* time up to its start + slack, others moving along; what several
-    of them have, they have in common, not each. (Total float, with resources: Wiest, "Some
+    duration is a range, durations. All lags, deadlines, fixed and latest starts hold. Under these
+    rules an action can start at *any* time up to its start + slack, others moving along; what
+    several of them have, they have in common, not each. (Total float, with resources: Wiest, "Some
     properties of schedules for large projects with limited resources", 1964.)
 
     `schedule` must be a valid one of exactly the problem's activities; an answer without entries
