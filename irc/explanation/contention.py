@@ -37,13 +37,17 @@ _ORDER = (
     Kind.PRECEDENCE,
     Kind.RELEASE,
     Kind.DEADLINE,
+    Kind.LATEST_START,
     Kind.START,
     Kind.TASK_DEADLINE,
     Kind.CAPACITY,
 )
 """What is left out first: so deadlines and capacities, which authors set, are kept longest."""
 
-_OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
+_OF_ACTION = (
+    *(Kind.DURATION, Kind.USE, Kind.RELEASE),
+    *(Kind.DEADLINE, Kind.LATEST_START, Kind.START),
+)
 
 _LEAST_SECONDS = 0.05
 """A solver that is asked at all is given at least this."""

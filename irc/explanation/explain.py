@@ -115,6 +115,11 @@ def _is_refuted(problem: Problem, refuter: Refuter | None, until: float) -> bool
     return refuter.decide(problem, horizon, seconds) is Status.INFEASIBLE
 
 
+_OF_THE_CLOCK = frozenset(
+    (Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.LATEST_START, Kind.RELEASE)
+)
+"""The statements that name an hour."""
+
 _REFUTING_SECONDS = 60.0
 
 
@@ -184,7 +189,7 @@ def _way_round(problem: Problem, conflict: Conflict) -> str:
     """What a cycle of demands on time comes to."""
     excess = problem.time_text(conflict.excess or 0)
     kinds = {statement.kind for statement in conflict.statements}
-    if not kinds & {Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.RELEASE}:
+    if not kinds & _OF_THE_CLOCK:
         if any(s.side is Side.MOST for s in conflict.statements):
             return f"their limits are {excess} apart"
         return "they go round: each waits for the one before it, and the first for the last"
