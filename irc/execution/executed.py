@@ -74,7 +74,8 @@ def as_executed(
     is running for a duration of its own choice, its end, and those of its `ranks` that are known.
 
     What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
-    has ended demands nothing any more. Releases and deadlines were for the time before.
+    has ended demands nothing any more. Releases, latest starts and deadlines were for the time
+    before.
     """
     if activity.details.modes and past.mode is None:
         return _begun(activity, past)
@@ -132,6 +133,7 @@ def as_executed(
     return replace(
         activity,
         start=past.start,
+        latest_start=None,
         release=min(activity.release, past.start),
         deadline=deadline,
         duration_min=shortest,
@@ -159,6 +161,7 @@ def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
     return replace(
         activity,
         start=past.start,
+        latest_start=None,
         release=min(activity.release, past.start),
         details=replace(activity.details, optional=False, repeats=None),
     )
