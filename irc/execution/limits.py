@@ -135,6 +135,6 @@ HINTS = {
     Sort.ALL: "a later deadline of the task would help",
     Sort.DEADLINE: "a later deadline for it, or what is before it cancelled, would help",
     Sort.START: "another start for it would help",
-    Sort.LATEST_START: "a later latest start, or what is before it cancelled, would help",
+    Sort.LATEST_START: "a later latest start, or what precedes it cancelled, would help",
     Sort.LAG: "a longer maximum lag would help",
 }
