@@ -2,7 +2,7 @@
 
     python benchmarks/asyncplan.py [--target cpsat|pddl21] [--engine E] [--data DIR]
 
-For `pddl21` the planner's raw plan is judged too: each action once, each precedence kept, and
+For `pddl21` the planner's raw plan is judged too: each action once, every precedence met, and
 unified-planning's own validator on the emitted text.
 """
 
@@ -19,7 +19,7 @@ from irc.driver.solve import solve_task
 from irc.frontends.importers.asyncplan import import_asyncplan
 from irc.model import Task
 from irc.schedule import Status
-from irc.targets import Limits
+from irc.targets import SolveOptions
 from raw_plans import raw_plan_faults
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "asyncplan_xxl"
@@ -32,26 +32,21 @@ def instances(data: Path) -> list[tuple[str, Task]]:
 
 
 def main() -> None:
-    """Prints one line per size and the totals."""
+    """Prints a line for each size, and the totals."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--target", default="cpsat")
     parser.add_argument("--engine", default="auto")
     parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--seconds", type=float, default=30.0)
     options = parser.parse_args()
+    how = SolveOptions(options.target, options.engine, options.seconds, workers=1, shortcut=False)
     counts: Counter[str] = Counter()
     seconds = []
     for name, task in instances(options.data):
         began = time.perf_counter()
         counts["tasks"] += 1
         try:
-            answer = solve_task(
-                task,
-                options.target,
-                options.engine,
-                Limits(options.seconds, workers=1),
-                shortcut=False,
-            )
+            answer = solve_task(task, how)
         except InputError as error:
             counts["refused"] += 1
             print(f"{name}: {error.report.errors[0].message}")

@@ -1,9 +1,9 @@
-"""JSON text → PDDL2.1 text, checks included, against unified-planning and its PDDLWriter.
+"""Compares the compilation of JSON text to PDDL2.1 text with unified-planning's PDDLWriter.
 
     python benchmarks/compile_speed.py [--runs 15]
 
 Both sides start from the same JSON text and end with the text of domain and problem, in one
-process, in turn. Printed is the median CPU time of each and the ratio.
+process, in turn. irc also checks the task. Prints the median CPU time of each and the ratio.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from irc.frontends.files import parse_task
 
 
 def through_irc(text: str) -> int:
-    """Length of the emitted text."""
+    """The length of the emitted text."""
     program = compile_task(parse_task(text).task, "pddl21")
     return sum(len(file) for file in program.files.values())
 
 
 def through_unified_planning(text: str) -> int:
-    """The same encoding (once-only actions, done facts) built and written with unified-planning."""
+    """The same encoding (actions that occur once, done facts) written with unified-planning."""
     document = json.loads(text)
     problem = Problem("task")
     todo, done = {}, {}
@@ -72,9 +72,10 @@ def through_unified_planning(text: str) -> int:
 
 
 def seconds(call: Callable[[str], int], text: str) -> float:
-    """CPU time of one call; other work on the machine does not count.
+    """The CPU time of one call; other work on the machine does not count.
 
-    As in `timeit`, the collector waits: what one side leaves behind must not slow the other.
+    As in `timeit`, the garbage collector is off, so that garbage of one side does not slow the
+    other.
     """
     gc.collect()
     gc.disable()
@@ -86,7 +87,7 @@ def seconds(call: Callable[[str], int], text: str) -> float:
 
 
 def main() -> None:
-    """Prints a row per size."""
+    """Prints a row for each size."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=15)
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-"""Random contended tasks through both targets, against brute force over integer start times.
+"""Compares both targets on random contended tasks with brute force over integer start times.
 
     python benchmarks/contended.py [--tasks 200] [--big 30] [--seconds 10] [--engine auto]
 
@@ -21,22 +21,22 @@ from irc.diagnostics import InputError
 from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
-from irc.targets import Limits
+from irc.targets import SolveOptions
 from oracles.brute_force import optimal_makespan
 from oracles.generators import big_capacity_task, random_task
 
 
 def answer(task: Task, target: str, engine: str, seconds: float) -> Schedule | None:
-    """The validated answer of a target with its engine forced to run; None where refused."""
+    """The validated answer of a target with its engine forced to run; None if it refuses."""
     try:
-        limits = Limits(seconds, workers=1)
-        return solve_task(task, target, engine, limits, shortcut=False).schedule
+        options = SolveOptions(target, engine, seconds, workers=1, shortcut=False)
+        return solve_task(task, options).schedule
     except InputError:
         return None
 
 
 def verdict(schedule: Schedule | None, optimum: int | None) -> str:
-    """How an answer compares with the optimum (None: infeasible); "WRONG …" is a defect."""
+    """The verdict on an answer, given the optimum (None: infeasible); "WRONG …" is a defect."""
     if schedule is None or schedule.status is Status.INFEASIBLE:
         return "infeasible, rightly" if optimum is None else "WRONG: refused or infeasible"
     if schedule.status is Status.UNKNOWN:
@@ -51,7 +51,7 @@ def verdict(schedule: Schedule | None, optimum: int | None) -> str:
 
 
 def main() -> None:
-    """Prints how often each verdict was reached."""
+    """Prints the number of each verdict."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tasks", type=int, default=200)
     parser.add_argument("--big", type=int, default=30)

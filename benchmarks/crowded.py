@@ -1,4 +1,4 @@
-"""Random crowded tasks (6 to 20 jobs, capacities 1 to 3, robots, lags): `pddl21` against `cpsat`.
+"""Compares `pddl21` with `cpsat` on random crowded tasks (6 to 20 jobs, robots, lags).
 
 python benchmarks/crowded.py [--tasks 200] [--first 0] [--seconds 10] [--engine auto]
 """
@@ -18,7 +18,7 @@ CPSAT_SECONDS = 60.0
 
 
 def main() -> None:
-    """Prints how many are valid, optimal and proven, the mean gap and the times."""
+    """Prints the numbers of valid, optimal and proven answers, the mean gap and the times."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tasks", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)

@@ -1,4 +1,4 @@
-"""A large task read from the DSL against the same task read from JSON.
+"""Compares the reading of a large task from the DSL with the reading of the same task from JSON.
 
     python benchmarks/dsl_speed.py [--actions 100000] [--edges 300000] [--runs 3]
 
@@ -45,7 +45,7 @@ def compare(kind: str, text: str, runs: int) -> None:
 
 
 def unusual(line: str) -> str:
-    """A line that says nearly the same and is none of the plain ones."""
+    """A line with nearly the same meaning that the fast reader of plain lines does not accept."""
     if "->" in line:
         return f"{line} + 2.5"
     name, _, rest = line.partition(" ")

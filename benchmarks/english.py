@@ -1,10 +1,10 @@
-"""Controlled English on the texts of two benchmarks, as they stand and with words changed.
+"""Reads the texts of two benchmarks as controlled English, unchanged and with words changed.
 
     python benchmarks/english.py [--data DIR] [--mutations N] [--seed S]
 
-AsyncPlan-XXL: edges and durations against the gold graph (where errata.json lists an instance,
-the text's value counts). AsyncHow: the makespan against gold (min, max). Mutations: one change to a
-text whose meaning after it is known; the result must be that meaning or a refusal.
+AsyncPlan-XXL: edges and durations against the gold graph (if errata.json lists an instance, the
+text's value counts). AsyncHow: the makespan against gold (min, max). Mutations: one change to a
+text, whose new meaning is known; the result must be that meaning or a refusal.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Reading = tuple[Edges, dict[str, Any]]
 
 @dataclass(frozen=True)
 class Instance:
-    """One instance of AsyncPlan-XXL: its text and what the text says."""
+    """One instance of AsyncPlan-XXL: its text and the meaning of the text."""
 
     key: tuple[int, int]
     text: str
@@ -66,7 +66,7 @@ def reading(task: Task) -> Reading:
 
 
 def judge_asyncplan(data: Path) -> Counter[str]:
-    """How many graphs and durations are those of the gold."""
+    """The numbers of graphs and durations that equal the gold."""
     counts: Counter[str] = Counter()
     for instance in planned(data):
         try:
@@ -85,7 +85,7 @@ def judge_asyncplan(data: Path) -> Counter[str]:
 
 
 def judge_asynchow(data: Path) -> Counter[str]:
-    """How many makespans lie in the gold's (min, max)."""
+    """The number of makespans within the gold's (min, max)."""
     counts: Counter[str] = Counter()
     for raw in json.loads((data / "asynchow_160.json").read_text("utf-8")):
         least, most = gold_seconds(raw["gold_answer"])
@@ -114,8 +114,8 @@ def gold_seconds(text: str) -> tuple[Fraction, Fraction]:
 
 # --- mutations ------------------------------------------------------------------------------------
 #
-# A mutation changes one sentence of a text and says what the text means then: a reading, or None
-# where nothing but a refusal is right.
+# A mutation changes one sentence of a text and gives the new meaning of the text: a reading, or
+# None if only a refusal is right.
 
 Mutation = Callable[[str, Reading, random.Random], tuple[str, Reading | None]]
 
@@ -124,7 +124,7 @@ TIMED = re.compile(r"^Step (\d+)\. .*\((\d+) (\w+)\)$", re.MULTILINE)
 
 
 def replaced(text: str, match: re.Match[str], new: str) -> str:
-    """The text with another piece in the place of a match."""
+    """The text with another piece instead of a match."""
     return text[: match.start()] + new + text[match.end() :]
 
 
@@ -134,7 +134,7 @@ def some_order(text: str, rng: random.Random) -> re.Match[str]:
 
 
 def same(new: str) -> Mutation:
-    """Another way to say it."""
+    """Another wording with the same meaning."""
 
     def mutate(text: str, meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
         match = some_order(text, rng)
@@ -144,7 +144,7 @@ def same(new: str) -> Mutation:
 
 
 def turned(new: str) -> Mutation:
-    """The other way round."""
+    """The opposite order."""
 
     def mutate(text: str, meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
         match = some_order(text, rng)
@@ -159,7 +159,7 @@ def turned(new: str) -> Mutation:
 
 
 def senseless(new: str) -> Mutation:
-    """Only a refusal is right."""
+    """A vague or conditional wording, for which only a refusal is right."""
 
     def mutate(text: str, _meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
         match = some_order(text, rng)
@@ -169,7 +169,7 @@ def senseless(new: str) -> Mutation:
 
 
 def dropped(text: str, meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
-    """A sentence less."""
+    """The text without one sentence."""
     match = some_order(text, rng)
     edges = list(meant[0])
     edges.remove((f"step{match[1]}", f"step{match[2]}"))
@@ -177,7 +177,7 @@ def dropped(text: str, meant: Reading, rng: random.Random) -> tuple[str, Reading
 
 
 def unrelated(text: str, _meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
-    """A sentence that says something else."""
+    """The text with a sentence of another meaning."""
     match = some_order(text, rng)
     sentence = rng.choice(
         [
@@ -193,7 +193,7 @@ def unrelated(text: str, _meant: Reading, rng: random.Random) -> tuple[str, Read
 
 
 def word_deleted(text: str, meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
-    """One word less: "must", or the noun beside a number, are not missed; the others are."""
+    """The text without one word; only "must" and the noun beside a number are not needed."""
     match = some_order(text, rng)
     words = match[0].split()
     gone = rng.randrange(len(words))
@@ -202,7 +202,7 @@ def word_deleted(text: str, meant: Reading, rng: random.Random) -> tuple[str, Re
 
 
 def word_doubled(text: str, _meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
-    """One word twice in a row."""
+    """The text with one word twice in a row."""
     match = some_order(text, rng)
     words = match[0].split()
     twice = rng.randrange(len(words))
@@ -210,7 +210,7 @@ def word_doubled(text: str, _meant: Reading, rng: random.Random) -> tuple[str, R
 
 
 def retimed(new: str, times: Fraction | None) -> Mutation:
-    """Another duration for one step; None: none that can be read."""
+    """The text with another duration for one step; None: one that cannot be read."""
 
     def mutate(text: str, meant: Reading, rng: random.Random) -> tuple[str, Reading | None]:
         match = rng.choice(list(TIMED.finditer(text)))
@@ -260,11 +260,11 @@ MUTATIONS: dict[str, Mutation] = {
 
 
 def judge_mutation(name: str, instance: Instance, rng: random.Random) -> str:
-    """ "as meant", "refused", or "WRONG"."""
+    """The result for a mutation: "as meant", "refused", or "WRONG"."""
     before = (instance.edges, dict(instance.seconds))
     text, meant = MUTATIONS[name](instance.text, before, rng)
     if name == "decimal":
-        # "5.5 minutes" is a duration: what must not happen is that the old one is kept.
+        # "5.5 minutes" is a duration; the result must not have the old one.
         meant = reading(irc.loads(text).ir)
         return "as meant" if meant[1] != before[1] else "WRONG"
     try:
@@ -275,7 +275,7 @@ def judge_mutation(name: str, instance: Instance, rng: random.Random) -> str:
 
 
 def judge_mutations(data: Path, count: int, seed: int) -> Counter[str]:
-    """`count` random mutations of texts that are read right as they stand."""
+    """The counts of results for `count` random mutations of texts that are read correctly."""
     rng = random.Random(seed)
     sound = [i for i in planned(data) if not i.erratum and i.edges and TIMED.search(i.text)]
     counts: Counter[str] = Counter()

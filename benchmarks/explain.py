@@ -1,12 +1,12 @@
-"""How long `irc explain` takes for infeasible tasks of 100 actions that share resources.
+"""Measures `irc explain` on infeasible tasks of 100 actions that share resources.
 
     python benchmarks/explain.py [--limit 60] [--tasks 3] [--unchecked]
 
-Five families, three tasks each: jobs on stations and robots with too little time by one; the same
-with time enough, but three jobs of one station that share a window too small for them; job shops
-with less time than their busiest station needs; crews with amounts and two deliveries at the same
-fixed time; batches whose steps may not wait. Each answer's conflict is checked again, statement by
-statement, by solving what is left of the task's document.
+Five families, three tasks each: jobs on stations and robots with a deadline one tick too early; the
+same with enough time, but three jobs of one station in a window too small for them; job shops with
+less time than their busiest station needs; crews with amounts and two deliveries at the same fixed
+time; batches whose steps may not wait. Each conflict is checked again, statement by statement, by
+solving the rest of the task's document.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Document = dict[str, Any]
 
 
 def too_little_time(rng: random.Random) -> Document:
-    """Contended jobs, one tick short of what their robots' work takes."""
+    """Contended jobs with one tick less than the work of their robots takes."""
     document = _contended(rng)
     robots = sum("robot" in r["id"] for r in document["resources"])
     work = sum(a["duration"] for a in document["actions"] if any("one_of" in u for u in a["uses"]))
@@ -39,7 +39,7 @@ def too_little_time(rng: random.Random) -> Document:
 
 
 def crowded_window(rng: random.Random) -> Document:
-    """Contended jobs with time enough, except for three of one station."""
+    """Contended jobs with enough time, except for three of one station."""
     document = _contended(rng)
     station = rng.choice([r["id"] for r in document["resources"] if "station" in r["id"]])
     capacity = next(r["capacity"] for r in document["resources"] if r["id"] == station)
@@ -57,7 +57,7 @@ def crowded_window(rng: random.Random) -> Document:
 
 
 def job_shop(rng: random.Random) -> Document:
-    """20 jobs of 5 steps, one tick short of what the busiest station needs."""
+    """20 jobs of 5 steps with one tick less than the busiest station needs."""
     work = [0] * 5
     actions: list[Document] = []
     precedence: list[Document] = []

@@ -1,9 +1,9 @@
-"""Does each field of the IR matter through `pddl21` too? Both answers of every field's witness.
+"""Checks that each field of the IR matters through `pddl21` too, by two answers to its witness.
 
     python benchmarks/ledger.py [--seconds 1] [--engine kairos]
 
 A witness is a task in which a field matters and one without it, with the best values of both
-(`tests/oracles/field_witnesses.py`). Printed is how the answers compare; a wrong one is named.
+(`tests/oracles/field_witnesses.py`). Prints how the answers compare, and names wrong ones.
 (`tests/conformance/test_state_tasks.py` holds `cpsat` to all of them.)
 """
 
@@ -25,7 +25,7 @@ from oracles.field_witnesses import WITNESSES, Answer
 
 
 def compared(task: Task, best: Answer, engine: str, seconds: float) -> str:
-    """How the planner's answer compares with the best there is."""
+    """The verdict on the planner's answer, given the best value."""
     if not irc.check(task).ok:
         return "no schedule, said by the checks" if best is None else "WRONG"
     if refused_features(task, backends()["pddl21"]):

@@ -1,4 +1,4 @@
-"""From a keystroke to its diagnostics: `irc lsp` on a 200-action file, in the DSL and in JSON.
+"""Measures the time from a keystroke to its diagnostics: `irc lsp` on a 200-action file.
 
     python benchmarks/lsp_latency.py [--edits 50] [--actions 200]
 
@@ -25,7 +25,7 @@ SEED = 7
 
 
 def actions(count: int) -> list[tuple[str, int, str, list[str]]]:
-    """(id, minutes, resource, what it waits for): layers of ten, each waiting for two before."""
+    """(id, minutes, resource, predecessors) of actions in layers of ten, each with two of them."""
     made = []
     for i in range(count):
         before = [f"step {i - 10 - (i * SEED + k) % 7}" for k in (0, 3) if i >= 20]
@@ -72,7 +72,7 @@ def places(text: str) -> list[tuple[int, int, str]]:
 
 
 def cpu_seconds(pid: int) -> float | None:
-    """The processor time of a process so far."""
+    """The CPU time of a process so far."""
     try:
         fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     except OSError:
@@ -81,7 +81,7 @@ def cpu_seconds(pid: int) -> float | None:
 
 
 def measure(name: str, text: str, edits: int) -> None:
-    """Types and takes back, and prints what it took."""
+    """Types and removes characters, and prints the times."""
     uri = f"untitled:task.{name}"
     with Client() as client:
         began = time.perf_counter()
@@ -107,7 +107,7 @@ def measure(name: str, text: str, edits: int) -> None:
 
 
 def edit(client: Client, uri: str, spot: tuple[int, int, str], typed: bool) -> float:
-    """One keystroke; seconds until its findings are there."""
+    """The seconds from one keystroke to its findings."""
     line, column, character = spot
     end = column if typed else column + len(character)
     change = {

@@ -1,10 +1,10 @@
-"""Kills `irc run --stdio --journal` at random points and counts what it forgot: nothing may be.
+"""Kills `irc run --stdio --journal` at random points and counts lost requests: there may be none.
 
-After each kill a new process is started on the same journal. Every request that was acknowledged
-must be in the recovered state, at most the one in flight besides, and the state must equal that of
-a session in this process that is told the same and never killed. Half of the kills come after a
+After each kill a new process is started on the same journal. Every acknowledged request must be in
+the recovered state, and at most the one in flight besides. The state must equal that of a session
+in this process that gets the same requests and is never killed. Half of the kills come after a
 random time, half as soon as the journal has grown: between the write and the acknowledgement. At
-the end of each journal it is also cut at every byte of its last line.
+the end each journal is also cut at every byte of its last line.
 
     python benchmarks/online_crash.py [--kills 200] [--seed 0]
 """
@@ -26,7 +26,7 @@ KILLS_PER_JOURNAL = 20
 
 
 def main() -> int:
-    """Prints how many kills lost nothing; the exit status says whether all did."""
+    """Prints the number of kills that lost nothing; exits with 1 if a kill lost a request."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
@@ -55,7 +55,7 @@ def main() -> int:
 
 
 def _look_again(kitchen: Kitchen) -> None:
-    """Starts a process on the journal that a kill has left, and lets it end in peace."""
+    """Starts a process on the journal after a kill, and lets it end normally."""
     process = kitchen.start()
     assert process.stdin is not None
     kitchen.check(kitchen.read(process))
@@ -67,7 +67,7 @@ def _look_again(kitchen: Kitchen) -> None:
 
 
 def _cut_everywhere(journal: Path) -> int:
-    """Cuts a copy of the journal at every byte of its last line; how many cuts there were."""
+    """Cuts a copy of the journal at every byte of its last line; returns the number of cuts."""
     data = journal.read_bytes()
     begin = data.rstrip(b"\n").rfind(b"\n") + 1
     lines = data.count(b"\n")

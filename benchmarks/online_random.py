@@ -1,16 +1,16 @@
-"""Random executions of small tasks, each step judged and compared with its exact continuation.
+"""Judges each step of random executions of small tasks, and compares it with brute force.
 
     python benchmarks/online_random.py [--each 50] [--mixed 500] [--first 0] [--target cpsat]
                                        [--engine auto] [--time-limit 20] [--only OPERATION]
                                        [--repros DIR] [--whole]
 
-For each operation of an event `--each` executions with one event of it, and `--mixed` ones with
-one to five of any. Every step must be a valid merged history or a proof that none exists, and
-worth what brute force finds where that is small enough (`tests/oracles/online_judge.py`). With
-`--whole` each execution is simulated once more by `simulate`, which must come to the same. Ends
-with status 1 on any fault; each is told with the operation and the seed that replay it
-(`--only OPERATION --first SEED --each 1`; `--only mixed --first SEED --mixed 1`), and with
-`--repros` written down: task, schedule and events.
+For each operation of an event there are `--each` executions with one such event, and `--mixed` ones
+with one to five events of any kind. Every step must be a valid merged history or a proof that none
+exists, with the objective values of brute force if the task is small enough
+(`tests/oracles/online_judge.py`). With `--whole`, `simulate` runs each execution once more and must
+give the same. Exits with 1 on any fault; each is printed with the operation and the seed that
+replay it (`--only OPERATION --first SEED --each 1`; `--only mixed --first SEED --mixed 1`), and
+`--repros` writes its task, schedule and events.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from irc.model.canonical import written_task
 from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.schedule import Schedule, dump_json
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_judge import judge_step
 from oracles.online_random import OPERATIONS, Played, play
 
@@ -43,7 +43,7 @@ MIXED = "mixed"
 
 
 class HangError(Exception):
-    """A repair took far longer than it was allowed."""
+    """A repair took far longer than its limit."""
 
 
 _KINDS: dict[type[Exception], str] = {
@@ -55,7 +55,7 @@ _KINDS: dict[type[Exception], str] = {
 
 @contextmanager
 def _at_most(seconds: float) -> Iterator[None]:
-    """Ends what does not end by itself, where the platform can."""
+    """Ends a repair that does not end by itself, if the platform can."""
 
     def ring(*_: object) -> None:
         raise HangError(f"no end after {seconds:g} s")
@@ -73,7 +73,7 @@ def _at_most(seconds: float) -> Iterator[None]:
 
 @dataclass
 class Figures:
-    """What was counted for one operation."""
+    """The counts for one operation."""
 
     counts: Counter[str] = field(default_factory=Counter)
     faults: list[str] = field(default_factory=list)
@@ -95,32 +95,21 @@ HEAD = (
 
 @dataclass(frozen=True)
 class Run:
-    """How executions are repaired, and where faults are written down."""
+    """The options of repairs, and the folder for faults."""
 
-    target: str
-    engine: str
-    limits: Limits
+    options: SolveOptions
     repros: Path | None
     whole: bool
     now: list[tuple[Task, Schedule, Number, Sequence[Event]]] = field(default_factory=list)
-    """The step that is being repaired: it is told where it fails."""
+    """The step that is being repaired, which is printed if it fails."""
 
     def replan(self, task: Task, schedule: Schedule, at: Number, events: Sequence[Event]) -> Step:
         self.now[:] = [(task, schedule, at, events)]
-        with _at_most(2 * (self.limits.seconds or 60) + 10):
-            return replan(
-                task,
-                schedule,
-                at,
-                events,
-                target=self.target,
-                engine=self.engine,
-                time_limit=self.limits.seconds,
-                workers=self.limits.workers,
-            )
+        with _at_most(2 * (self.options.time_limit or 60) + 10):
+            return replan(task, schedule, at, events, options=self.options)
 
     def execution(self, seed: int, operation: str, figures: Figures) -> None:
-        """Plays one execution and judges each of its steps."""
+        """Runs one execution and judges each of its steps."""
         figures.counts["episodes"] += 1
         over: frozenset[str] = frozenset()
         played: list[Played] = []
@@ -135,7 +124,7 @@ class Run:
                 figures.counts["compared"] += judged.compared
                 figures.counts["equal"] += judged.equal
                 figures.counts["worse"] += judged.worse is not None
-                if self.target != "cpsat" and not one.step.schedule.answered:
+                if self.options.target != "cpsat" and not one.step.schedule.answered:
                     figures.counts["unanswered"] += not judged.infeasible
                     judged.faults[:] = [f for f in judged.faults if not f.startswith("status:")]
                 if judged.why_not is not None:
@@ -146,7 +135,7 @@ class Run:
                     self.fault(figures, operation, seed, judged.faults, one.step)
                     return
         except (InputError, EngineFailed, HangError) as error:
-            if isinstance(error, InputError) and self.target != "cpsat":
+            if isinstance(error, InputError) and self.options.target != "cpsat":
                 figures.counts["refused"] += 1
                 return
             figures.counts["steps"] += 1
@@ -161,18 +150,11 @@ class Run:
                 self.fault(figures, operation, seed, [fault], None)
 
     def again(self, played: Sequence[Played]) -> Iterator[str]:
-        """The same by `simulate`, which has all events from the beginning."""
+        """Runs the same execution by `simulate`, which has all events from the beginning."""
         first = played[0]
         events = tuple(event for one in played for event in one.events)
         task = first.task.model_copy(update={"events": events})
-        done = simulate(
-            task,
-            schedule=first.schedule,
-            target=self.target,
-            engine=self.engine,
-            time_limit=self.limits.seconds,
-            workers=self.limits.workers,
-        )
+        done = simulate(task, schedule=first.schedule, options=self.options)
         plans = [step.schedule for step in done.steps[1:]]
         for k, one in enumerate(played):
             if k >= len(plans) or plans[k].entries != one.step.schedule.entries:
@@ -220,8 +202,8 @@ def main() -> int:
     parser.add_argument("--repros", type=Path)
     parser.add_argument("--whole", action="store_true")
     options = parser.parse_args()
-    limits = Limits(options.time_limit, workers=1)
-    run = Run(options.target, options.engine, limits, options.repros, options.whole)
+    how = SolveOptions(options.target, options.engine, options.time_limit, workers=1)
+    run = Run(how, options.repros, options.whole)
     rows = []
     total = Figures()
     for operation in [options.only] if options.only else [*OPERATIONS, MIXED]:

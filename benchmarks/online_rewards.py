@@ -1,13 +1,13 @@
-"""Random executions about orders worth a reward, each step judged by a model of its own.
+"""Judges each step of random executions with rewarded orders by a model of its own.
 
     python benchmarks/online_rewards.py [--episodes 100] [--first 0] [--target cpsat]
                                         [--engine auto] [--time-limit 20] [--repros DIR]
 
-An episode has one to four events, drawn for the plan that is carried out then: new orders (some of
-which nothing is left for), longer work, stations that fail, nearer deadlines, orders taken back,
+An episode has one to four events, drawn for the plan that is carried out then: new orders (some
+without enough stock), longer work, stations that fail, earlier deadlines, cancelled orders,
 observations. Every step must be valid, finish as many half-done orders as an exact continuation of
-what was committed by then, and earn what that earns (`tests/oracles/online_orders_judge.py`, which
-shares no code with `irc`). Ends with status 1 on any fault; `--first SEED --episodes 1` replays it.
+the history, and earn the same reward (`tests/oracles/online_orders_judge.py`, which shares no code
+with `irc`). Exits with 1 on any fault; `--first SEED --episodes 1` replays it.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from irc.diagnostics import InputError
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_orders_play import Played, play
 from timed import spread
 
 
 def tell(seed: int, number: int, one: Played, counts: Counter[str]) -> None:
-    """Counts a step, and prints what is wrong with it."""
+    """Counts a step, and prints its faults."""
     judged = one.judged
     counts["steps"] += 1
     counts["valid"] += judged.answered and not judged.faults
@@ -55,7 +55,7 @@ def tell(seed: int, number: int, one: Played, counts: Counter[str]) -> None:
 
 
 def main() -> int:
-    """Prints whatever is wrong or worth less, and a table of figures."""
+    """Prints all faults and lower rewards, and a table of figures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
@@ -64,7 +64,7 @@ def main() -> int:
     parser.add_argument("--time-limit", type=float, default=20.0)
     parser.add_argument("--repros", type=Path)
     options = parser.parse_args()
-    limits = Limits(options.time_limit, workers=1)
+    how = SolveOptions(options.target, options.engine, options.time_limit, workers=1)
     counts: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
     seconds: list[float] = []
@@ -73,7 +73,7 @@ def main() -> int:
         number, before, faulty, abandons = 0, counts["faults"], False, False
         began = time.perf_counter()
         try:
-            for one in play(seed, options.target, options.engine, limits):
+            for one in play(seed, how):
                 number += 1
                 tell(seed, number, one, counts)
                 kinds[str(one.event["id"]).rsplit(" ", 1)[0]] += 1

@@ -1,12 +1,12 @@
-"""Online Robo Challenge: import, simulate, and let the strict judge look at every step.
+"""Imports and simulates the Online Robo Challenge; a strict judge checks every step.
 
     python benchmarks/online_robo.py [--target cpsat|pddl21] [--engine auto] [--time-limit 20]
                                      [--limit N] [--data DIR or FILE] [--report FILE]
 
-An episode is approved where its history is valid at each moment and its last step is worth what
-an exact continuation of what was committed by then is worth; `tests/oracles/online_robo.py` says
-how that is found, without `irc`. Ends with status 1 where an episode is not valid, or with `cpsat`
-not approved. `--report` gets a JSON line for each episode.
+An episode is approved if its history is valid at each moment and its last step has the reward of an
+exact continuation of the history; `tests/oracles/online_robo.py` computes that without `irc`. Exits
+with 1 if an episode is not valid, or not approved with `cpsat`. `--report` writes a JSON line for
+each episode.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from irc.diagnostics import InputError
 from irc.execution import simulate
 from irc.frontends.convert import load_importer
 from irc.model import Task
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_robo import Verdict, judge
 from timed import spread
 
@@ -37,20 +37,20 @@ DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "robo_online"
 
 @dataclass(frozen=True)
 class Episode:
-    """What became of an episode. `simulation` is what `irc simulate` prints."""
+    """The result of an episode. `simulation` is the output of `irc simulate`."""
 
     name: str
     simulation: dict[str, Any]
     verdict: Verdict
     seconds: tuple[float, ...]
-    """The time that each step took."""
+    """The seconds of each step."""
 
     @property
     def optimal_steps(self) -> int:
         return len(self.verdict.optima) - len(self.verdict.worse)
 
     def line(self) -> dict[str, Any]:
-        """The report: each step, what was frozen, what moved; worth and verdict."""
+        """The report: each step, the frozen and moved entries, the reward and the verdict."""
         steps = [
             {
                 "at": step["at"],
@@ -84,7 +84,7 @@ def _objective(schedule: dict[str, Any], name: str) -> Any:
 
 
 def episodes(data: Path) -> Iterator[tuple[dict[str, Any], Task]]:
-    """Each raw episode, and its task as irc imports it."""
+    """(each raw episode, its imported task)."""
     importer = load_importer("robo-online")
     for path in sorted(data.glob("*.json")) if data.is_dir() else [data]:
         text = path.read_text("utf-8")
@@ -93,28 +93,21 @@ def episodes(data: Path) -> Iterator[tuple[dict[str, Any], Task]]:
             yield (raw[k] if isinstance(raw, list) else raw), task
 
 
-def run(raw: dict[str, Any], task: Task, target: str, engine: str, limits: Limits) -> Episode:
+def run(raw: dict[str, Any], task: Task, options: SolveOptions) -> Episode:
     """Simulates an episode and judges it."""
     began = [time.perf_counter()]
 
     def on_step(_: object) -> None:
         began.append(time.perf_counter())
 
-    done = simulate(
-        task,
-        target=target,
-        engine=engine,
-        on_step=on_step,
-        time_limit=limits.seconds,
-        workers=limits.workers,
-    )
+    done = simulate(task, on_step=on_step, options=options)
     document = json.loads(json.dumps(done.to_dict()), parse_float=Fraction)
     seconds = tuple(later - earlier for earlier, later in pairwise(began))
     return Episode(str(task.name), document, judge(raw, document), seconds)
 
 
 def tell(episode: Episode, out: Callable[[str], Any]) -> None:
-    """Whatever is not as it should be."""
+    """The faults of an episode."""
     for fault in episode.verdict.faults:
         out(f"{episode.name}: {fault}")
     for k, worse in episode.verdict.worse.items():
@@ -122,7 +115,7 @@ def tell(episode: Episode, out: Callable[[str], Any]) -> None:
 
 
 def main() -> int:
-    """Prints what was not approved, and a line of figures."""
+    """Prints the episodes that are not approved, and a line of figures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--target", default="cpsat", choices=["cpsat", "pddl21"])
     parser.add_argument("--engine", default="auto")
@@ -131,13 +124,13 @@ def main() -> int:
     parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--report", type=Path)
     options = parser.parse_args()
-    limits = Limits(options.time_limit, workers=1)
+    how = SolveOptions(options.target, options.engine, options.time_limit, workers=1)
     done: list[Episode] = []
     failed = 0
     lines = []
     for raw, task in list(episodes(options.data))[: options.limit]:
         try:
-            episode = run(raw, task, options.target, options.engine, limits)
+            episode = run(raw, task, how)
         except (InputError, EngineFailed) as error:
             failed += 1
             print(f"{raw['id']}: {error}", flush=True)

@@ -1,4 +1,4 @@
-"""One repair of a large running task after a station fails.
+"""Measures one repair of a large running task after a station fails.
 
     python benchmarks/online_speed.py [--actions 1000] [--resources 20] [--seeds 5]
 
@@ -29,7 +29,7 @@ from irc.schedule import Schedule
 def task_of(rng: random.Random, actions: int, resources: int, even: bool) -> Task:
     """A shop: each action on one of the stations, some with one of several workers.
 
-    `even`: all stations have as much to do, so that none of them alone says how long it takes.
+    `even`: all stations have the same amount of work, so that none alone bounds the makespan.
     """
     stations = [f"station{k}" for k in range(resources - 4)]
     crew = [f"worker{k}" for k in range(4)]
@@ -73,7 +73,7 @@ def failure(rng: random.Random, task: Task, makespan: Fraction | int) -> Event:
 
 
 def repaired(task: Task, plan: Schedule, event: Event, seconds: float) -> tuple[Step, float]:
-    """The step and how long it took, from the event to the judged schedule."""
+    """(the step, its seconds from the event to the judged schedule)."""
     execution = Execution(task, plan, time_limit=seconds, workers=2)
     began = time.perf_counter()
     execution.apply(event)
@@ -82,7 +82,7 @@ def repaired(task: Task, plan: Schedule, event: Event, seconds: float) -> tuple[
 
 
 def gap_of(step: Step) -> float:
-    """How far the makespan is above the proven bound, as a fraction."""
+    """The gap between the makespan and the proven bound, as a fraction."""
     first = step.schedule.objective[0]
     return float("inf") if not first.bound else float(first.value / first.bound) - 1
 

@@ -1,4 +1,4 @@
-"""What irc adds to CP-SAT's own time: `irc.solve` against a model written by hand.
+"""Measures the time that irc adds to CP-SAT's own: `irc.solve` against a model written by hand.
 
     python benchmarks/overhead.py [--tasks 20] [--seeds 10]
 
@@ -21,10 +21,11 @@ from functools import partial
 
 from ortools.sat.python import cp_model
 
-from irc.driver.solve import solve_task
+from irc.driver.solve import solve_by
 from irc.model import Task
 from irc.schedule import Status
-from irc.targets import Limits
+from irc.targets import Budget, SolveOptions, get_backend
+from irc_cpsat.engines import OrTools
 
 
 def job_shop(seed: int) -> Task:
@@ -67,7 +68,7 @@ def whole(time: object) -> int:
 
 
 def by_hand(task: Task, seed: int, limit: float) -> tuple[bool, int]:
-    """The model a CP-SAT user would write for exactly this task; (proven, makespan)."""
+    """(proven, makespan) of the model that a CP-SAT user would write for exactly this task."""
     model = cp_model.CpModel()
     horizon = sum(whole(a.duration) for a in task.actions)
     horizon += sum(whole(e.min_lag) for e in task.precedence)
@@ -111,15 +112,16 @@ def by_hand(task: Task, seed: int, limit: float) -> tuple[bool, int]:
 
 
 def through_irc(task: Task, seed: int, limit: float, helped: bool) -> tuple[bool, int]:
-    """The same through `irc`; with or without its own bounds and hints."""
-    limits = Limits(limit, workers=1, seed=seed, bounds=helped, hints=helped)
-    schedule = solve_task(task, "cpsat", limits=limits).schedule
+    """(proven, makespan) through `irc`, with or without its own bounds and hints."""
+    engine = OrTools(bounds=helped, hints=helped)
+    options, budget = SolveOptions(workers=1, seed=seed), Budget(limit)
+    schedule = solve_by(task, get_backend("cpsat"), engine, options, budget).schedule
     return schedule.status is Status.OPTIMAL, int(schedule.makespan)
 
 
 @dataclass(frozen=True)
 class Run:
-    """Seconds of CPU and of wall-clock time, and what the call answered."""
+    """The seconds of CPU and of wall-clock time of a call, and its answer."""
 
     cpu: float
     wall: float

@@ -1,11 +1,11 @@
-"""What each part of the PDDL2.1 strategies pays, on random contended tasks and on given files.
+"""Measures the effect of each part of the PDDL2.1 strategies on random tasks and given files.
 
     python benchmarks/pddl_strategies.py [--family crowded] [--tasks 200] [--first 0]
         [--seconds 10] [--engine auto] [--without bound steps …] [FILES …]
 
 Families: `crowded` and `contended` (6 to 20 jobs, robots, lags), `state` (small tasks with state,
 choices, stock, calendars, groups), `rewards` (15 to 40 optional orders), `cellars` (matches).
-`cpsat` says what the optimum is. Each `--without` leaves a part of the strategies out.
+`cpsat` gives the optimum. Each `--without` leaves a part of the strategies out.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from irc.driver.solve import solve_task
 from irc.frontends.files import read_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Limits, Program, Refusal, get_backend
+from irc.targets import Budget, EngineFailed, Program, Refusal, SolveOptions, get_backend
 from irc.validation import validate
 from irc_pddl21.engines import Portfolio
 from irc_pddl21.planners.aries import AriesPlanner
@@ -55,16 +55,17 @@ FAMILIES = {
 }
 
 
-def answer(task: Task, engine: str, limits: Limits, tactics: Tactics) -> Schedule:
+def answer(task: Task, engine: str, seconds: float, tactics: Tactics) -> Schedule:
     """The answer of one planner, or of the portfolio, not yet validated."""
     backend = get_backend("pddl21")
     program = Program(backend, task, lower_for(task, backend))
+    options, budget = SolveOptions(workers=1), Budget(seconds)
     if engine == "auto":
         runner = backend.engines()["auto"]
         assert isinstance(runner, Portfolio)
-        outcome = runner.solve(program, limits)
+        outcome = runner.solve(program, options, budget)
     else:
-        outcome = solve_with(PLANNERS[engine], program, limits, tactics=tactics)
+        outcome = solve_with(PLANNERS[engine], program, options, budget, tactics)
     return finish(task, program.problem, outcome, "pddl21", outcome.seconds)
 
 
@@ -74,7 +75,7 @@ def values(schedule: Schedule) -> list[float]:
 
 
 def verdict(task: Task, schedule: Schedule | None, best: Schedule) -> str:
-    """How an answer compares with the optimum; "WRONG …" is a defect."""
+    """The verdict on an answer, given the optimum; "WRONG …" is a defect."""
     if schedule is None or not schedule.answered:
         none = best.status is Status.INFEASIBLE
         return "no answer (infeasible)" if none else "no answer"
@@ -93,13 +94,13 @@ def verdict(task: Task, schedule: Schedule | None, best: Schedule) -> str:
 
 
 def gap(schedule: Schedule, best: Schedule) -> float:
-    """How far the first objective is from the optimum, as a share of it."""
+    """The distance of the first objective from the optimum, as a fraction of it."""
     mine, theirs = values(schedule)[0], values(best)[0]
     return abs(mine - theirs) / abs(theirs) if theirs else abs(mine - theirs)
 
 
 def main() -> None:
-    """Prints how often each verdict was reached, the mean gap, and the seconds of solving."""
+    """Prints the number of each verdict, the mean gap, and the seconds of solving."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--tasks", type=int, default=200)
@@ -121,13 +122,13 @@ def main() -> None:
     seconds: list[float] = []
     for k, task in enumerate(tasks, start=options.first):
         try:
-            best = solve_task(task, "cpsat", limits=Limits(30.0, workers=1)).schedule
+            best = solve_task(task, SolveOptions(time_limit=30, workers=1)).schedule
         except InputError:
             counts["faulty"] += 1
             continue
         began = time.perf_counter()
         try:
-            schedule = answer(task, options.engine, Limits(options.seconds, workers=1), tactics)
+            schedule = answer(task, options.engine, options.seconds, tactics)
         except (InputError, Refusal) as error:
             counts["refused"] += 1
             print(f"{k}: {error}")

@@ -1,4 +1,4 @@
-"""Judges a planner's raw plan on the emitted PDDL, without any of irc's decoding."""
+"""Judges a planner's raw plan on the emitted PDDL, without irc's decoder."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _STEP = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*:\s*\(([^)\s]+)\)\s*(?:\[(\d+(?:\.\d+
 
 
 def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0) -> str:
-    """What the engine prints for the program's two files, which are written into `folder`."""
-    from irc.targets import Limits
+    """The output of the engine for the program's two files, which are written into `folder`."""
+    from irc.targets import SolveOptions
     from irc_pddl21.planners.kairos import KairosPlanner
     from irc_pddl21.planners.optic import OpticPlanner
     from irc_pddl21.planners.planner import PlannerInput, PlanRequest
@@ -34,7 +34,7 @@ def raw_plan(program: Program, engine: str, folder: Path, seconds: float = 30.0)
         program.names,
         folder / "domain.pddl",
         folder / "problem.pddl",
-        Limits(seconds, workers=1),
+        SolveOptions(time_limit=seconds, workers=1),
         seconds,
     )
     return run(planner.command(given), ProcessLimits(seconds=seconds)).stdout
@@ -53,7 +53,7 @@ def last_plan(text: str) -> list[tuple[Fraction, str, Fraction]]:
 
 
 def raw_plan_faults(task: Task, engine: str = "kairos") -> list[str]:
-    """What is wrong with the raw plan: repeated or missing actions, precedence, validation."""
+    """The faults of the raw plan: repeated or missing actions, precedence, validation."""
     program = compile_task(task, "pddl21")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

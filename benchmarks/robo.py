@@ -1,4 +1,4 @@
-"""Robo Challenge: import, solve, validate, compare with the benchmark's own optimum.
+"""Imports, solves and validates the Robo Challenge, and compares with its own optimum.
 
     python benchmarks/robo.py [--target cpsat|pddl21] [--engine auto] [--seconds 30] [--data DIR]
 
@@ -19,7 +19,7 @@ DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "robo_challenge
 
 
 def as_good_as_known(task: Task, answer: Timed) -> bool:
-    """Whether the answer is worth what the benchmark says is best. Better would be a defect."""
+    """Whether the answer has the benchmark's best value. A better one would be a defect."""
     known = task.metadata
     if "optimal_reward" in known:
         return answer.value("reward") == known["optimal_reward"]

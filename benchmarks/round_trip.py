@@ -34,7 +34,7 @@ DATA = ROOT.parent / "shared" / "data"
 
 
 class Count:
-    """How the tasks of one kind fared."""
+    """The counts for the tasks of one kind."""
 
     def __init__(self, kind: str) -> None:
         self.kind, self.tasks, self.equal, self.final, self.by_json = kind, 0, 0, 0, 0

@@ -21,7 +21,7 @@ import irc
 from irc.execution import replan
 from irc.model import Task
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 from oracles.online_judge import judge_step
 from oracles.rules_random import rules_event, rules_task
 from oracles.state_brute_force import Optimum, TooLargeError, optimum
@@ -46,16 +46,16 @@ def judge_plan(task: Task, schedule: Schedule, best: Optimum | None) -> str | No
     return None
 
 
-def play(seed: int, target: str, limits: Limits, figures: Counter[str]) -> list[str]:
+def play(seed: int, options: SolveOptions, figures: Counter[str]) -> list[str]:
     """Solves a task, and goes on after a change of the world; returns the faults."""
-    task = rules_task(seed)
+    task, target = rules_task(seed), options.target
     try:
         best = optimum(task, max_situations=60_000)
     except TooLargeError:
         figures["too large"] += 1
         return []
     try:
-        schedule = irc.solve(task, target=target, time_limit=limits.seconds)
+        schedule = irc.solve(task, options=options)
         figures[f"{target} {schedule.status}"] += 1
         fault = judge_plan(task, schedule, best)
         if fault is not None:
@@ -63,7 +63,7 @@ def play(seed: int, target: str, limits: Limits, figures: Counter[str]) -> list[
         event = rules_event(seed, schedule) if schedule.answered else None
         if event is None:
             return []
-        step = replan(task, schedule, event.at, [event], target=target, limits=limits)
+        step = replan(task, schedule, event.at, [event], options=options)
     except EngineFailed as error:
         return [f"failed: {error}"]
     except irc.InputError as error:
@@ -90,8 +90,8 @@ def main() -> int:
     faults = 0
     for seed in range(options.first, options.first + options.count):
         for target in options.target or ["cpsat", "pddl21"]:
-            limits = Limits(seconds=options.time_limit)
-            for fault in play(seed, target, limits, figures):
+            how = SolveOptions(target, time_limit=options.time_limit)
+            for fault in play(seed, how, figures):
                 faults += 1
                 print(f"seed {seed} on {target}: {fault}", flush=True)
     for name, count in sorted(figures.items()):

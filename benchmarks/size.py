@@ -1,4 +1,4 @@
-"""Large tasks: JSON → PDDL2.1 on disk, and JSON → exact schedule by the critical path.
+"""Measures large tasks: from JSON to PDDL2.1 on disk, and to an exact schedule.
 
     python benchmarks/size.py [--actions 100000] [--edges 300000]
 
@@ -31,7 +31,7 @@ class Spent(NamedTuple):
 
 
 def measure(command: list[str]) -> Spent:
-    """What a command costs."""
+    """The time and memory of a command."""
     began = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)

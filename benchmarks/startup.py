@@ -1,4 +1,4 @@
-"""Cold start: `irc compile` of a 100-step task against `python -c "import pydantic"`.
+"""Compares the cold start of `irc compile` with `python -c "import pydantic"`.
 
     python benchmarks/startup.py [--runs 15]
 

@@ -1,4 +1,4 @@
-"""One task through one target, judged by irc's validator, with its seconds."""
+"""Solves one task through one target, with the validator's verdict and the seconds."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.model.quantities import Number
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Limits
+from irc.targets import EngineFailed, SolveOptions
 
 
 @dataclass(frozen=True)
 class Timed:
-    """A target's answer, or why there is none."""
+    """A target's answer, or the reason why there is none."""
 
     schedule: Schedule | None
     seconds: float
@@ -25,7 +25,7 @@ class Timed:
 
     @property
     def valid(self) -> bool:
-        """Whether there is an answer; `solve_timed` has already had it validated."""
+        """Whether there is an answer, which `solve_timed` has validated."""
         return self.schedule is not None and self.schedule.answered
 
     @property
@@ -48,8 +48,8 @@ def solve_timed(
     """Solves with the engine forced to run. An answer that is not valid ends the benchmark."""
     began = time.perf_counter()
     try:
-        limits = Limits(seconds, workers=workers)
-        schedule = solve_task(task, target, engine, limits, shortcut=False).schedule
+        options = SolveOptions(target, engine, seconds, workers=workers, shortcut=False)
+        schedule = solve_task(task, options).schedule
     except InputError as error:
         return Timed(None, time.perf_counter() - began, f"refused: {next(iter(error.report))}")
     except EngineFailed as error:

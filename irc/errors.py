@@ -8,10 +8,9 @@ _Error = TypeVar("_Error", bound="IrcError")
 
 
 class IrcError(Exception):
-    """The base of every exception that irc raises for a reason of its own.
+    """The base of every exception that irc raises.
 
-    Whatever else an exception carries, it can be pickled, so that it comes back whole from another
-    process.
+    An exception with all its contents can be pickled, so that another process can return it.
     """
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -28,11 +27,11 @@ def _remade(kind: type[_Error], args: tuple[Any, ...], contents: dict[str, Any])
 
 
 class OptionError(IrcError, ValueError):
-    """An option with a value that it cannot have; the text says what to write."""
+    """An option has a value that is not allowed; the text says what to write."""
 
 
 class NameNotFound(IrcError, KeyError):
-    """Nothing goes by this name; the text says which name is close."""
+    """There is no element of this name; the text names a close one."""
 
     def __str__(self) -> str:
         # KeyError would put the text into quotes.
@@ -40,4 +39,4 @@ class NameNotFound(IrcError, KeyError):
 
 
 class LibraryMissing(IrcError, ImportError):
-    """A library that irc does not need by itself is not installed; the text says which."""
+    """An optional library is not installed; the text names it."""

@@ -1,4 +1,4 @@
-"""A schedule: when each action happens, in which mode, on which resources — exact times."""
+"""Schedules: the time, mode and resources of each occurrence, in exact numbers."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from irc.model.times import format_number, json_number, parse_number, parse_span
 SCHEDULE_VERSION = "1"
 
 CANCELLED = "cancelled"
-"""The status of an entry that was ended before it was done."""
+"""The status of an entry that ended before it was done."""
 
 ABANDONED = "abandoned"
-"""The status of what ran for an optional order that cannot be finished any more."""
+"""The status of an entry that ran for a group that is given up."""
 
 
 class Status(StrEnum):
-    """How an attempt to solve ended. `optimal` and `infeasible` are said only with a proof."""
+    """The result of solving. `optimal` and `infeasible` always have a proof."""
 
     OPTIMAL = "optimal"
     FEASIBLE = "feasible"
@@ -80,7 +80,7 @@ COLUMNS = (
     "resources",
     "status",
 )
-"""What a row of a schedule has."""
+"""The columns of a row of a schedule."""
 
 
 def _by_time(entry: Entry) -> tuple[Number, int, Number, str, int]:
@@ -116,11 +116,11 @@ class Schedule:
         return len(self.entries)
 
     def __bool__(self) -> bool:
-        """True: a schedule without entries is an answer too (see `answered`)."""
+        """Always true: a schedule without entries is an answer too (see `answered`)."""
         return True
 
     def __contains__(self, key: object) -> bool:
-        """Whether an action (its id, or its id and occurrence) happens in it."""
+        """Whether it has an entry for an action (its id, or its id and occurrence)."""
         if isinstance(key, Entry):
             return key in self.entries
         return ((key, 1) if isinstance(key, str) else key) in self._by_key()
@@ -155,11 +155,11 @@ class Schedule:
 
     @property
     def answered(self) -> bool:
-        """Whether there is an answer at all (an empty schedule can be one)."""
+        """Whether there is an answer (an empty schedule can be one)."""
         return self.status in (Status.OPTIMAL, Status.FEASIBLE)
 
     def __str__(self) -> str:
-        """A line on the whole, and one aligned line for each entry."""
+        """A line about the whole, and an aligned line for each entry."""
         rows = [
             (e.id, format_number(e.start), format_number(e.end), _held(e)) for e in self.entries
         ]
@@ -175,14 +175,14 @@ class Schedule:
         return f" {self.time_unit}" if self.time_unit else ""
 
     def _headline(self) -> str:
-        """What came of it, in a line."""
+        """The status and the makespan, in a line."""
         head = f"{self.task or 'schedule'}: {self.status}"
         if not self.answered:
             return head
         return f"{head}, makespan {format_number(self.makespan)}{self._unit}"
 
     def _repr_html_(self) -> str:
-        """The same as a table, for notebooks."""
+        """The schedule as a table, for notebooks."""
         from irc.display.html import heading, table
 
         unit = f" ({self.time_unit})" if self.time_unit else ""
@@ -234,7 +234,7 @@ class Schedule:
         return schedule_from_json(document)
 
     def to_dict(self) -> dict[str, Any]:
-        """The document that `irc solve --format json` prints."""
+        """The document that `irc solve --format json` writes."""
         return {
             "irc_schedule": SCHEDULE_VERSION,
             "task": self.task,
@@ -258,7 +258,7 @@ class Schedule:
 
 
 def _held(entry: Entry) -> str:
-    """What an entry holds: "board ×2, grill"."""
+    """The resources of an entry in words: "board ×2, grill"."""
     return ", ".join(
         name if amount == 1 else f"{name} ×{amount}"
         for name, amount in sorted(entry.resources.items())
@@ -311,14 +311,14 @@ def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> 
 
     Raises `InputError` with every fault. The stated makespan must be that of the entries.
     """
-    reader = _Reader(Findings())
+    reader = _ScheduleReader(Findings())
     schedule = reader.schedule(raw)
     if reader.findings.items:
         raise InputError(Report(tuple(reader.findings.items), source))
     return schedule
 
 
-class _Reader:
+class _ScheduleReader:
     def __init__(self, findings: Findings) -> None:
         self.findings = findings
 
@@ -465,7 +465,7 @@ class _Reader:
         return {}
 
     def time(self, raw: Any, pointer: Pointer) -> Number:
-        """A number of the task's unit; 0 after a fault has been told."""
+        """A number of the task's unit; 0 after a fault has been reported."""
         try:
             value = parse_number(raw) if isinstance(raw, str) else parse_span(raw)
         except TimeError as error:

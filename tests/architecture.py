@@ -35,6 +35,8 @@ ORDER = (
     "service",
     "lsp",
     "testing",
+    "methods",
+    "evaluation",
     "api",
     "cli",
     "__main__",

@@ -13,7 +13,7 @@ from irc.passes import run_passes
 from irc.passes.critical_path import heads_and_tails
 from irc.problem import Problem
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits, get_backend
+from irc.targets import SolveOptions, get_backend
 from irc.validation import Violation, validate
 
 Document = dict[str, Any]
@@ -111,7 +111,7 @@ def kitchen_task(*actions: Document, **fields: Any) -> Task:
 def engine_schedule(task: Task | Mapping[str, Any]) -> Schedule:
     """What the engine of `cpsat` finds within 10 seconds, never the shortcut past it."""
     given = Task.model_validate(task)
-    return solve_task(given, limits=Limits(10, workers=1), shortcut=False).schedule
+    return solve_task(given, SolveOptions(time_limit=10, workers=1, shortcut=False)).schedule
 
 
 def violations(task: Task, *entries: Entry) -> tuple[Violation, ...]:

@@ -19,7 +19,7 @@ from irc.driver.solve import solve_task
 from irc.execution import Execution
 from irc.model import Task
 from irc.service.session import Session
-from irc.targets import Limits
+from irc.targets import SolveOptions
 
 TASK: dict[str, Any] = {
     "name": "crashing kitchen",
@@ -92,8 +92,7 @@ class Kitchen:
         self.journal = self.folder / "run.journal"
         self.file.write_text(json.dumps(TASK), encoding="utf-8")
         task = Task.model_validate(TASK)
-        limits = Limits(30.0, None, 1, 0)
-        first = solve_task(task, limits=limits).schedule
+        first = solve_task(task, SolveOptions(time_limit=30, workers=1)).schedule
         self.uninterrupted = Session.start(Execution(task, first, time_limit=30.0, workers=1))
 
     def start(self) -> subprocess.Popen[bytes]:

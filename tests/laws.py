@@ -8,7 +8,7 @@ from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import Schedule, Status
 from irc.targets import (
-    Limits,
+    SolveOptions,
 )
 from irc.validation import validate
 from online_cases import replanned
@@ -42,9 +42,9 @@ def judged(task: Task, schedule: Schedule, best: int | None) -> str:
 def answered(task: Task, target: str, engine: str, seconds: float | None = None) -> str:
     """What an engine says of a task; "refused" where the checks already see a contradiction."""
     best = optimal_makespan(task)
-    limits = Limits(seconds, workers=1)
+    options = SolveOptions(target, engine, seconds, workers=1, shortcut=False)
     try:
-        answer = solve_task(task, target, engine, limits, shortcut=False)
+        answer = solve_task(task, options)
     except InputError as refusal:
         codes = {d.code for d in refusal.report.errors}
     else:

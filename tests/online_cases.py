@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from irc.execution import replan
-from irc.execution.freeze import Frozen, freeze
+from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History
 from irc.execution.step import Step
 from irc.lowering.lower import lower
@@ -14,9 +14,8 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits, SolveOptions
+from irc.targets import SolveOptions
 
-LIMITS = Limits(20, workers=1)
 OPTIONS = SolveOptions(time_limit=20, workers=1)
 
 
@@ -59,7 +58,7 @@ def carried(step: Step) -> list[str]:
     return [note.message for note in step.notes]
 
 
-def frozen_at(whole: Task, entries: Sequence[Entry], at: Number) -> Frozen:
+def frozen_at(whole: Task, entries: Sequence[Entry], at: Number) -> FrozenProblem:
     """The frozen problem of a task and a plan, without events."""
     instants = [at, *(t for e in entries for t in (e.start, e.end))]
     problem = merge_pools(lower(whole, instants))

@@ -1,4 +1,4 @@
-"""CP-SAT's answer → the exact schedule."""
+"""Reads CP-SAT's answer as the exact schedule."""
 
 from __future__ import annotations
 

@@ -5,23 +5,27 @@ from __future__ import annotations
 from importlib.util import find_spec
 from typing import ClassVar
 
-from irc.targets import Engine, Limits, OnProgress, Outcome, Program
+from irc.targets import Budget, Engine, Outcome, Program, SolveOptions
 
 
 class OrTools(Engine):
-    """CP-SAT through ortools' Python package."""
+    """CP-SAT through ortools' Python package.
+
+    `bounds` and `hints` let measurements switch off what the compiler adds to a model.
+    """
 
     name: ClassVar[str] = "ortools"
 
+    def __init__(self, *, bounds: bool = True, hints: bool = True) -> None:
+        self.bounds, self.hints = bounds, hints
+
     def missing(self) -> str | None:
-        """Why ortools cannot be imported, if it cannot."""
+        """The reason why ortools cannot be imported, or None if it can."""
         if find_spec("ortools") is None:
             return "the engine 'ortools' is not installed: pip install ortools"
         return None
 
-    def solve(
-        self, program: Program, limits: Limits, on_progress: OnProgress | None = None
-    ) -> Outcome:
+    def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Outcome:
         """The objectives in their order; `optimal` and `infeasible` are CP-SAT's own proofs.
 
         If actions repeat, the model is deepened until there is a schedule, and then to the depth
@@ -29,4 +33,7 @@ class OrTools(Engine):
         """
         from irc_cpsat.solving.deepening import DeepeningSearch
 
-        return DeepeningSearch(self.name, program.problem, limits, on_progress).run()
+        search = DeepeningSearch(
+            self.name, program.problem, options, budget, bounds=self.bounds, hints=self.hints
+        )
+        return search.run()

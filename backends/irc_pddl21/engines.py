@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import ClassVar
 
 from irc.diagnostics import Code, Diagnostic
 from irc.targets import (
+    Budget,
     Engine,
     EngineFailed,
     EngineMissing,
-    Limits,
-    OnProgress,
     Outcome,
     Program,
     Refusal,
+    SolveOptions,
 )
 from irc_pddl21.planners.aries import AriesPlanner
 from irc_pddl21.planners.kairos import KairosPlanner
 from irc_pddl21.planners.optic import OpticPlanner
-from irc_pddl21.planners.planner import DEFAULT_SECONDS, Planner
+from irc_pddl21.planners.planner import LEAST_SECONDS, Planner, limited
 from irc_pddl21.search.strategy import better, proven, solve_with
 
 
@@ -31,14 +30,12 @@ class PlannerEngine(Engine):
     planner: ClassVar[Planner]
 
     def missing(self) -> str | None:
-        """Why the planner cannot run here and how to get it, or None if it can."""
+        """The reason why the planner cannot run here and how to get it, or None if it can."""
         return self.planner.missing()
 
-    def solve(
-        self, program: Program, limits: Limits, on_progress: OnProgress | None = None
-    ) -> Outcome:
-        """The best answer this planner gives within the limits, by the strategy of the task."""
-        return solve_with(self.planner, program, limits, on_progress)
+    def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Outcome:
+        """The best answer this planner gives within the budget, by the strategy of the task."""
+        return solve_with(self.planner, program, options, budget)
 
 
 class Optic(PlannerEngine):
@@ -63,7 +60,7 @@ class Aries(PlannerEngine):
 
 
 class Portfolio(Engine):
-    """One planner after another within one time limit, until the bound is met; the best is kept.
+    """One planner after another within one budget, until the bound is met; the best is kept.
 
     OPTIC where there is one, else kairos; then aries; then kairos where OPTIC had its place, at
     once if OPTIC gave nothing.
@@ -72,13 +69,13 @@ class Portfolio(Engine):
     name: ClassVar[str] = "auto"
 
     first_share = 0.85
-    """Of the time limit, for the first planner while another is waiting."""
+    """Of the time left, for the first planner while another is waiting."""
 
     def __init__(self, planners: tuple[PlannerEngine, ...]) -> None:
         self.planners = planners
 
     def missing(self) -> str | None:
-        """Why none of them can run."""
+        """The reason why none of them can run, or None."""
         reasons = [planner.missing() for planner in self.planners]
         return None if None in reasons else "; ".join(r for r in reasons if r)
 
@@ -87,25 +84,21 @@ class Portfolio(Engine):
         main = [p for p in here if p.name != Aries.name]
         return main[:1] + [p for p in here if p.name == Aries.name]
 
-    def solve(
-        self, program: Program, limits: Limits, on_progress: OnProgress | None = None
-    ) -> Outcome:
+    def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Outcome:
         """The best answer of all; raises what the last planner raised if none answers."""
-        began = time.perf_counter()
-        total = DEFAULT_SECONDS if limits.seconds is None else limits.seconds
+        budget = limited(budget)
         best: Outcome | None = None
         notes: list[Diagnostic] = []
         failure: Exception | None = None
         queue = self._lineup()
         fallback = [p for p in self.planners if p not in queue and p.missing() is None]
         while queue:
-            planner = queue.pop(0)
-            left = total - (time.perf_counter() - began)
-            if left < 0.1:
+            if budget.left < LEAST_SECONDS and (best or failure):
                 break
-            share = left * self.first_share if queue or fallback else left
+            planner = queue.pop(0)
+            share = self.first_share if queue or fallback else 1
             try:
-                outcome = planner.solve(program, replace(limits, seconds=share), on_progress)
+                outcome = planner.solve(program, options, budget.share(share))
             except (EngineFailed, EngineMissing, Refusal) as error:
                 failure = error
                 notes.append(Diagnostic(Code.NO_ANSWER, f"{planner.name}: {error}"))
@@ -118,7 +111,7 @@ class Portfolio(Engine):
                 queue, fallback = fallback[:1] + queue, fallback[1:]
         if best is None:
             raise failure or EngineFailed("no planner answered in time")
-        return replace(best, notes=tuple(notes), seconds=time.perf_counter() - began)
+        return replace(best, notes=tuple(notes), seconds=budget.elapsed)
 
 
 def all_engines() -> Mapping[str, Engine]:

@@ -1,4 +1,4 @@
-"""The Python API: tasks built in code, and what can be done with a task wherever it comes from.
+"""The Python API: in, tasks built in code or read; out, schedules, reports and explanations.
 
 `calls` has the functions (`solve`, `check`, …), `task` and `elements` the classes to build with,
 `event` the changes of a running task. All of it is exported from `irc`.

@@ -1,4 +1,4 @@
-"""What can be done with a task: `check`, `compile`, `solve`, `explain`, `validate`, and online."""
+"""The functions on tasks: `check`, `compile`, `solve`, `explain`, `validate`, `replan`, …"""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ AnyTask = Task | Built[Task] | Mapping[str, Any] | str | Path
 
 
 def ir_of(task: AnyTask) -> Task:
-    """The immutable task. Raises `InputError` where a document or file is at fault."""
+    """The immutable task. Raises `InputError` where a document or file has faults."""
     if isinstance(task, Task):
         return task
     if isinstance(task, Mapping):
@@ -59,8 +59,8 @@ def check(task: AnyTask) -> Report:
 def compile(task: AnyTask, target: str = "cpsat") -> Program:
     """The task as a program of `target`: its `files`, its `manifest`, and the way back.
 
-    The program is that of t = 0; where the task has events, its `notes` say that they are not seen.
-    Raises `InputError` where the task is at fault or the target refuses it.
+    The program is that of t = 0; where the task has events, its `notes` say that they are ignored.
+    Raises `InputError` where the task has faults or the target refuses it.
     """
     return compile_task(ir_of(task), target)
 
@@ -72,32 +72,23 @@ def solve(
     options: SolveOptions | None = None,
     **more: Unpack[EngineKeywords],
 ) -> Schedule:
-    """The best schedule found, validated, with an honest status.
+    """The best schedule found, validated, with its status.
 
     The options are those of `SolveOptions`, alone or on top of `options`: `engine`, `time_limit`
     (seconds of wall-clock time), `memory_limit` (MB), `workers`, `seed`, `shortcut`, `on_progress`.
-    The task is planned as of t = 0: its events are not seen. Raises `InputError`, `OptionError`,
+    The task is planned as of t = 0: its events are ignored. Raises `InputError`, `OptionError`,
     `UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
-    chosen = SolveOptions.of(options, more, target)
-    answer = solve_task(
-        ir_of(task),
-        chosen.target,
-        chosen.engine,
-        chosen.limits,
-        shortcut=chosen.shortcut,
-        on_progress=chosen.on_progress,
-    )
-    return answer.schedule
+    return solve_task(ir_of(task), SolveOptions.of(options, more, target)).schedule
 
 
 def explain(task: AnyTask, *, time_limit: float | None = None) -> Explanation:
-    """Why a task has no schedule, or what makes its schedule as long as it is.
+    """Explains why a task has no schedule, or why its schedule is not shorter.
 
-    Of an infeasible task: a minimal set of statements that cannot hold together. Of a feasible
-    one: a critical chain, the slack of each action, and what proves that nothing is shorter.
-    `time_limit` in seconds of wall-clock time. Raises `InputError` for a task with other faults
-    than that it cannot be scheduled, or that the solver's target refuses.
+    For an infeasible task: a minimal set of statements that cannot hold together. For a feasible
+    one: a critical chain, the slack of each action, and the proof that no schedule is shorter.
+    `time_limit` is in seconds of wall-clock time. Raises `InputError` for a task that has faults
+    besides being infeasible, or that the target refuses.
     """
     from irc.explanation import explain_task
 
@@ -106,9 +97,9 @@ def explain(task: AnyTask, *, time_limit: float | None = None) -> Explanation:
 
 
 def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:
-    """An engine's raw output → the validated schedule of the original task.
+    """Turns an engine's raw output into the validated schedule of the original task.
 
-    Needs nothing but the manifest, so another process, or another day, can do it. Raises
+    It needs only the manifest, so another process can do it, at any later time. Raises
     `InputError` where the manifest or the answer cannot be used.
     """
     document = manifest.manifest if isinstance(manifest, Program) else manifest
@@ -116,12 +107,12 @@ def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:
 
 
 def validate(task: AnyTask, schedule: Schedule, at: Number | str | None = None) -> Verdict:
-    """The independent verdict: `valid`, and every violation with its rule, actions and times.
+    """Validates a schedule: `valid`, and every violation with its rule, actions and times.
 
-    `at` is a time of the task, as a number of its unit or a text such as "5 min": what began
-    before is history, and what it alone causes is `carried`, not held against the schedule.
-    Raises `InputError` where the task is faulty or the schedule says it is of another task, and
-    `irc.TimeError` where `at` is no time of it.
+    `at` is a time of the task, as a number of its unit or a text such as "5 min": entries that
+    began before it are history, and violations that the history alone causes are `carried`.
+    Raises `InputError` where the task has faults or the schedule is of another task, and
+    `irc.TimeError` where `at` is not a time.
     """
     known = ir_of(task)
     moment = None if at is None else known.number(parse_instant(at))
@@ -137,9 +128,9 @@ def replan(
     options: SolveOptions | None = None,
     **more: Unpack[SolveKeywords],
 ) -> Step:
-    """The schedule of a running task repaired at `at`, after events of that instant.
+    """Repairs the schedule of a running task at `at`, after events of that instant.
 
-    What has begun stays, the rest is planned again. The options are those of `solve` and
+    The history stays, and the rest is planned again. The options are those of `solve` and
     `stability`. Raises what `Execution.apply` and `Execution.replan` raise.
     """
     from irc.execution.execution import replan
@@ -155,10 +146,10 @@ def simulate(
     options: SolveOptions | None = None,
     **more: Unpack[SolveKeywords],
 ) -> Simulation:
-    """The task through all of its events: planned, and repaired after each.
+    """Simulates a task through all of its events: plans it, and repairs the plan after each.
 
-    `schedule` is the plan to begin with, if there is one. The options are those of `replan`, for
-    each time that it is planned; `on_step` is called after each step.
+    `schedule` is the first plan, if there is one. The options are those of `replan`, for each
+    step; `on_step` is called after each step.
     """
     from irc.execution.simulation import simulate
 

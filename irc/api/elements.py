@@ -1,7 +1,7 @@
-"""What a task is made of, built in code: actions, modes, resources, state variables, groups.
+"""The elements of a task, built in code: actions, modes, resources, state variables, groups.
 
-Each method returns the element itself, so that calls can be chained, and checks at once what it is
-given. `ir` is the immutable part of the IR that an element stands for.
+Each method checks its arguments at once and returns the element itself, so that calls can be
+chained. `ir` is the immutable part of the IR that an element stands for.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _Node = TypeVar("_Node", IrAction, IrGroup, IrResource, IrStateVariable)
 
 
 def without_none(**fields: Any) -> dict[str, Any]:
-    """The fields that are given."""
+    """The fields that are not None."""
     return {name: value for name, value in fields.items() if value is not None}
 
 
@@ -49,7 +49,7 @@ class Element(Generic[_Node]):
 
     @property
     def ir(self) -> _Node:
-        """The immutable part of the IR that it stands for now."""
+        """The immutable part of the IR that it stands for."""
         return self._ir
 
     def to_dict(self) -> dict[str, Any]:
@@ -58,7 +58,7 @@ class Element(Generic[_Node]):
         return shown
 
     def joined(self, task: Task) -> Self:
-        """The same element as a part of a task. Raises `OptionError` where it is one of another."""
+        """The element as a part of a task. Raises `OptionError` if it is a part of another."""
         if self._task is not None and self._task is not task:
             raise OptionError(f"{self.id!r} is a part of another task; make a new one")
         self._task = task
@@ -117,27 +117,27 @@ class Resource(Element[IrResource]):
         label: str | None = None,
         description: str | None = None,
     ) -> Resource:
-        """A stock that actions consume and produce, with its level at first and its bounds."""
+        """A stock that actions consume and produce, with its initial level and its bounds."""
         fields = without_none(
             initial=initial, min=min, max=max, label=label, description=description
         )
         return cls(id)._set(kind="reservoir", **fields)
 
     def available(self, start: Moment, end: Moment, capacity: int) -> Self:
-        """Another capacity from `start` to `end` (0: away)."""
+        """Sets another capacity from `start` to `end` (0: not available)."""
         window = {"from": self._moment(start), "to": self._moment(end), "capacity": capacity}
         return self._more("availability", window)
 
 
 class StateVariable(Element[IrStateVariable]):
-    """A fact of the world that has one of some values at a time."""
+    """A state variable: it has one of several values at any time."""
 
     section = "state"
 
     def __init__(
         self, id: str, values: Sequence[Value] | None = None, *, initial: Value | None = None
     ) -> None:
-        """Without `values` a boolean that is false at first."""
+        """A state variable; without `values`, a boolean that is false at first."""
         listed = None if values is None else list(values)
         super().__init__(without_none(id=id, values=listed, initial=initial))
 
@@ -148,7 +148,7 @@ def name_of(element: Element[Any] | str) -> str:
 
 
 class _Uses(ABC):
-    """What holds resources: an action, and each of its modes."""
+    """The base of elements that hold resources: actions, and their modes."""
 
     @abstractmethod
     def _more(self, field: str, *items: Any) -> Self: ...
@@ -158,7 +158,7 @@ class _Uses(ABC):
         return self._more("uses", *(_use("resource", name_of(r), amount) for r in resources))
 
     def one_of(self, *resources: Resource | str, amount: int = 1) -> Self:
-        """Holds `amount` units of one of these resources, whichever the solver chooses."""
+        """Holds `amount` units of one of these resources, which the solver chooses."""
         return self._more("uses", _use("one_of", [name_of(r) for r in resources], amount))
 
 
@@ -167,7 +167,7 @@ def _use(key: str, what: Any, amount: int) -> dict[str, Any]:
 
 
 class Mode(_Uses):
-    """One way to carry out an action: its duration, and what it uses besides the action's own."""
+    """One way to carry out an action: its duration, and its uses besides the action's own."""
 
     def __init__(self, action: Action, raw: Mapping[str, Any]) -> None:
         self.action = action
@@ -201,18 +201,18 @@ class Mode(_Uses):
 
 
 class _Wanted(Element[_Node]):
-    """What can be late, and be worth something: an action or a group."""
+    """The base of elements with deadline, due date and reward: actions and groups."""
 
     def deadline(self, time: Moment) -> Self:
-        """Has ended by then."""
+        """Sets the deadline: it must end by this time."""
         return self._set(deadline=self._moment(time))
 
     def due(self, time: Moment, *, weight: int | None = None) -> Self:
-        """Ends by then, or is late at a price: `weight` for each unit of time."""
+        """Sets the due date: a later end costs tardiness, `weight` for each unit of time."""
         return self._set(due=self._moment(time), **without_none(weight=weight))
 
     def reward(self, amount: int) -> Self:
-        """What it is worth that it happens."""
+        """Sets the reward for its presence, for the objective `maximize_reward`."""
         return self._set(reward=amount)
 
 
@@ -222,19 +222,19 @@ class Group(_Wanted[IrGroup]):
     section = "groups"
 
     def __init__(self, id: str, *actions: Action | str, label: str | None = None) -> None:
-        """A group that must happen; see `optional`."""
+        """A group that must be present; see `optional`."""
         members = [name_of(action) for action in actions]
         super().__init__(without_none(id=id, label=label, actions=members))
 
     def optional(self) -> Self:
-        """May be left out as a whole."""
+        """Makes the group optional: a schedule may leave it out as a whole."""
         return self._set(required=False)
 
 
 class Action(_Wanted[IrAction], _Uses):
-    """Something that takes time.
+    """An action: something that takes time.
 
-    `a >> b` says that b starts after a has ended, `a >> [b, c]` and `[a, b] >> c` likewise.
+    With `a >> b`, b starts after the end of a; `a >> [b, c]` and `[a, b] >> c` work likewise.
     """
 
     section = "actions"
@@ -253,7 +253,7 @@ class Action(_Wanted[IrAction], _Uses):
 
     @classmethod
     def from_ir(cls, action: IrAction, task: Task | None = None) -> Action:
-        """The action that a part of the IR stands for, to be changed further."""
+        """The action of a part of the IR, which can be changed further."""
         made = cls.__new__(cls)
         Element.__init__(made, action.model_dump(by_alias=True, exclude_unset=True), task)
         made._modes = [Mode(made, mode) for mode in made._raw.get("modes", ())]
@@ -262,11 +262,11 @@ class Action(_Wanted[IrAction], _Uses):
     # --- when ---------------------------------------------------------------------------------
 
     def release(self, time: Moment) -> Self:
-        """Does not start before."""
+        """Sets the release: it does not start before this time."""
         return self._set(release=self._moment(time))
 
     def start(self, time: Moment) -> Self:
-        """Starts exactly then."""
+        """Fixes the start at this time."""
         return self._set(start=self._moment(time))
 
     def latest_start(self, time: Moment) -> Self:
@@ -280,7 +280,7 @@ class Action(_Wanted[IrAction], _Uses):
         max_lag: Length | None = None,
         type: PrecedenceType = "finish-start",
     ) -> Self:
-        """The others start after it has ended, at least `min_lag` and at most `max_lag` later.
+        """Makes others start after its end, at least `min_lag` and at most `max_lag` later.
 
         `type` binds other ends: "start-start", "finish-finish", "start-finish".
         """
@@ -295,7 +295,7 @@ class Action(_Wanted[IrAction], _Uses):
         max_lag: Length | None = None,
         type: PrecedenceType = "finish-start",
     ) -> Self:
-        """It starts after the others have ended; see `before`."""
+        """Makes it start after the ends of others; see `before`."""
         for other in others:
             self._home().precedence(other, self, min_lag=min_lag, max_lag=max_lag, type=type)
         return self
@@ -305,37 +305,37 @@ class Action(_Wanted[IrAction], _Uses):
     @overload
     def __rshift__(self, other: Sequence[Action]) -> Sequence[Action]: ...
     def __rshift__(self, other: Action | Sequence[Action]) -> Action | Sequence[Action]:
-        """The other starts after this one has ended. Returns the other, for a chain."""
+        """Makes the other start after the end of this one. Returns the other, for a chain."""
         self.before(*([other] if isinstance(other, Action) else other))
         return other
 
     def __rrshift__(self, others: Iterable[Action]) -> Action:
-        """This one starts after all the others have ended."""
+        """Makes this one start after the ends of all the others."""
         return self.after(*others)
 
     # --- whether and how ----------------------------------------------------------------------
 
     def optional(self) -> Self:
-        """Happens once or not at all."""
+        """Makes the action optional: it happens once or not at all."""
         return self._set(occurs="optional")
 
     def occurs(self, min: int = 0, max: int | None = None) -> Self:
-        """Happens from `min` to `max` times; without `max`, as often as the solver likes."""
+        """Lets the action occur from `min` to `max` times; without `max`, the solver chooses."""
         return self._set(occurs=without_none(min=min, max=max))
 
     def mode(self, id: str, duration: Duration, *, label: str | None = None) -> Mode:
-        """One more way to carry it out, of which the solver chooses one; say there what it uses."""
+        """Adds a mode, and returns it; the solver chooses one of the modes."""
         mode = Mode(self, _action_fields(id, duration, label, None))
         self._set(modes=[*(m._raw for m in self._modes), mode._raw])
         self._modes.append(mode)
         return mode
 
     def change_mode(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> None:
-        """Puts another mode in the place of an old one."""
+        """Replaces a mode by another one."""
         self._set(modes=[new if m._raw is old else m._raw for m in self._modes])
 
     def cost(self, amount: int) -> Self:
-        """What it costs each time that it happens."""
+        """Sets the cost of each occurrence, for the objective `minimize_cost`."""
         return self._set(cost=amount)
 
     # --- stock and state ----------------------------------------------------------------------
@@ -347,7 +347,7 @@ class Action(_Wanted[IrAction], _Uses):
         *,
         at: Literal["start", "end"] | None = None,
     ) -> Self:
-        """Takes from a stock, at its start if not said otherwise."""
+        """Takes an amount from a stock, by default at its start."""
         change = without_none(resource=name_of(reservoir), amount=amount, at=at)
         return self._more("consumes", change)
 
@@ -358,7 +358,7 @@ class Action(_Wanted[IrAction], _Uses):
         *,
         at: Literal["start", "end"] | None = None,
     ) -> Self:
-        """Puts into a stock, at its end if not said otherwise."""
+        """Puts an amount into a stock, by default at its end."""
         change = without_none(resource=name_of(reservoir), amount=amount, at=at)
         return self._more("produces", change)
 
@@ -369,7 +369,7 @@ class Action(_Wanted[IrAction], _Uses):
         *,
         at: Literal["start", "all", "end"] = "start",
     ) -> Self:
-        """`variable` has `value` when it starts, when it ends, or all the time."""
+        """Demands that `variable` has `value` when it starts, when it ends, or throughout."""
         return self._more("conditions", {"at": at, "var": name_of(variable), "value": value})
 
     def effect(
@@ -379,7 +379,7 @@ class Action(_Wanted[IrAction], _Uses):
         *,
         at: Literal["start", "end"] = "end",
     ) -> Self:
-        """`variable` has `value` from its end (or start) on."""
+        """Gives `variable` the `value` at its end (or start)."""
         return self._more("effects", {"at": at, "var": name_of(variable), "value": value})
 
     def _home(self) -> Task:
@@ -417,11 +417,11 @@ def precedence_fields(
 
 
 Goal = Action | Group | StateVariable | str | tuple[StateVariable | str, Value]
-"""What must be so in the end: an action or group that happens, a variable and its value."""
+"""A goal: an action or group that must be present, or a variable and its value at the end."""
 
 
 def goal_fields(goal: Goal) -> Any:
-    """A goal as the JSON document has it."""
+    """A goal in the form of the JSON document."""
     if isinstance(goal, tuple):
         variable, value = goal
         return {"var": name_of(variable), "value": value}

@@ -1,4 +1,4 @@
-"""Events built in code: what becomes known while a task runs."""
+"""Events built in code: changes that become known while a task runs."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Event:
-    """Changes of a task that become known at a time; each method adds one and returns the event.
+    """An event: changes of a task that become known at a time. Each method adds one change.
 
     `irc.Event(5).set_duration("rolls", 30)` is for `Execution.apply` and `replan`, and
     `task.event(5)` makes one of the task's own, which `simulate` runs through.
@@ -49,7 +49,7 @@ class Event:
 
     @classmethod
     def from_ir(cls, event: IrEvent) -> Event:
-        """The event that a part of the IR stands for, to be added to."""
+        """The event of a part of the IR, to which changes can be added."""
         made = cls(event.at, id=event.id)
         raw = event.model_dump(by_alias=True, exclude_unset=True)
         made._changes = list(raw.get("changes", ()))
@@ -62,7 +62,7 @@ class Event:
 
     @property
     def ir(self) -> IrEvent:
-        """The immutable part of the IR that it stands for now."""
+        """The immutable part of the IR that it stands for."""
         changes = [_written(change) for change in self._changes]
         if self._known is None or self._known[0] != changes:
             self._known = changes, self._check(changes)
@@ -75,19 +75,19 @@ class Event:
     # --- work ---------------------------------------------------------------------------------
 
     def add_actions(self, *actions: Action) -> Self:
-        """There is new work: actions made with `irc.Action(…)`."""
+        """Adds actions, made with `irc.Action(…)`."""
         return self._change("add_actions", actions=list(actions))
 
     def cancel_actions(self, *actions: Action | str) -> Self:
-        """Work is no longer wanted; what is running ends at the event."""
+        """Cancels actions; running ones end at the event."""
         return self._change("cancel_actions", actions=[name_of(a) for a in actions])
 
     def set_duration(self, action: Action | str, time: Duration) -> Self:
-        """An action takes another time than was thought."""
+        """Sets another duration of an action."""
         return self._change("set_duration", action=name_of(action), duration=duration(time))
 
     def set_release(self, action: Action | str, time: Moment) -> Self:
-        """An action can start from another time on."""
+        """Sets another release of an action."""
         return self._change("set_release", action=name_of(action), release=self._moment(time))
 
     def set_deadline(
@@ -97,7 +97,7 @@ class Event:
         action: Action | str | None = None,
         group: Group | str | None = None,
     ) -> Self:
-        """The task, an action or a group has another deadline; None takes it away."""
+        """Sets another deadline of the task, an action or a group; None removes it."""
         deadline = None if time is None else self._moment(time)
         of = without_none(
             action=None if action is None else name_of(action),
@@ -106,11 +106,11 @@ class Event:
         return self._change("set_deadline", deadline=deadline, **of)
 
     def add_groups(self, *groups: Group) -> Self:
-        """There are new orders: groups made with `irc.Group(…)`."""
+        """Adds groups, made with `irc.Group(…)`."""
         return self._change("add_groups", groups=list(groups))
 
     def cancel_groups(self, *groups: Group | str) -> Self:
-        """Orders are taken back."""
+        """Cancels groups."""
         return self._change("cancel_groups", groups=[name_of(group) for group in groups])
 
     def observe(
@@ -121,7 +121,7 @@ class Event:
         finished: Moment | None = None,
         occurrence: int = 1,
     ) -> Self:
-        """An action started, or finished, at a time."""
+        """Adds an observation: an action started, or finished, at a time."""
         seen = {"occurrence": occurrence} if occurrence != 1 else {}
         times = without_none(started=started, finished=finished)
         seen |= {name: self._moment(time) for name, time in times.items()}
@@ -138,17 +138,17 @@ class Event:
         max_lag: Length | None = None,
         type: PrecedenceType = "finish-start",
     ) -> Self:
-        """There is a new ordering; see `Action.before`."""
+        """Adds a precedence; see `Action.before`."""
         fields = precedence_fields(before, after, min_lag, max_lag, type)
         return self._change("add_precedence", precedence=[fields])
 
     def remove_precedence(self, before: Action | str, after: Action | str) -> Self:
-        """All orderings between two actions no longer bind."""
+        """Removes all precedences between two actions."""
         fields = {"before": name_of(before), "after": name_of(after)}
         return self._change("remove_precedence", precedence=[fields])
 
     def add_resources(self, *resources: Resource) -> Self:
-        """There are new resources, made with `irc.Resource(…)`."""
+        """Adds resources, made with `irc.Resource(…)`."""
         return self._change("add_resources", resources=list(resources))
 
     def set_capacity(
@@ -159,7 +159,7 @@ class Event:
         start: Moment | None = None,
         end: Moment | None = None,
     ) -> Self:
-        """A resource has another capacity, from the event (or `start`) on, for good or to `end`."""
+        """Sets another capacity of a resource, from the event (or `start`) on, perhaps to `end`."""
         window = without_none(
             **{"from": None if start is None else self._moment(start)},
             to=None if end is None else self._moment(end),
@@ -167,19 +167,19 @@ class Event:
         return self._change("set_capacity", resource=name_of(resource), capacity=capacity, **window)
 
     def add_state(self, *variables: StateVariable) -> Self:
-        """There are new state variables, made with `irc.StateVariable(…)`."""
+        """Adds state variables, made with `irc.StateVariable(…)`."""
         return self._change("add_state", state=list(variables))
 
     def set_state(self, variable: StateVariable | str, value: Value = True) -> Self:
-        """The world changed by itself."""
+        """Sets the value of a state variable: a world change."""
         return self._change("set_state", var=name_of(variable), value=value)
 
     def set_goals(self, *goals: Goal) -> Self:
-        """There are other goals, in place of all the old ones."""
+        """Replaces all goals."""
         return self._change("set_goals", goals=[goal_fields(goal) for goal in goals])
 
     def set_objective(self, *names: ObjectiveName) -> Self:
-        """There is another objective."""
+        """Sets another objective."""
         return self._change("set_objective", objective=list(names))
 
     # --- the rest -----------------------------------------------------------------------------
@@ -206,7 +206,7 @@ class Event:
 
 
 def _written(change: Mapping[str, Any]) -> dict[str, Any]:
-    """A change with the parts of the IR in place of what is built in code."""
+    """A change in which elements built in code are replaced by parts of the IR."""
     return {name: _part(value) for name, value in change.items()}
 
 

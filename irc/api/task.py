@@ -1,4 +1,4 @@
-"""`irc.Task`: a task that is built in code, or was read from a file and can be built further."""
+"""`irc.Task`: a task that is built in code, or read from a file and then built further."""
 
 from __future__ import annotations
 
@@ -54,15 +54,15 @@ def load(path: str | Path) -> Task:
 
 
 def loads(text: str) -> Task:
-    """The task in a text; a language model's answer is read as it stands."""
+    """The task in a text; the whole answer of a language model can be given."""
     return Task.from_ir(parse_task(text).task)
 
 
 class Task:
-    """What there is to do.
+    """A task: actions, resources, precedence, state, goals and objective.
 
     It is built element by element, or from the lists of the JSON document, or both. `ir` is the
-    immutable task that it stands for: what is compiled, solved and hashed.
+    immutable task that it stands for, which is compiled, solved and hashed.
 
     >>> task = Task("tea", time_unit="min")
     >>> boil, brew = task.action("boil", 4), task.action("brew", between(3, 5))
@@ -126,7 +126,7 @@ class Task:
 
     @classmethod
     def from_ir(cls, task: IrTask) -> Task:
-        """The task that an immutable one stands for, to be built further."""
+        """The task of an immutable one, which can be built further."""
         made = cls.__new__(cls)
         made._stand_for(task)
         return made
@@ -146,7 +146,7 @@ class Task:
 
     @property
     def ir(self) -> IrTask:
-        """The immutable task as it is now; the same object until something is changed."""
+        """The immutable task; the same object until something is changed."""
         if self._parts is None:
             return self._ir
         parts = {key: tuple(map(_part, items)) for key, items in self._parts.items()}
@@ -167,7 +167,7 @@ class Task:
         return self.ir.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
     def copy(self) -> Task:
-        """Another task of the same elements; neither changes with the other."""
+        """A copy of the task; later changes of one do not affect the other."""
         return Task.from_ir(self.ir)
 
     __copy__ = copy
@@ -181,7 +181,7 @@ class Task:
         return Task.from_ir, (self.ir,)
 
     def __eq__(self, other: object) -> bool:
-        """Equal contents, however they were made."""
+        """Whether the contents are equal, however they were made."""
         if isinstance(other, Task):
             return self.ir == other.ir
         return self.ir == other if isinstance(other, IrTask) else NotImplemented
@@ -190,7 +190,7 @@ class Task:
 
     @property
     def name(self) -> str | None:
-        """What it is called."""
+        """The name of the task."""
         return self.ir_head.name
 
     @name.setter
@@ -199,7 +199,7 @@ class Task:
 
     @property
     def description(self) -> str | None:
-        """What there is to say about it."""
+        """The description of the task."""
         return self.ir_head.description
 
     @description.setter
@@ -208,7 +208,7 @@ class Task:
 
     @property
     def time_unit(self) -> str:
-        """The unit of all times that are numbers: "s" if not said otherwise."""
+        """The unit of all times that are numbers; the default is "s"."""
         return self.ir_head.time_unit
 
     @property
@@ -218,7 +218,7 @@ class Task:
 
     @property
     def deadline(self) -> Instant | None:
-        """When everything has ended; set it to a time, or to None for no deadline."""
+        """The time by which all actions must end; set it to a time, or to None for no deadline."""
         return self.ir_head.deadline
 
     @deadline.setter
@@ -227,7 +227,7 @@ class Task:
 
     @property
     def objective(self) -> tuple[ObjectiveName, ...]:
-        """What counts, first things first; set it to one objective or to several."""
+        """The objectives in order of importance; set it to one objective or to several."""
         return self.ir_head.objective
 
     @objective.setter
@@ -236,7 +236,7 @@ class Task:
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """Anything of yours, which is carried through untouched."""
+        """Your own data, which irc keeps unchanged."""
         return self.ir_head.metadata
 
     @metadata.setter
@@ -257,7 +257,7 @@ class Task:
         label: str | None = None,
         description: str | None = None,
     ) -> Action:
-        """A new action, of a duration in the task's unit, or with units of its own, or a range."""
+        """A new action; its duration is in the task's unit, or has its own units, or is a range."""
         return self._joined(Action(id, duration, label=label, description=description))
 
     def resource(
@@ -286,7 +286,7 @@ class Task:
         label: str | None = None,
         description: str | None = None,
     ) -> Resource:
-        """A new stock, with its level at first and its bounds."""
+        """A new stock, with its initial level and its bounds."""
         made = Resource.reservoir(
             id, initial=initial, min=min, max=max, label=label, description=description
         )
@@ -307,7 +307,7 @@ class Task:
         max_lag: Length | None = None,
         type: PrecedenceType = "finish-start",
     ) -> Self:
-        """`after` is bound to `before`; `before >> after` and `Action.before` say the same."""
+        """Adds a precedence from `before` to `after`, as `before >> after` does."""
         fields = precedence_fields(before, after, min_lag, max_lag, type)
         self._listed()["precedence"].append(read_part("precedence", fields))
         return self
@@ -317,7 +317,7 @@ class Task:
         return self._joined(Group(id, *actions, label=label))
 
     def goal(self, *goals: Goal) -> Self:
-        """What must be so in the end: an action or group, or `(variable, value)`."""
+        """Adds goals: actions or groups that must be present, or `(variable, value)` at the end."""
         found = [read_part_of_goals(goal_fields(goal)) for goal in goals]
         self._listed()["goals"] += found
         return self
@@ -329,7 +329,7 @@ class Task:
         return event
 
     def add(self, *elements: Action | Resource | StateVariable | Group | Event) -> Self:
-        """Takes over elements that were made by themselves, such as `irc.Action(…)`."""
+        """Adds elements that were made without a task, such as `irc.Action(…)`."""
         for element in elements:
             if isinstance(element, Event):
                 self._listed()["events"].append(element)
@@ -374,11 +374,11 @@ class Task:
         return calls.solve(self, target, options=options, **more)
 
     def explain(self, *, time_limit: float | None = None) -> Explanation:
-        """Why there is no schedule, or none that is shorter: see `irc.explain`."""
+        """Explains why there is no schedule, or none that is shorter: see `irc.explain`."""
         return calls.explain(self, time_limit=time_limit)
 
     def validate(self, schedule: Schedule, at: Number | str | None = None) -> Verdict:
-        """The independent verdict on a schedule: see `irc.validate`."""
+        """The verdict on a schedule: see `irc.validate`."""
         return calls.validate(self, schedule, at)
 
     def replan(
@@ -390,7 +390,7 @@ class Task:
         options: SolveOptions | None = None,
         **more: Unpack[SolveKeywords],
     ) -> Step:
-        """A running schedule repaired: see `irc.replan`."""
+        """Repairs the schedule of the running task: see `irc.replan`."""
         return calls.replan(self, schedule, at, events, options=options, **more)
 
     def simulate(
@@ -401,7 +401,7 @@ class Task:
         options: SolveOptions | None = None,
         **more: Unpack[SolveKeywords],
     ) -> Simulation:
-        """The task through all of its events: see `irc.simulate`."""
+        """Simulates the task through all of its events: see `irc.simulate`."""
         return calls.simulate(self, schedule=schedule, on_step=on_step, options=options, **more)
 
     # --- showing ------------------------------------------------------------------------------
@@ -435,7 +435,7 @@ class Task:
         return element
 
     def _adopt(self, key: str, items: Sequence[Any]) -> None:
-        """Puts what was built in the place of the parts that were made of it."""
+        """Replaces parts of the IR by the elements built in code that they were made from."""
         parts = self._listed()[key]
         for k, item in enumerate(items):
             if isinstance(item, Element):
@@ -449,7 +449,7 @@ class Task:
         return {key: getattr(head, key) for key in head.model_fields_set if key not in _PARTS}
 
     def _change(self, **fields: Any) -> None:
-        """Other fields of the task as a whole; None takes one away."""
+        """Sets fields of the task as a whole; None removes one."""
         given = {**self._fields(), **fields}
         self._listed()
         self._head = read({k: v for k, v in given.items() if v is not None} | {"actions": ()})
@@ -466,7 +466,7 @@ def _is_built(item: Any) -> bool:
 
 
 def _part(item: Any) -> Any:
-    """The part of the IR that an element stands for; what is one already as it is."""
+    """The part of the IR that an element stands for; a part of the IR stays as it is."""
     return item.ir if isinstance(item, (Element, Event)) else item
 
 

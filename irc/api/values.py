@@ -1,4 +1,4 @@
-"""Times as they are written in code, and how they are read."""
+"""Reads times and elements that are written in code."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ _UNITS = (("h", 3_600_000_000), ("min", 60_000_000), ("s", 1_000_000), ("us", 1)
 
 @dataclass(frozen=True, slots=True)
 class Between:
-    """A duration that the solver chooses, both ends included."""
+    """A range of durations from which the solver chooses, both ends included."""
 
     min: Length
     max: Length
 
 
 def between(min: Length, max: Length) -> Between:
-    """A duration from `min` to `max`, both included, as the solver likes."""
+    """A duration from `min` to `max`, both included, which the solver chooses."""
     return Between(min, max)
 
 
@@ -49,7 +49,7 @@ Duration = Length | Between
 
 
 def length(value: Length) -> Any:
-    """A length of time as the IR takes it."""
+    """Converts a length of time to the form of the IR."""
     if isinstance(value, timedelta):
         micros = value // timedelta(microseconds=1)
         return Quantity(_in_words(micros), Fraction(micros, 1_000_000))
@@ -67,7 +67,7 @@ def _in_words(micros: int) -> str:
 
 
 def duration(value: Duration) -> Any:
-    """A duration as the IR takes it."""
+    """Converts a duration to the form of the IR."""
     if isinstance(value, Between):
         return {"min": length(value.min), "max": length(value.max)}
     return length(value)
@@ -79,7 +79,7 @@ def is_time_of_day(value: Moment) -> bool:
 
 
 def moment(value: Moment, task: IrTask | None) -> Any:
-    """A point in time as the IR takes it.
+    """Converts a point in time to the form of the IR.
 
     A time of day is the first such time at or after the task's origin; without an origin it counts
     from t = 0. Raises `OptionError` for a time of day where no task is known.
@@ -133,7 +133,7 @@ def read_part(section: str, raw: Mapping[str, Any]) -> Any:
     try:
         return _node_class(section).model_validate(raw)
     except ValidationError:
-        pass  # It is read once more, as a part of a task, for the words of its faults.
+        pass  # It is read again as a part of a task, to get the messages of its faults.
     try:
         (part,) = getattr(read({"actions": (), section: (raw,)}), section)
     except InputError as error:

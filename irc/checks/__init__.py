@@ -16,7 +16,7 @@ from irc.problem import Problem
 
 @dataclass(frozen=True)
 class Checked:
-    """A task with all that the checks say of it, and its lowered form."""
+    """A checked task: the task, its lowered form and the report of all checks."""
 
     task: Task
     problem: Problem
@@ -30,11 +30,11 @@ def run_checks(
     lint: bool = True,
     complete: bool = True,
 ) -> Checked:
-    """Checks a task: structure, time, state, stock, and (with `lint`) what is probably not meant.
+    """Checks a task: structure, time, state, stock, and (with `lint`) what is probably a mistake.
 
     `earlier` are findings from reading the text; they stand first in the report. `complete` is
-    false where faulty parts of the text are missing from the task: what nothing seems to give may
-    then only not have been read.
+    false where faulty parts of the text are missing from the task: a value that no effect seems
+    to give may then stand in a part that could not be read.
     """
     findings = Findings(list(earlier))
     before = len(findings.items)
@@ -45,7 +45,7 @@ def run_checks(
         check_events(task, names, times)
     complete = complete and not any(d.code in _DROPS for d in findings.items[before:])
     problem = lower(task)
-    # What cannot hold of the part that every schedule contains cannot hold at all.
+    # If the part that every schedule contains is infeasible, so is the whole task.
     core, _ = mandatory_part(problem)
     check_temporal(core, findings)
     if complete and core is not problem:
@@ -76,7 +76,7 @@ _DROPS = frozenset(
 
 
 def _check_choices(task: Task, problem: Problem, findings: Findings) -> None:
-    """What state, stock and occurrences rule out; loaded for tasks that have them."""
+    """Checks state, stock and occurrences; loads these checks only for tasks that have them."""
     from irc.checks.endless import check_endless
     from irc.checks.required import check_required, required_activities
 

@@ -1,7 +1,7 @@
-"""What contradicts itself about state: an action's own conditions or effects, or two goals.
+"""Checks for contradictions about state: in one action's conditions or effects, or in two goals.
 
-Only what every schedule contains is told: a contradiction in an optional action keeps that action
-out, and nothing else.
+Only contradictions that every schedule contains are reported: one in an optional action only keeps
+that action out.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from irc.problem import Activity, Problem
 def check_contradictions(
     task: Task, problem: Problem, required: frozenset[int], findings: Findings
 ) -> None:
-    """Adds what no schedule can satisfy whatever else it contains."""
+    """Adds conditions, effects and goals that no schedule can satisfy together."""
     for i in sorted(required):
         activity = problem.activities[i]
         if activity.details.effects:
@@ -43,26 +43,26 @@ def _check_effects(task: Task, activity: Activity, findings: Findings) -> None:
             second.pointer,
             hint="keep one of the two effects"
             if whole
-            else 'keep one of the two, or let the other be "at" the other end',
+            else 'keep one of the two, or change the "at" of the other',
         )
 
 
 def _check_conditions(task: Task, activity: Activity, findings: Findings) -> None:
-    """Two values required of one variable at one instant.
+    """Adds pairs of conditions that ask for two values of one variable at one instant.
 
-    What holds throughout holds until the end conditions are looked at, so these must agree too;
-    what takes no time has one instant.
+    A condition that holds throughout also holds where the end conditions are checked, so these
+    must agree too; an action that takes no time has one instant.
     """
     places = fact_places(task, activity, "conditions")
-    told: set[Pointer] = set()
+    reported: set[Pointer] = set()
     instants = (("start", "all", "end"),) if activity.duration_max == 0 else _INSTANTS
     for instant in instants:
         chosen = [place for place in places if place.at in instant]
         for first, second in _clashes(chosen, lambda f: ""):
-            told.add(second.pointer)
-            _tell_conditions(activity, first, second, findings)
+            reported.add(second.pointer)
+            _report_conditions(activity, first, second, findings)
     if activity.duration_min > 0:
-        unlike = [f for f in places if f.at == "all" and f.pointer not in told]
+        unlike = [f for f in places if f.at == "all" and f.pointer not in reported]
         _check_beginning(task, activity, unlike, findings)
 
 
@@ -72,9 +72,9 @@ _INSTANTS = (("start",), ("all", "end"))
 def _check_beginning(
     task: Task, activity: Activity, throughout: Sequence[ShownFact], findings: Findings
 ) -> None:
-    """What must hold right after the start, against what the start leaves.
+    """Compares conditions that hold throughout with the values that the start leaves.
 
-    At an instant at which an action reads or changes a variable nothing else can change it.
+    At an instant at which an action reads or changes a variable, no other action can change it.
     """
     given = {f.var: f for f in fact_places(task, activity, "effects") if f.at == "start"}
     required = {f.var: f for f in fact_places(task, activity, "conditions") if f.at == "start"}
@@ -89,10 +89,10 @@ def _check_beginning(
                 hint='let the condition be "at": "start", or correct one of the two values',
             )
         elif effect is None and begins is not None and begins.key != fact.key:
-            _tell_conditions(activity, begins, fact, findings)
+            _report_conditions(activity, begins, fact, findings)
 
 
-def _tell_conditions(
+def _report_conditions(
     activity: Activity, first: ShownFact, second: ShownFact, findings: Findings
 ) -> None:
     findings.add(

@@ -1,4 +1,4 @@
-"""Rewards that could be collected without end: an objective that no schedule is the best of."""
+"""Checks for rewards without a limit: every schedule could be improved by one more."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from irc.problem import Activity, Problem
 
 
 def check_endless(problem: Problem, findings: Findings) -> None:
-    """Tells of actions that may occur as often as one likes, and are worth more each time."""
+    """Reports actions that may occur any number of times and gain something each time."""
     refillers = _refillers(problem)
     for i, activity in enumerate(problem.activities):
         if activity.details.repeats is None or activity.details.repeats[1] is not None:
             continue
-        worth = _what_grows(problem, activity)
-        if worth is None or _is_bounded(problem, i, worth, refillers):
+        objective = _growing_objective(problem, activity)
+        if objective is None or _is_bounded(problem, i, objective, refillers):
             continue
-        what = "reward" if worth == "reward" else "negative cost"
+        what = "reward" if objective == "reward" else "negative cost"
         findings.add(
             Code.OCCURRENCE,
-            f"the {what} of action {activity.id!r} could be collected without end",
+            f"the {what} of action {activity.id!r} can be collected without limit",
             (*activity.origin, "occurs"),
             hint='give "occurs" a "max", or the task a deadline',
         )
 
 
-def _what_grows(problem: Problem, activity: Activity) -> str | None:
-    """The first objective that each further occurrence serves."""
+def _growing_objective(problem: Problem, activity: Activity) -> str | None:
+    """The first objective that each further occurrence improves."""
     for name in problem.objectives:
         if (name == "reward" and activity.details.reward > 0) or (
             name == "cost" and activity.details.cost < 0
@@ -34,10 +34,10 @@ def _what_grows(problem: Problem, activity: Activity) -> str | None:
     return None
 
 
-def _is_bounded(problem: Problem, i: int, worth: str, refillers: dict[int, set[int]]) -> bool:
-    """Whether time, an objective that counts more, or a stock ends it."""
+def _is_bounded(problem: Problem, i: int, objective: str, refillers: dict[int, set[int]]) -> bool:
+    """Whether time, a more important objective, or a stock limits the occurrences."""
     activity = problem.activities[i]
-    before = problem.objectives[: problem.objectives.index(worth)]
+    before = problem.objectives[: problem.objectives.index(objective)]
     if activity.duration_min > 0 and (
         problem.effective_deadline(i) is not None
         or activity.latest_start is not None
@@ -47,12 +47,12 @@ def _is_bounded(problem: Problem, i: int, worth: str, refillers: dict[int, set[i
     net: dict[int, int] = {}
     for change in activity.details.stock:
         net[change.reservoir] = net.get(change.reservoir, 0) + change.amount
-    # Only what no other repeated action refills runs out.
+    # A stock that another repeated action refills does not run out.
     return any(amount < 0 and refillers[k] <= {i} for k, amount in net.items())
 
 
 def _refillers(problem: Problem) -> dict[int, set[int]]:
-    """For each reservoir the actions that refill it as often as one likes."""
+    """For each reservoir, the actions that may refill it any number of times."""
     refilled: dict[int, set[int]] = {k: set() for k in range(len(problem.reservoirs))}
     for i, activity in enumerate(problem.activities):
         repeats = activity.details.repeats

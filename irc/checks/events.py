@@ -1,7 +1,8 @@
-"""What is wrong with an event, as far as the task that it revises can tell.
+"""Checks of an event against the task that it revises.
 
-An event may name what the task and earlier changes declare, and nothing that is over. What only an
-execution can tell (whether an action has ended, for one) is not judged here.
+An event may name elements that the task and earlier changes declare, except actions that can no
+longer happen. Whatever depends on the execution (such as whether an action has ended) is checked
+there, not here.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from types import MappingProxyType
 from typing import Any
 
 from irc.checks.structure import (
-    Names,
-    Times,
+    DeclaredNames,
+    TimeChecks,
     check_action,
     check_lags,
     check_member,
@@ -53,12 +54,12 @@ def check_event(
 ) -> Report:
     """Every fault of an event for the task it revises; `at` is where it stands in `source`."""
     findings = Findings()
-    walk = _Walk(task, Names(task, findings), Times(task.clock, findings))
+    walk = _Walk(task, DeclaredNames(task, findings), TimeChecks(task.clock, findings))
     walk.event(event, walk.times.point(event.at, "at", (*at, "at")), at)
     return Report(tuple(findings.items), source)
 
 
-def check_events(task: Task, names: Names, times: Times) -> None:
+def check_events(task: Task, names: DeclaredNames, times: TimeChecks) -> None:
     """Adds the faults of a task's own events, in the order of their times.
 
     `names` are those that the task declares; events add to them and take from them.
@@ -72,9 +73,9 @@ def check_events(task: Task, names: Names, times: Times) -> None:
 
 
 class _Walk:
-    """The ids that are there when an event comes, and what each change does to them."""
+    """The ids that exist when an event comes, updated by each of its changes."""
 
-    def __init__(self, task: Task, names: Names, times: Times) -> None:
+    def __init__(self, task: Task, names: DeclaredNames, times: TimeChecks) -> None:
         self.names, self.times, self.findings = names, times, names.findings
         self.at: Number | None = None
         self.edges = {(edge.before, edge.after) for edge in task.precedence}
@@ -88,22 +89,23 @@ class _Walk:
             self.join(group)
 
     def event(self, event: Event, at: Number | None, pointer: Pointer) -> None:
-        """Checks an event at `at` (None: its time is at fault) and takes its changes as made."""
+        """Checks an event at `at` (None: its time is faulty) and applies its changes to the ids."""
         self.at = at
         for j, change in enumerate(event.changes):
             check = _CHECKS.get(type(change))
             if check is not None:  # An objective can always be set.
                 check(self, change, (*pointer, "changes", j))
 
-    def tell(self, code: Code, message: str, pointer: Pointer, hint: str) -> None:
+    def report(self, code: Code, message: str, pointer: Pointer, hint: str) -> None:
+        """Adds a finding."""
         self.findings.add(code, message, pointer, hint=hint)
 
     def declare(self, kind: str, field: str, elements: Sequence[Any], at: Pointer) -> None:
-        """Takes new elements in, and tells which ids are not new."""
+        """Adds new elements, and reports ids that are not new."""
         table = self.names.tables[kind]
         for k, element in enumerate(elements):
             if element.id in table:
-                self.tell(
+                self.report(
                     Code.TAKEN_ID,
                     f"{kind} {element.id!r} is already there",
                     (*at, field, k, "id"),
@@ -112,31 +114,31 @@ class _Walk:
             table.setdefault(element.id, element)
 
     def live(self, name: str, pointer: Pointer) -> bool:
-        """Whether `name` is an action that can still happen; tells where it is not."""
+        """Whether `name` is an action that can still happen; reports it if not."""
         if not self.names.require("action", name, pointer):
             return False
         if not self._is_over(self.names.actions[name]):
             return True
-        self.tell(
+        self.report(
             Code.OVER,
             f"action {name!r} was cancelled, or its deadline has passed",
             pointer,
-            "it can no longer happen; add it anew under another id",
+            "it can no longer happen; add it again under another id",
         )
         return False
 
     def _is_over(self, action: Action) -> bool:
         try:
             return self.at is not None and is_over(action, self.at, self.times.clock)
-        except TimeError:  # Its deadline is a fault of its own, told where it stands.
+        except TimeError:  # The deadline is faulty, which is reported at its place.
             return False
 
     def end(self, name: str) -> None:
-        """Takes an action as cancelled, and a group that is left without any as gone."""
+        """Cancels an action, and removes each group whose last action this was."""
         action = self.names.actions[name]
         self.cancelled.add(name)
         if self.at is not None and not self._is_over(action):
-            with suppress(TimeError):  # Told where its deadline stands.
+            with suppress(TimeError):  # Reported at the place of its deadline.
                 self.names.actions[name] = ended(action, self.at, self.times.clock)
         for group in self.groups_of.pop(name, set()):
             self.members[group] -= 1
@@ -144,14 +146,14 @@ class _Walk:
                 self.names.groups.pop(group, None)
 
     def join(self, group: Group) -> None:
-        """Notes who is in a group."""
+        """Records the members of a group."""
         members = set(group.actions)
         self.members[group.id] = len(members)
         for name in members:
             self.groups_of.setdefault(name, set()).add(group.id)
 
     def take_back(self, group: Group) -> None:
-        """Takes a group as cancelled, with the members that no other group wants."""
+        """Cancels a group, with the members that are in no other group."""
         del self.names.groups[group.id]
         for name in set(group.actions):
             others = self.groups_of.get(name, set())
@@ -178,11 +180,11 @@ def _set_duration(walk: _Walk, change: SetDuration, at: Pointer) -> None:
     walk.times.duration(change.duration, f"action {change.action!r}", (*at, "duration"))
     place = (*at, "action")
     if walk.live(change.action, place) and walk.names.actions[change.action].modes:
-        walk.tell(
+        walk.report(
             Code.UNSUITED_CHANGE,
             f"action {change.action!r} has modes, each with a duration of its own",
             place,
-            "cancel it, and add what it has become under another id",
+            "cancel it, and add the changed action under another id",
         )
 
 
@@ -190,7 +192,7 @@ def _add_precedence(walk: _Walk, change: AddPrecedence, at: Pointer) -> None:
     for k, edge in enumerate(change.precedence):
         place: Pointer = (*at, "precedence", k)
         if edge.before == edge.after:
-            walk.tell(
+            walk.report(
                 Code.SELF_EDGE,
                 f"action {edge.before!r} cannot precede itself",
                 place,
@@ -208,7 +210,7 @@ def _require_at_most_once(walk: _Walk, name: str, so: str, at: Pointer) -> bool:
     greatest = walk.names.actions[name].occurrence_bounds[1]
     if greatest is not None and greatest <= 1:
         return True
-    walk.tell(
+    walk.report(
         Code.OCCURRENCE,
         f"action {name!r} may occur more than once, so {so}",
         at,
@@ -227,11 +229,11 @@ def _remove_precedence(walk: _Walk, change: RemovePrecedence, at: Pointer) -> No
         key = (edge.before, edge.after)
         if key not in walk.edges or not walk.cancelled.isdisjoint(key):
             turned = (edge.after, edge.before) in walk.edges
-            walk.tell(
+            walk.report(
                 Code.NOTHING_TO_REMOVE,
                 f"there is no precedence of {edge.before!r} before {edge.after!r}",
                 place,
-                "swap the two: it is the other way round" if turned else "leave this out",
+                "swap the two actions" if turned else "leave this out",
             )
         walk.edges.discard(key)
 
@@ -252,26 +254,26 @@ def _set_capacity(walk: _Walk, change: SetCapacity, at: Pointer) -> None:
     if end is None:
         return
     if begin is not None and begin >= end:
-        walk.tell(
+        walk.report(
             Code.EMPTY_RANGE,
             f"the window from {format_number(begin)} to {format_number(end)} is empty",
             (*at, "to"),
             "it must end after it begins",
         )
     elif walk.at is not None and end <= walk.at:
-        walk.tell(
+        walk.report(
             Code.EVENT_TIME,
             f"the window ends at {format_number(end)}, and the event is at "
-            f"{format_number(walk.at)}: it changes nothing",
+            f"{format_number(walk.at)}, so the change has no effect",
             (*at, "to"),
-            "an event changes what comes after it; correct the window or the event's time",
+            "an event changes only what is after it; correct the window or the event's time",
         )
 
 
 def _set_deadline(walk: _Walk, change: SetDeadline, at: Pointer) -> None:
     walk.times.point(change.deadline, "deadline", (*at, "deadline"))
     if change.action is not None and change.group is not None:
-        walk.tell(
+        walk.report(
             Code.UNSUITED_CHANGE,
             "this sets the deadline of both an action and a group",
             (*at, "group"),
@@ -332,19 +334,19 @@ def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:
     if walk.names.require("action", change.action, place):
         _require_occurrence(walk, change, at)
     if change.started is None and change.finished is None:
-        walk.tell(
+        walk.report(
             Code.UNSUITED_CHANGE,
-            f"nothing is said to have happened to {change.action!r}",
+            f"this observation of {change.action!r} has no time",
             at,
-            'say when it "started", or when it "finished"',
+            'add "started" or "finished"',
         )
     for field in ("started", "finished"):
         moment = walk.times.point(getattr(change, field), field, (*at, field))
         if moment is not None and walk.at is not None and moment > walk.at:
-            walk.tell(
+            walk.report(
                 Code.EVENT_TIME,
                 f"{change.action!r} {field} at {format_number(moment)}, "
-                f"after the event that tells it ({format_number(walk.at)})",
+                f"after the event that reports it ({format_number(walk.at)})",
                 (*at, field),
                 "only what has happened can be observed; correct one of the two times",
             )
@@ -355,7 +357,7 @@ def _require_occurrence(walk: _Walk, change: Observe, at: Pointer) -> None:
     greatest = walk.names.actions[change.action].occurrence_bounds[1]
     if greatest is not None and change.occurrence > max(1, greatest):
         often = "at most once" if greatest <= 1 else f"at most {greatest} times"
-        walk.tell(
+        walk.report(
             Code.UNSUITED_CHANGE,
             f"{change.action!r} occurs {often}, so it has no occurrence {change.occurrence}",
             (*at, "occurrence"),
@@ -369,9 +371,9 @@ def _require_order(walk: _Walk, change: Observe, at: Pointer) -> None:
     try:
         started, finished = map(walk.times.clock.number, (change.started, change.finished))
     except TimeError:
-        return  # Told already.
+        return  # Reported already.
     if finished < started:
-        walk.tell(
+        walk.report(
             Code.EVENT_TIME,
             f"{change.action!r} finished at {write_time(change.finished)}, "
             f"before it started at {write_time(change.started)}",

@@ -1,4 +1,4 @@
-"""Facts about state variables where they are written, for checks to show."""
+"""Conditions, effects and goals with the places where they are written."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irc.problem import Activity
 
 @dataclass(frozen=True, slots=True)
 class ShownFact:
-    """`var` is, becomes or shall be `value`; `at` is empty for a goal."""
+    """A condition, effect or goal: `var` is or becomes `value`; `at` is empty for a goal."""
 
     at: str
     var: str
@@ -21,7 +21,7 @@ class ShownFact:
 
     @property
     def key(self) -> tuple[type, bool | str]:
-        """The value, with true and "true" told apart."""
+        """The type and the value, so that true and "true" differ."""
         return type(self.value), self.value
 
 

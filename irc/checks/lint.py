@@ -1,4 +1,4 @@
-"""What is legal but probably not meant: resources nobody uses, precedences that follow anyway."""
+"""Checks for legal but suspicious elements: unused resources, redundant precedences."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from irc.passes.reduction import redundant_arcs
 from irc.problem import Problem
 
 _MOST_MISSPELT = 50
-"""Beyond so many unknown resources all the unused ones are told."""
+"""With more unknown resources than this, every unused resource is reported."""
 
 
 def _is_meant(resource: str, unknown: set[str]) -> bool:
-    """Whether one of the unknown names, each told already, may be this resource's misspelt."""
+    """Whether one of the unknown names may be a misspelling of this resource.
+
+    (The unknown names are reported already.)
+    """
     if not unknown or len(unknown) > _MOST_MISSPELT:
         return False
     from irc.diagnostics.suggest import closest
@@ -36,7 +39,7 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
                 Code.UNUSED,
                 f"no action uses resource {resource.id!r}",
                 ("resources", i),
-                hint='name it in an action\'s "uses", or remove it',
+                hint='name it in the "uses" of an action, or remove it',
             )
     redundant = redundant_arcs(problem)
     if not redundant:
@@ -51,6 +54,6 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
             f"{before!r} before {after!r} follows from other precedences",
             ("precedence", arc.origin),
             hint="it may be removed; targets leave it out",
-            # Events may cancel what it follows from, and then it would be missed.
+            # Events may remove the other precedences, and then this one is needed.
             fix=() if task.events else removed(("precedence", arc.origin)),
         )

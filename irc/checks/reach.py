@@ -1,8 +1,8 @@
-"""Values that state variables can never have: unreachable goals, conditions that cannot hold.
+"""Checks for values that state variables can never have, in goals and conditions.
 
-A relaxation: a variable is taken to keep every value it ever had (the delete relaxation of
-planning; Bonet and Geffner 2001). What is out of reach even so is out of reach. Linear in the
-conditions and effects of the task.
+A relaxation: a variable keeps every value that it ever had (the delete relaxation of planning;
+Bonet and Geffner 2001). A value that is unreachable in the relaxation is unreachable. The time is
+linear in the conditions and effects of the task.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ Fact = tuple[int, int]
 """(variable, value), by index."""
 
 _LONGEST_CHAIN = 4
-"""So many steps of "needs what only … gives" are told."""
+"""A message names at most this many actions that need each other's effects."""
 
 
 @dataclass
 class Reach:
-    """What can be had and done at best."""
+    """The values that can be reached at best, and the activities that can start and end."""
 
     facts: set[Fact]
     started: set[int] = field(default_factory=set)
@@ -35,7 +35,9 @@ class Reach:
 
 
 def reach_of(problem: Problem) -> Reach:
-    """Each activity begins when its start conditions can hold, and ends when all can."""
+    """The reachable values: an activity starts once its start conditions can hold, and ends once
+    all of its conditions can hold.
+    """
     reach = Reach(set())
     waiting: dict[Fact, list[tuple[int, bool]]] = defaultdict(list)
     missing: dict[tuple[int, bool], int] = {}
@@ -67,7 +69,10 @@ def reach_of(problem: Problem) -> Reach:
 
 
 def _needs(activity: Activity, to_end: bool) -> Iterator[Fact]:
-    """What its start needs, or its end beyond that; what takes no time needs all at once."""
+    """The values that the start of an activity needs, or those that its end needs in addition.
+
+    The start of an activity that takes no time needs all of them.
+    """
     whole = activity.duration_max == 0
     for condition in activity.details.conditions:
         if (condition.at != "start" and not whole) is to_end:
@@ -100,12 +105,12 @@ def check_reach(task: Task, problem: Problem, required: frozenset[int], findings
     reach = reach_of(problem)
     stuck = sorted(required - reach.ended)
     if stuck or any(goal not in reach.facts for goal in problem.goals):
-        _Telling(task, problem, reach, findings).tell(stuck)
+        _Reporter(task, problem, reach, findings).report(stuck)
     _check_lost_goals(task, problem, required, findings)
 
 
-class _Telling:
-    """Tells the roots of what is out of reach, and nothing that only follows from them."""
+class _Reporter:
+    """Reports the causes of unreachable values, and not what only follows from them."""
 
     def __init__(self, task: Task, problem: Problem, reach: Reach, findings: Findings) -> None:
         self.task, self.problem, self.reach, self.findings = task, problem, reach, findings
@@ -120,39 +125,41 @@ class _Telling:
         self.values = [{(type(x), x): k for k, x in enumerate(v.values)} for v in problem.variables]
         self.explained: set[int] = set()
 
-    def tell(self, stuck: list[int]) -> None:
-        """First what nothing gives at all; then what only such things give that cannot happen."""
+    def report(self, stuck: list[int]) -> None:
+        """Reports first values that no effect gives, then values that only impossible actions
+        give.
+        """
         given_by_none: dict[Fact, list[int]] = defaultdict(list)
         for i in stuck:
             for fact in self._missing(i):
                 if fact not in self.givers:
                     given_by_none[fact].append(i)
         for fact, needed_by in given_by_none.items():
-            self._tell_ungiven(fact, needed_by)
+            self._report_ungiven(fact, needed_by)
             for i in needed_by:
                 self._explain(i)
         for i in stuck:
             missing = self._missing(i)
             if i not in self.explained and missing:
-                self._tell_stuck(i, missing[0])
+                self._report_stuck(i, missing[0])
                 self._explain(i)
         for goal in goal_places(self.task):
             goal_fact = self._fact(goal)
             if goal_fact not in self.reach.facts and goal_fact not in given_by_none:
-                self._tell_goal(goal, goal_fact)
+                self._report_goal(goal, goal_fact)
 
     def _fact(self, shown: ShownFact) -> Fact:
         v = self.indexes[shown.var]
         return v, self.values[v][shown.key]
 
     def _missing(self, i: int) -> list[Fact]:
-        """What an activity needs and never finds."""
+        """The values that an activity needs and that are unreachable."""
         conditions = self.problem.activities[i].details.conditions
         facts = dict.fromkeys((c.var, c.value) for c in conditions)
         return [fact for fact in facts if fact not in self.reach.facts]
 
     def _explain(self, root: int) -> None:
-        """Marks what waits, at one remove or more, for an activity that was told of."""
+        """Marks the activities that depend, directly or not, on an activity already reported."""
         todo = [root]
         while todo:
             i = todo.pop()
@@ -164,20 +171,22 @@ class _Telling:
                 if fact not in self.reach.facts:
                     todo += self.takers.get(fact, ())
 
-    def _tell_ungiven(self, fact: Fact, needed_by: list[int]) -> None:
+    def _report_ungiven(self, fact: Fact, needed_by: list[int]) -> None:
         activity = self.problem.activities[needed_by[0]]
         place = self._place(activity, fact)
         others = len(needed_by) - 1
-        more = f" (and so for {_other_actions(others)})" if others else ""
+        more = f" ({_other_actions(others)} need{'s' if others == 1 else ''} it too)"
+        more = more if others else ""
         self.findings.add(
             Code.UNREACHABLE,
             f"action {activity.id!r} needs {place.var!r} to be {value_text(place.value)} "
-            f"{_WHEN[place.at]}{more}, but {self._initially(fact)} and no effect makes it so",
+            f"{_WHEN[place.at]}{more}, but {self._initially(fact)} "
+            "and no effect gives it that value",
             place.pointer,
             hint=self._hint(fact),
         )
 
-    def _tell_stuck(self, i: int, fact: Fact) -> None:
+    def _report_stuck(self, i: int, fact: Fact) -> None:
         activity = self.problem.activities[i]
         place = self._place(activity, fact)
         self.findings.add(
@@ -185,15 +194,15 @@ class _Telling:
             f"action {activity.id!r} needs {place.var!r} to be {value_text(place.value)} "
             f"{_WHEN[place.at]}, but {self._initially(fact)} and {self._chain(fact)}",
             place.pointer,
-            hint="let one of these actions do without what it needs, or start from another value",
+            hint="remove one of these conditions, or change the initial value",
         )
 
-    def _tell_goal(self, goal: ShownFact, fact: Fact) -> None:
+    def _report_goal(self, goal: ShownFact, fact: Fact) -> None:
         if fact not in self.givers:
-            why, hint = "no effect makes it so", self._hint(fact)
+            why, hint = "no effect gives it that value", self._hint(fact)
         elif self.explained.isdisjoint(self.givers[fact]):
             why = self._chain(fact)
-            hint = "let one of these actions do without what it needs, or start from another value"
+            hint = "remove one of these conditions, or change the initial value"
         else:
             return
         self.findings.add(
@@ -205,7 +214,7 @@ class _Telling:
         )
 
     def _place(self, activity: Activity, fact: Fact) -> ShownFact:
-        """Where an action asks for a fact."""
+        """The place of the condition in which an action asks for a value."""
         places = fact_places(self.task, activity, "conditions")
         return next(place for place in places if self._fact(place) == fact)
 
@@ -222,36 +231,36 @@ class _Telling:
         ]
         wanted = value_text(variable.values[fact[1]])
         listed = f"{', '.join(can_be[:5])}{', …' if len(can_be) > 5 else ''}"
-        return f"let an action's effect make it {wanted}; so far it can be {listed}"
+        return f"add an effect that makes it {wanted}; now it can be {listed}"
 
     def _chain(self, fact: Fact) -> str:
-        """Why none of the actions that would give a fact can: the first of them, step by step."""
-        told: list[str] = []
+        """The reason why no action can give a value: the chain of needs from the first of them."""
+        parts: list[str] = []
         seen: set[Fact] = set()
         while fact not in seen and len(seen) < _LONGEST_CHAIN:
             seen.add(fact)
             givers = self.givers.get(fact)
             if not givers:
-                return ", ".join([*told, "which nothing makes it"])
+                return ", ".join([*parts, "which no effect gives it"])
             name = self.problem.activities[givers[0]].id
-            told.append(_would_make(name, len(givers), first=not told))
+            parts.append(_would_make(name, len(givers), first=not parts))
             missing = self._missing(givers[0])
             if not missing:
-                return ", ".join([*told, "which may not occur"])
+                return ", ".join([*parts, "which may occur at most 0 times"])
             fact = missing[0]
             variable = self.problem.variables[fact[0]]
             needs = f"to be {value_text(variable.values[fact[1]])}"
-            told.append(f"and {name!r} needs {variable.id!r} {needs}")
-        return ", ".join([*told, "and so on in a circle" if fact in seen else "and so on"])
+            parts.append(f"and {name!r} needs {variable.id!r} {needs}")
+        return ", ".join([*parts, "and so on in a cycle" if fact in seen else "and so on"])
 
 
 def _would_make(name: str, givers: int, *, first: bool) -> str:
     if first and givers == 1:
-        return f"only {name!r} makes it so"
-    others = "" if givers == 1 else f" (and {_other_actions(givers - 1)}, no more possible)"
-    return (
-        f"{name!r} would make it so{others}" if first else f"which {name!r} would make it{others}"
-    )
+        return f"only {name!r} gives it that value"
+    others = "" if givers == 1 else f" (and {_other_actions(givers - 1)}, also impossible)"
+    if first:
+        return f"{name!r} would give it that value{others}"
+    return f"which {name!r} would give it{others}"
 
 
 def _other_actions(count: int) -> str:
@@ -264,7 +273,7 @@ _WHEN = {"start": "at its start", "all": "throughout", "end": "at its end"}
 def _check_lost_goals(
     task: Task, problem: Problem, required: frozenset[int], findings: Findings
 ) -> None:
-    """Goals that hold at first, but that an action ends which must occur, and none restores."""
+    """Adds goals that hold at first, that a required action breaks, and that no effect restores."""
     if not problem.goals:
         return
     given = {(e.var, e.value) for a in problem.activities for e in a.details.effects}
@@ -283,8 +292,7 @@ def _check_lost_goals(
         findings.add(
             Code.UNREACHABLE,
             f"the goal that {goal.var!r} be {value_text(goal.value)} cannot hold at the end: "
-            f"action {breaker.id!r} changes it, and no effect makes it so again",
+            f"action {breaker.id!r} changes it, and no effect restores it",
             goal.pointer,
-            hint=f"let an action's effect make it {value_text(goal.value)} again, "
-            "or change the goal",
+            hint=f"add an effect that makes it {value_text(goal.value)} again, or change the goal",
         )

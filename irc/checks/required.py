@@ -1,4 +1,4 @@
-"""Which activities every schedule contains, and which it cannot contain."""
+"""Finds the activities that every schedule contains, and those that none can contain."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from irc.problem import Activity, Problem
 
 
 def least_occurrences(activity: Activity) -> int:
-    """How often an activity occurs at least by its own `occurs`, groups and goals aside."""
+    """The least number of occurrences by an activity's own `occurs`, without groups and goals."""
     if activity.details.repeats is not None:
         return activity.details.repeats[0]
     return 0 if activity.details.optional else 1
 
 
 def greatest_occurrences(activity: Activity) -> int | None:
-    """How often an activity may occur (None: without limit)."""
+    """The greatest number of occurrences of an activity (None: no limit)."""
     if is_ruled_out(activity):
         return 0
     return 1 if activity.details.repeats is None else activity.details.repeats[1]
 
 
 def is_ruled_out(activity: Activity) -> bool:
-    """Whether it may occur at most 0 times (lowering gives such a one a deadline before t = 0)."""
+    """Whether it may occur at most 0 times (lowering then gives it a deadline before t = 0)."""
     return activity.deadline is not None and activity.deadline < 0
 
 
 def required_activities(problem: Problem) -> frozenset[int]:
-    """Those that occur by themselves, by a goal, or because others of their group do."""
+    """The activities that occur by themselves, by a goal, or because others of their group do."""
     found = {i for i, a in enumerate(problem.activities) if least_occurrences(a)}
     found.update(problem.required)
     groups: dict[int, list[int]] = defaultdict(list)
@@ -48,7 +48,7 @@ def required_activities(problem: Problem) -> frozenset[int]:
 
 
 def check_required(problem: Problem, required: frozenset[int], findings: Findings) -> None:
-    """Tells of activities that must occur and may not."""
+    """Reports activities that must occur and cannot."""
     for i in sorted(required):
         activity = problem.activities[i]
         if is_ruled_out(activity):

@@ -1,4 +1,4 @@
-"""Reservoirs that cannot hold what must be taken from them or put into them, in any order."""
+"""Checks for reservoirs that run out or overflow in every order of the actions."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _UNLIMITED = float("inf")
 
 @dataclass
 class _Totals:
-    """Of one reservoir, over the whole schedule.
+    """The totals of one reservoir over the whole schedule.
 
-    `highest` and `lowest`: the level at the end at best and at worst for what may and must occur.
-    `made` and `taken`: all that could ever be put in, and taken out.
+    `highest` and `lowest`: the greatest and the least possible level at the end. `made` and
+    `taken`: the greatest amounts that can be put in and taken out.
     """
 
     highest: float
@@ -28,15 +28,15 @@ class _Totals:
 
 
 def check_stock(task: Task, problem: Problem, required: frozenset[int], findings: Findings) -> None:
-    """Adds reservoirs, and required actions, for which no order of events keeps the level right."""
+    """Adds reservoirs, and required actions, for which no order keeps the level within limits."""
     totals = [_Totals(r.initial, r.initial) for r in problem.reservoirs]
     for i, activity in enumerate(problem.activities):
         _count(activity, i in required, totals)
-    told: set[int] = set()
+    reported: set[int] = set()
     for i in sorted(required):
-        _check_single(task, problem, i, totals, told, findings)
+        _check_single(task, problem, i, totals, reported, findings)
     for k, reservoir in enumerate(problem.reservoirs):
-        if k not in told:
+        if k not in reported:
             _check_sum(problem, k, reservoir, totals[k], required, findings)
 
 
@@ -61,7 +61,7 @@ def _count(activity: Activity, is_required: bool, totals: list[_Totals]) -> None
 
 
 def _times(count: float, amount: int) -> float:
-    """(As often as one likes nothing is still nothing.)"""
+    """The product, in which an unlimited count of nothing is nothing."""
     return count * amount if count and amount else 0
 
 
@@ -70,10 +70,10 @@ def _check_single(
     problem: Problem,
     i: int,
     totals: list[_Totals],
-    told: set[int],
+    reported: set[int],
     findings: Findings,
 ) -> None:
-    """One action, given all that any other could bring about before it."""
+    """Checks one action, with the best levels that all other actions could give before it."""
     activity = problem.activities[i]
     most = greatest_occurrences(activity)
     if not activity.details.stock or most is None or most == 0:
@@ -83,22 +83,22 @@ def _check_single(
         made = sum(c.amount for c in own if c.amount > 0)
         taken = -sum(c.amount for c in own if c.amount < 0)
         reservoir = problem.reservoirs[k]
-        # What it makes or takes itself counts for its other occurrences only.
+        # What the action itself makes or takes helps only its other occurrences.
         highest = reservoir.initial + totals[k].made - made
         lowest = reservoir.initial - totals[k].taken + taken
         for change in _levels(activity, own):
             if highest + change < reservoir.least:
-                told.add(k)
-                _tell_lack(task, activity, reservoir, highest, -change, findings)
+                reported.add(k)
+                _report_lack(task, activity, reservoir, highest, -change, findings)
                 break
             if reservoir.greatest is not None and lowest + change > reservoir.greatest:
-                told.add(k)
-                _tell_excess(task, activity, reservoir, lowest, change, findings)
+                reported.add(k)
+                _report_excess(task, activity, reservoir, lowest, change, findings)
                 break
 
 
 def _levels(activity: Activity, own: list[StockChange]) -> list[int]:
-    """By how much it has changed the level after its start, and after its end."""
+    """The changes of the level after the start of an activity, and after its end."""
     whole = sum(c.amount for c in own)
     if activity.duration_min == 0:
         # Its two ends may be one instant, of which only the sum counts.
@@ -106,7 +106,7 @@ def _levels(activity: Activity, own: list[StockChange]) -> list[int]:
     return [sum(c.amount for c in own if not c.at_end), whole]
 
 
-def _tell_lack(
+def _report_lack(
     task: Task,
     activity: Activity,
     reservoir: Reservoir,
@@ -117,7 +117,7 @@ def _tell_lack(
     there = (
         f"there are only {reservoir.initial} and nothing else produces any"
         if highest == reservoir.initial
-        else f"there can never be more than {highest}, with all that could be produced"
+        else f"there are at most {highest}, even with everything that can be produced"
     )
     findings.add(
         Code.STOCK,
@@ -127,7 +127,7 @@ def _tell_lack(
     )
 
 
-def _tell_excess(
+def _report_excess(
     task: Task,
     activity: Activity,
     reservoir: Reservoir,
@@ -136,9 +136,9 @@ def _tell_excess(
     findings: Findings,
 ) -> None:
     there = (
-        f"already has {reservoir.initial}, of which nothing else takes any"
+        f"already has {reservoir.initial}, and nothing else takes any"
         if lowest == reservoir.initial
-        else f"can never have less than {lowest}, with all that could be consumed"
+        else f"has at least {lowest}, even after everything that can be consumed"
     )
     findings.add(
         Code.STOCK,
@@ -157,7 +157,7 @@ def _check_sum(
     required: frozenset[int],
     findings: Findings,
 ) -> None:
-    """All that must occur, with the best of what may."""
+    """Checks all required changes together, with the best of the optional ones."""
     if total.highest < reservoir.least:
         takers, sum_taken = _parties(problem, k, required, -1)
         made = sum_taken + total.highest - reservoir.initial
@@ -209,7 +209,7 @@ def _parties(problem: Problem, k: int, required: frozenset[int], sign: int) -> t
 
 
 def _place(task: Task, activity: Activity, field: str, reservoir: str) -> Pointer:
-    """Where an action names a reservoir in what it consumes or produces."""
+    """The place at which an action names a reservoir in what it consumes or produces."""
     action = task.actions[int(activity.origin[1])]
     for j, change in enumerate(getattr(action, field)):
         if change.resource == reservoir:

@@ -1,4 +1,4 @@
-"""What can be said of a task without reckoning with time: names, kinds, shapes that contradict."""
+"""Checks of a task that need no times: names, kinds, and contradictory elements."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from irc.model.events import SetState
 
 
-class Names:
-    """The declared ids of each kind, and what to say of one that is not among them."""
+class DeclaredNames:
+    """The declared ids of each kind; reports a name that is not among them."""
 
     def __init__(self, task: Task, findings: Findings) -> None:
         self.findings = findings
@@ -39,16 +39,16 @@ class Names:
         self._guesses: Guesses | None = None
 
     def require(self, kind: str, name: str, pointer: Pointer, unlike: str | None = None) -> bool:
-        """Whether `name` is a declared `kind` ("action", "resource" …); tells where it is not.
+        """Whether `name` is a declared `kind` ("action", "resource" …); reports it if not.
 
-        No repair to the name `unlike` is offered: it would make another fault.
+        No repair to the name `unlike` is offered: that would cause another fault.
         """
         if name in self.tables[kind]:
             return True
-        self._tell_unknown(kind, name, pointer, unlike)
+        self._report_unknown(kind, name, pointer, unlike)
         return False
 
-    def _tell_unknown(self, kind: str, name: str, pointer: Pointer, unlike: str | None) -> None:
+    def _report_unknown(self, kind: str, name: str, pointer: Pointer, unlike: str | None) -> None:
         from irc.checks.unknown_names import Guesses
 
         if self._guesses is None:
@@ -84,18 +84,18 @@ def _some(names: Iterable[str]) -> str:
     return shown if len(listed) <= 5 else f"{shown}, …"
 
 
-def check_structure(task: Task, findings: Findings) -> tuple[Names, Times]:
-    """Adds every structural fault of a task, but for its events, to `findings`.
+def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, TimeChecks]:
+    """Adds every structural fault of a task, except in its events, to `findings`.
 
     Returns the names that the task declares and its times, for checks of its events.
     """
     clock = task.clock
-    names = Names(task, findings)
+    names = DeclaredNames(task, findings)
     _check_unique(task.actions, "action", ("actions",), findings)
     _check_unique(task.resources, "resource", ("resources",), findings)
     _check_unique(task.state, "state variable", ("state",), findings)
     _check_unique(task.groups, "group", ("groups",), findings)
-    times = Times(clock, findings)
+    times = TimeChecks(clock, findings)
     times.point(task.deadline, "deadline", ("deadline",))
     for i, resource in enumerate(task.resources):
         check_resource(resource, ("resources", i), times, findings)
@@ -150,7 +150,7 @@ _WEIGHT = 'add "due": …, or remove the weight'
 _SWAP = "swap the two, or correct one of them"
 
 
-class Times:
+class TimeChecks:
     """Checks of single times, all against one clock."""
 
     def __init__(self, clock: Clock, findings: Findings) -> None:
@@ -158,7 +158,7 @@ class Times:
         self.findings = findings
 
     def number(self, value: Instant, what: str, pointer: Pointer) -> Number | None:
-        """The time as a number, or None after telling why it has none."""
+        """The time as a number; None after reporting why it has none."""
         try:
             return self.clock.number(value)
         except TimeError as error:
@@ -167,7 +167,9 @@ class Times:
             return None
 
     def point(self, value: Instant | None, what: str, pointer: Pointer) -> Number | None:
-        """A point in time that must not be before t = 0."""
+        """The number of a point in time; None if it has none or is before t = 0, which is
+        reported.
+        """
         if value is None or value == 0:
             return None if value is None else 0
         number = self.number(value, what, pointer)
@@ -182,7 +184,7 @@ class Times:
         return number
 
     def duration(self, raw: Any, owner: str, pointer: Pointer) -> None:
-        """A duration or a range of durations: not negative, not empty."""
+        """Reports a negative duration and an empty range of durations."""
         if isinstance(raw, DurationRange):
             low = self.span(raw.min, owner, (*pointer, "min"))
             high = self.span(raw.max, owner, (*pointer, "max"))
@@ -198,7 +200,7 @@ class Times:
             self.span(raw, owner, pointer)
 
     def span(self, raw: Any, owner: str, pointer: Pointer) -> Number | None:
-        """A length of time that must not be negative."""
+        """The number of a length of time; None if it has none or is negative, which is reported."""
         number = self.number(raw, "duration", pointer)
         if number is not None and number < 0:
             self.findings.add(
@@ -212,13 +214,13 @@ class Times:
 
 
 _OTHER_KIND = {
-    "renewable": 'remove it, or say "kind": "reservoir"',
+    "renewable": 'remove it, or write "kind": "reservoir"',
     "reservoir": 'remove it; a reservoir has "initial", "min" and "max"',
 }
 
 
-def check_resource(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
-    """Tells what contradicts itself in a resource."""
+def check_resource(resource: Resource, at: Pointer, times: TimeChecks, findings: Findings) -> None:
+    """Reports contradictions in a resource."""
     if resource.kind == "reservoir":
         if resource.max is not None and resource.min > resource.max:
             findings.add(
@@ -256,7 +258,7 @@ def _limits(resource: Resource) -> str:
     return f"{resource.min} to {resource.max}"
 
 
-def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Findings) -> None:
+def _check_windows(resource: Resource, at: Pointer, times: TimeChecks, findings: Findings) -> None:
     windows = []
     for i, window in enumerate(resource.availability):
         pointer = (*at, "availability", i)
@@ -268,7 +270,7 @@ def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Find
             findings.add(
                 Code.EMPTY_RANGE,
                 f"this window of {resource.id!r} begins at {write_time(window.from_)} "
-                f"and ends at {write_time(window.to)}, so it holds no time",
+                f"and ends at {write_time(window.to)}, so it is empty",
                 pointer,
                 hint=_SWAP,
             )
@@ -286,7 +288,7 @@ def _check_windows(resource: Resource, at: Pointer, times: Times, findings: Find
 
 
 def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
-    """Tells what a state variable lacks, or an initial value that it does not have."""
+    """Reports a state variable without values, and a missing or unknown initial value."""
     if not variable.values:
         findings.add(
             Code.EMPTY_CHOICE,
@@ -302,14 +304,14 @@ def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> 
             hint=f'add "initial": one of {_some(map(str, variable.values))}',
         )
     elif not _has_value(variable, variable.start_value):
-        _tell_value(variable, variable.start_value, (*at, "initial"), findings)
+        _report_value(variable, variable.start_value, (*at, "initial"), findings)
 
 
 def _has_value(variable: StateVariable, value: bool | str) -> bool:
     return any(v == value and type(v) is type(value) for v in variable.values)
 
 
-def _tell_value(
+def _report_value(
     variable: StateVariable, value: bool | str, at: Pointer, findings: Findings
 ) -> None:
     from irc.checks.unknown_names import value_meant
@@ -338,29 +340,30 @@ def _as_typed(value: bool | str) -> str:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def check_value(fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: Names) -> None:
-    """Tells where a variable, or its value, is not declared."""
+def check_value(
+    fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: DeclaredNames
+) -> None:
+    """Reports a variable, or a value of it, that is not declared."""
     if not names.require("state variable", fact.var, (*at, "var")):
         return
     variable = names.state[fact.var]
     if _has_value(variable, fact.value):
         return
     if "value" in fact.model_fields_set:
-        _tell_value(variable, fact.value, (*at, "value"), names.findings)
+        _report_value(variable, fact.value, (*at, "value"), names.findings)
         return
     names.findings.add(
         Code.UNKNOWN_VALUE,
-        f"state variable {variable.id!r} has no value true, "
-        "which is meant where no 'value' is given",
+        f"state variable {variable.id!r} has no value true, the default of 'value'",
         (*at, "value"),
         hint=f'add "value": one of {_some(map(str, variable.values))}',
     )
 
 
 def check_action(
-    action: Action, at: Pointer, names: Names, times: Times, findings: Findings
+    action: Action, at: Pointer, names: DeclaredNames, times: TimeChecks, findings: Findings
 ) -> None:
-    """Tells every structural fault of an action."""
+    """Reports every structural fault of an action."""
     owner = f"action {action.id!r}"
     if action.duration is not None:
         times.duration(action.duration, owner, (*at, "duration"))
@@ -390,7 +393,7 @@ def check_action(
         _check_occurs(action, at, findings)
 
 
-def _check_stock(action: Action, at: Pointer, names: Names) -> None:
+def _check_stock(action: Action, at: Pointer, names: DeclaredNames) -> None:
     for field in ("consumes", "produces"):
         for i, change in enumerate(getattr(action, field)):
             pointer = (*at, field, i, "resource")
@@ -398,13 +401,13 @@ def _check_stock(action: Action, at: Pointer, names: Names) -> None:
                 require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
 
 
-def _check_facts(action: Action, at: Pointer, names: Names) -> None:
+def _check_facts(action: Action, at: Pointer, names: DeclaredNames) -> None:
     for field in ("conditions", "effects"):
         for i, fact in enumerate(getattr(action, field)):
             check_value(fact, (*at, field, i), names)
 
 
-def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: Names) -> None:
+def _check_uses(uses: Sequence[Use], at: Pointer, owner: str, names: DeclaredNames) -> None:
     for i, use in enumerate(uses):
         if use.one_of is not None and not use.one_of:
             names.findings.add(
@@ -435,8 +438,10 @@ def _check_repeated_alternatives(
     )
 
 
-def require_kind(resource: Resource, kind: str, field: str, pointer: Pointer, names: Names) -> None:
-    """Tells where a resource is not of the `kind` that `field` needs."""
+def require_kind(
+    resource: Resource, kind: str, field: str, pointer: Pointer, names: DeclaredNames
+) -> None:
+    """Reports a resource that is not of the `kind` that `field` needs."""
     if resource.kind != kind:
         other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
         called = {"renewable": "a renewable resource", "reservoir": "a reservoir"}
@@ -448,7 +453,7 @@ def require_kind(resource: Resource, kind: str, field: str, pointer: Pointer, na
         )
 
 
-def _check_modes(action: Action, at: Pointer, names: Names, times: Times) -> None:
+def _check_modes(action: Action, at: Pointer, names: DeclaredNames, times: TimeChecks) -> None:
     owner = f"action {action.id!r}"
     _check_unique(action.modes, "mode", (*at, "modes"), names.findings)
     for i, mode in enumerate(action.modes):
@@ -483,7 +488,9 @@ def _check_occurs(action: Action, at: Pointer, findings: Findings) -> None:
         )
 
 
-def _check_precedence(task: Task, names: Names, times: Times, findings: Findings) -> None:
+def _check_precedence(
+    task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings
+) -> None:
     actions = names.actions
     repeatable = {a.id for a in task.actions if a.may_repeat}
     seen: set[Any] = set()
@@ -524,8 +531,8 @@ def _check_precedence(task: Task, names: Names, times: Times, findings: Findings
             check_lags(edge.min_lag, edge.max_lag, ("precedence", k), times)
 
 
-def check_lags(least: Instant, greatest: Instant, at: Pointer, times: Times) -> None:
-    """Tells where a lag's least is above its greatest."""
+def check_lags(least: Instant, greatest: Instant, at: Pointer, times: TimeChecks) -> None:
+    """Reports a lag whose minimum is above its maximum."""
     low = times.number(least, "min_lag", (*at, "min_lag"))
     high = times.number(greatest, "max_lag", (*at, "max_lag"))
     if low is not None and high is not None and low > high:
@@ -537,7 +544,7 @@ def check_lags(least: Instant, greatest: Instant, at: Pointer, times: Times) -> 
         )
 
 
-def _check_groups(task: Task, names: Names, times: Times, findings: Findings) -> None:
+def _check_groups(task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings) -> None:
     optional_group: dict[str, Group] = {}
     for i, group in enumerate(task.groups):
         at: Pointer = ("groups", i)
@@ -564,14 +571,14 @@ def check_member(
     optional_group: dict[str, Group],
     findings: Findings,
 ) -> None:
-    """Tells where an action cannot be in a group; notes its optional group."""
+    """Reports an action that cannot be in a group; records its optional group."""
     greatest = action.occurrence_bounds[1]
     if greatest is None or greatest > 1:
         findings.add(
             Code.OCCURRENCE,
             f"action {action.id!r} may occur more than once, so it cannot be in a group",
             at,
-            hint=f"let {action.id!r} occur at most once, or take it out of the group",
+            hint=f"let {action.id!r} occur at most once, or remove it from the group",
         )
     if group.required:
         return

@@ -1,6 +1,6 @@
-"""What time alone rules out: cycles, windows, deadlines, lags, demands above capacity.
+"""Checks for cycles, windows, deadlines, lags and demands that no schedule can satisfy.
 
-Works on the lowered task, whose elements know where they were written.
+They read the lowered task, whose elements know where they were written.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ _LONGEST_SHOWN = 8
 
 
 def check_temporal(problem: Problem, findings: Findings) -> None:
-    """Adds what no schedule can satisfy, whatever a solver tries."""
+    """Adds temporal constraints and demands that no schedule can satisfy."""
     impossible = {
         i for i, activity in enumerate(problem.activities) if _check_window(problem, i, findings)
     }
     timing = timing_network(problem)
     times = earliest(timing.network, timing.floors)
     for cycle in times.cycles:
-        _tell_cycle(problem, timing, cycle, findings)
+        _report_cycle(problem, timing, cycle, findings)
     _check_latest(problem, timing, times, impossible, findings)
     _check_demand(problem, findings)
 
 
 def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
-    """Whether an activity's own fields leave it no room."""
+    """Whether an activity's own fields leave it no room; reports it if so."""
     activity = problem.activities[index]
     if activity.start is not None and activity.start < activity.release:
         findings.add(
@@ -56,7 +56,7 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
     if deadline is None:
         return False
     if deadline < 0:
-        return True  # It may occur at most 0 times, which other checks tell.
+        return True  # It may occur at most 0 times, which other checks report.
     if start + activity.duration_min <= deadline:
         return False
     findings.add(
@@ -71,7 +71,7 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
 
 
 def _step(problem: Problem, timing: TimingNetwork, edge: int) -> str:
-    """One constraint in words."""
+    """The text of one constraint."""
     label, is_max = timing.labels[edge]
     if label == DURATION:
         activity = problem.activities[timing.owner[timing.network.src[edge]]]
@@ -93,11 +93,11 @@ def _origin(problem: Problem, timing: TimingNetwork, edge: int) -> Pointer:
     return (*pointer, "max_lag") if is_max else pointer
 
 
-def _tell_cycle(
+def _report_cycle(
     problem: Problem, timing: TimingNetwork, cycle: list[int], findings: Findings
 ) -> None:
     if len({timing.labels[edge][0] for edge in cycle}) == 1:
-        return  # A single precedence whose own lags contradict: the structural checks tell that.
+        return  # One precedence with contradictory lags: the structural checks report that.
     network = timing.network
     excess = sum(network.weight[edge] for edge in cycle)
     only_order = not any(timing.labels[edge][1] for edge in cycle)
@@ -118,14 +118,14 @@ def _tell_cycle(
             f"{'these actions wait' if len(names) > 1 else 'this action waits'} for each other: "
             f"{_joined(shown)}",
             pointer,
-            hint="remove or turn round one of these precedences",
+            hint="remove or reverse one of these precedences",
         )
         return
     steps = "; ".join(_step(problem, timing, edge) for edge in cycle[:_LONGEST_SHOWN])
-    more = f"; … ({len(cycle) - _LONGEST_SHOWN} more)" if len(cycle) > _LONGEST_SHOWN else ""
+    more = f"; and {len(cycle) - _LONGEST_SHOWN} more" if len(cycle) > _LONGEST_SHOWN else ""
     findings.add(
         Code.LAGS,
-        f"these contradict each other by {problem.time_text(excess)}: {steps}{more}",
+        f"these statements contradict each other by {problem.time_text(excess)}: {steps}{more}",
         pointer,
         hint="raise a maximum or lower a minimum",
     )
@@ -146,7 +146,7 @@ def _check_latest(
     impossible: set[int],
     findings: Findings,
 ) -> None:
-    """Fixed and latest starts and deadlines against the earliest times that precedence allows."""
+    """Compares fixed and latest starts and deadlines with the earliest times by precedence."""
     points = timing.points
     latest_end, last = -1, 0
     for i, activity in enumerate(problem.activities):
@@ -237,7 +237,7 @@ def _check_single_demands(problem: Problem, activity: Activity, findings: Findin
 
 
 def _check_joint_demand(problem: Problem, activity: Activity, findings: Findings) -> None:
-    """Several plain uses of one resource by the same action add up."""
+    """Compares the sum of an activity's plain uses of one resource with its capacity."""
     needed: Counter[int] = Counter()
     for use in activity.uses:
         if len(use.alternatives) == 1:

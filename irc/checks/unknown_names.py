@@ -1,4 +1,4 @@
-"""What an undeclared name probably stands for."""
+"""Guesses which declared name an undeclared one stands for."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from collections.abc import Collection, Mapping
 from irc.diagnostics.suggest import Certain, closest
 
 MOST_GUESSES = 50
-"""After so many different unknown names no more guesses are made: each takes a look at all names,
-and a file with that many needs another remedy."""
+"""Limit on guesses for different unknown names: each guess compares the name with all names."""
 
 
 class Guesses:
@@ -20,7 +19,7 @@ class Guesses:
         self._made: dict[tuple[str, str], tuple[str | None, bool]] = {}
 
     def of(self, kind: str, name: str) -> tuple[str | None, bool]:
-        """(the guess or None, whether nothing else can be meant)."""
+        """(the guess or None, whether the guess is certain)."""
         if (kind, name) in self._made:
             return self._made[kind, name]
         if len(self._made) >= MOST_GUESSES:

@@ -1,4 +1,4 @@
-"""The commands. Each loads what it needs when it runs, so that starting stays quick."""
+"""The commands. Each imports its modules when it runs, so that the program starts quickly."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from irc.cli.options import (
 from irc.cli.output import (
     CheckFormat,
     Format,
-    errors_told,
     fail,
+    print_notes,
     put,
     put_json,
+    reporting_errors,
     say,
-    tell_notes,
 )
 
 if TYPE_CHECKING:
@@ -39,9 +39,9 @@ if TYPE_CHECKING:
 
 
 def build_app(only: str | None = None) -> typer.Typer:
-    """The command line application; with just one command where its name is given.
+    """The command line application; with only one command if its name is given.
 
-    Typer reads the signature of every command it is given, which the others need not wait for.
+    Typer reads the signature of every command, which takes time, so only one is registered.
     """
     app = typer.Typer(
         name="irc",
@@ -56,6 +56,10 @@ def build_app(only: str | None = None) -> typer.Typer:
     for name, function in commands.items():
         if only not in commands or name == only:
             app.command(name)(function)
+    if only not in commands:
+        from irc.cli.eval import eval_app
+
+        app.add_typer(eval_app, name="eval")
     return app
 
 
@@ -72,7 +76,7 @@ def _root(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """A solver-neutral compiler for asynchronous tasks: one task graph in, a schedule out."""
+    """Compile an asynchronous task for a solver, and turn its answer into a validated schedule."""
 
 
 def _read(file: str) -> Reading:
@@ -83,26 +87,32 @@ def _read(file: str) -> Reading:
 
 def check(
     files: Annotated[
-        list[str], typer.Argument(metavar="FILE...", help="Tasks as JSON; '-' is standard input.")
+        list[str],
+        typer.Argument(
+            metavar="FILE...", help="Tasks: JSON, the DSL, or English; '-' is standard input."
+        ),
     ],
-    format: Annotated[CheckFormat, typer.Option("--format", help="How to answer.")] = (
+    format: Annotated[CheckFormat, typer.Option("--format", help="The format of the output.")] = (
         CheckFormat.text
     ),
     fix: Annotated[
-        bool, typer.Option("--fix", help="Repair in place what is certain; tell what is left.")
+        bool,
+        typer.Option("--fix", help="Make all certain repairs in place, then report the rest."),
     ] = False,
 ) -> None:
-    """Show every diagnostic of a task: errors, warnings and notes, in one run."""
+    """Report every error, warning and note of a task in one run."""
     from irc.cli.check import check_files
 
     check_files(files, format, fix)
 
 
 def explain_code(
-    code: Annotated[str | None, typer.Argument(help="A code, such as IRC201; none: all.")] = None,
+    code: Annotated[
+        str | None, typer.Argument(help="A code, such as IRC201. Without it: a list of all codes.")
+    ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Tell what a diagnostic means, with an example that is told it and one that is not."""
+    """Explain a diagnostic, with one input that triggers it and one that does not."""
     from irc.cli.explain_code import put_code, put_codes
 
     if code is None:
@@ -117,15 +127,15 @@ def compile_(
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Write a task as a target's own files and manifest.json; without -o print the text."""
+    """Write the program of a task for a target, and its manifest.json; without -o print it."""
     from irc.driver.compile import compile_task
     from irc.targets import MANIFEST_FILE
 
-    with errors_told(format):
+    with reporting_errors(format):
         reading = _read(file)
         program = compile_task(reading.task, target)
-        _tell_reading(reading, format)
-        tell_notes(program.notes)
+        _print_reading_notes(reading, format)
+        print_notes(program.notes)
         if output is not None:
             from irc.driver.files import write_folder
 
@@ -146,9 +156,9 @@ def _print_files(program: Program) -> None:
         put(f"; {name}\n{text}" if len(program.files) > 1 else text)
 
 
-def _tell_reading(reading: Reading, format: Format) -> None:
+def _print_reading_notes(reading: Reading, format: Format) -> None:
     if reading.notes and format is Format.text:
-        tell_notes(reading.notes, reading.task.source)
+        print_notes(reading.notes, reading.task.source)
 
 
 def solve(
@@ -163,25 +173,32 @@ def solve(
         bool,
         typer.Option(
             "--shortcut/--no-shortcut",
-            help="Solve by the critical path alone where nothing is contended for.",
+            help="Solve by the critical path alone if there is no contention.",
         ),
     ] = True,
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Compile a task, run an engine, and show the exact schedule that the validator approved."""
+    """Compile a task, run an engine, and show the exact, validated schedule."""
     from irc.cli.progress import progress_shown
     from irc.driver.solve import solve_task
-    from irc.targets import Limits
+    from irc.targets import SolveOptions
 
-    with errors_told(format):
+    with reporting_errors(format):
         reading = _read(file)
-        limits = Limits(time_limit, memory_limit, workers, seed)
         with progress_shown(reading.task) as on_progress:
-            answer = solve_task(
-                reading.task, target, engine, limits, shortcut=shortcut, on_progress=on_progress
+            options = SolveOptions(
+                target,
+                engine,
+                time_limit,
+                memory_limit,
+                workers,
+                seed,
+                shortcut,
+                on_progress=on_progress,
             )
-        _tell_reading(reading, format)
+            answer = solve_task(reading.task, options)
+        _print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for
 
@@ -192,20 +209,20 @@ def solve(
 def explain(
     file: FileArgument,
     time_limit: Annotated[
-        float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for all of it.")
+        float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for the whole explanation.")
     ] = 60.0,
     format: FormatOption = Format.text,
 ) -> None:
-    """Show why a task has no schedule, or what makes its schedule as long as it is."""
+    """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
     from irc.driver.compile import later_events
     from irc.explanation import explain_task
 
-    with errors_told(format):
+    with reporting_errors(format):
         reading = _read(file)
         explanation = explain_task(reading.task, time_limit)
-        _tell_reading(reading, format)
-        tell_notes(later_events(reading.task))
+        _print_reading_notes(reading, format)
+        print_notes(later_events(reading.task))
         put_explanation(explanation, format)
 
 
@@ -213,7 +230,7 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
     from irc.schedule import Status, dump_json
 
     schedule = answer.schedule
-    tell_notes(answer.notes)
+    print_notes(answer.notes)
     if output is not None:
         from irc.driver.files import write_whole
 
@@ -235,16 +252,16 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
 
 def extract(
     manifest: Annotated[str, typer.Argument(help="The manifest.json of a compiled task.")],
-    answer: Annotated[str, typer.Argument(help="What the engine printed; '-': standard input.")],
+    answer: Annotated[str, typer.Argument(help="The engine's output; '-' is standard input.")],
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Turn an engine's raw output back into an exact, validated schedule of the task."""
+    """Turn an engine's raw output into an exact, validated schedule of the task."""
     from irc.driver.extract import extract_answer
     from irc.frontends.files import read_bytes, read_text
     from irc.frontends.json.document import read_document
 
-    with errors_told(format):
+    with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
         document = read_document(*read_text(manifest))
@@ -260,21 +277,21 @@ def extract(
 
 def validate(
     file: FileArgument,
-    schedule: Annotated[str, typer.Argument(help="A schedule as JSON; '-': standard input.")],
+    schedule: Annotated[str, typer.Argument(help="A schedule as JSON; '-' is standard input.")],
     at: Annotated[
         str | None,
-        typer.Option("--at", help="What began before this time is history, such as 5 or '2 min'."),
+        typer.Option("--at", help="Actions that began before this time are history: 5, '2 min', …"),
     ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Judge a schedule by the rules alone, with reasons; knows no backend."""
+    """Check a schedule against the rules of docs/semantics.md, and name every violation."""
     from irc.cli.moments import moment_of
     from irc.driver.judge import validate_schedule
     from irc.frontends.files import read_text
     from irc.frontends.json.document import read_document
     from irc.schedule import schedule_from_json
 
-    with errors_told(format):
+    with reporting_errors(format):
         if file == schedule == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
         reading = _read(file)
@@ -291,10 +308,10 @@ def validate(
 
 
 def convert(
-    file: Annotated[
-        str, typer.Argument(help="What to read: a file, a folder of instances, or '-'.")
+    file: Annotated[str, typer.Argument(help="The input: a file, a folder of instances, or '-'.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="The file to write, or the folder for many.")
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="A file, or a folder for many.")],
     source: Annotated[
         str,
         typer.Option(
@@ -303,17 +320,17 @@ def convert(
         ),
     ] = "irc",
     problem: Annotated[
-        str | None, typer.Option("--problem", help="The problem of a PDDL domain.")
+        str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
     ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Write a task as IR JSON, or in the DSL where the output ends in .irc.
+    """Write a task as IR JSON, or in the DSL if the output file ends in .irc.
 
-    An importer writes one task per instance into a folder.
+    An importer writes one task for each instance into a folder.
     """
     from irc.frontends.convert import ConversionUseError, convert_file
 
-    with errors_told(format):
+    with reporting_errors(format):
         try:
             written = convert_file(file, source, output, problem)
         except ConversionUseError as error:
@@ -326,17 +343,19 @@ def convert(
 
 
 def fmt(
-    file: Annotated[str, typer.Argument(help="A task; '-' goes from standard input to output.")],
+    file: Annotated[
+        str, typer.Argument(help="A task; '-' reads standard input and writes standard output.")
+    ],
     check: Annotated[
-        bool, typer.Option("--check", help="Only say whether it would change (status 1).")
+        bool, typer.Option("--check", help="Only report whether the file would change (status 1).")
     ] = False,
     format: FormatOption = Format.text,
 ) -> None:
-    """Put a task file into the one layout of its language, in place; it says what it said."""
+    """Rewrite a task file in the standard layout of its language; its meaning stays the same."""
     from irc.frontends.files import STANDARD_INPUT
     from irc.frontends.layout import lay_out_file
 
-    with errors_told(format):
+    with reporting_errors(format):
         found = lay_out_file(file, check=check)
         if format is Format.json:
             put_json({"file": file, "changed": found.changed, "text": found.laid_out})
@@ -351,18 +370,20 @@ def fmt(
 
 
 def targets(
-    file: Annotated[str | None, typer.Argument(help="A task, to ask why not this file.")] = None,
+    file: Annotated[
+        str | None, typer.Argument(help="A task, to see which targets support it.")
+    ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Show what each target can take, and why not this file."""
+    """Show which features each target supports, and why a target refuses a file."""
     from irc.cli.targets import put_targets
     from irc.driver.compile import later_events
 
-    with errors_told(format):
+    with reporting_errors(format):
         reading = None if file is None else _read(file)
         put_targets(None if reading is None else reading.task, format)
         if reading is not None:
-            tell_notes(later_events(reading.task))
+            print_notes(later_events(reading.task))
 
 
 def schema() -> None:
@@ -374,7 +395,7 @@ def schema() -> None:
 
 
 def lsp() -> None:
-    """Serve an editor: the language server, over standard input and output."""
+    """Run the language server for an editor, over standard input and output."""
     from irc.cli.lsp import run_server
 
     run_server()

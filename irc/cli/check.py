@@ -1,4 +1,4 @@
-"""`irc check`: every diagnostic of one or more files, for people, programs, and CI; repairs."""
+"""`irc check`: every diagnostic of one or more files, for people, programs and CI, and repairs."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from irc.cli.exit_codes import EXIT_INPUT, EXIT_USE
 from irc.cli.output import (
     CheckFormat,
     Format,
-    errors_told,
     fail,
     put,
     put_json,
+    reporting_errors,
     summary,
 )
 from irc.diagnostics import DIAGNOSTICS_VERSION, InputError, Report
 
 
 def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
-    """Checks the files, writes what is to be said of them, and exits with 1 for any error."""
+    """Checks the files, prints their diagnostics, and exits with 1 for any error."""
     plain = Format.text if format is CheckFormat.text else Format.json
     if files.count("-") > 1 or (fix and "-" in files):
         reason = "be rewritten" if fix else "be read twice"
         fail(EXIT_USE, f"standard input cannot {reason}; name a file", plain)
-    with errors_told(plain):
+    with reporting_errors(plain):
         checked = [(file, *_checked(file, fix)) for file in files]
     if format is CheckFormat.sarif:
         from irc.diagnostics.sarif import sarif_log
@@ -41,8 +41,7 @@ def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
 
 
 def _checked(file: str, fix: bool) -> tuple[Report, Report | None]:
-    """The report of a file; where repairs are wanted, that of the repaired file and the repaired
-    findings."""
+    """(the report of a file, None); with `fix`, (the report after repairs, the repaired ones)."""
     from irc.driver.compile import check_task
     from irc.frontends.files import read_task
 

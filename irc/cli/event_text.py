@@ -1,4 +1,4 @@
-"""Events in words: what each change says, in a line a person reads."""
+"""Events in words: a line for people on each change."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ from irc.model.state_values import value_text
 from irc.model.times import Clock, Instant, format_number
 
 NAMES_SHOWN = 8
-"""Of more names the first ones are told, and how many there are besides."""
+"""Longer lists end in "and N more"."""
 
 
 @dataclass(frozen=True)
 class _Unit:
-    """The task's, and its clock."""
+    """The name of a task's time unit, and the task's clock."""
 
     name: str
     clock: Clock
 
 
 def changes_in_words(event: Event, task: Task) -> Iterator[str]:
-    """A line for each change of an event of a task."""
+    """The lines on the changes of an event of a task."""
     unit = _Unit(task.time_unit, task.clock)
     for change in event.changes:
         yield _WORDS[type(change)](change, unit)
@@ -59,7 +59,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def _time(value: Any, unit: _Unit) -> str:
-    """A time as it was written, with the task's unit where it has none of its own."""
+    """The text of a time as it was written, with the task's unit if it has no unit."""
     if isinstance(value, (int, Fraction)):
         return f"{format_number(value)} {unit.name}"
     if isinstance(value, datetime):
@@ -86,7 +86,7 @@ def _set_capacity(change: SetCapacity, unit: _Unit) -> str:
 def _set_deadline(change: SetDeadline, unit: _Unit) -> str:
     of = change.action or change.group
     whose = "the deadline" if of is None else f"the deadline of {of}"
-    return f"{whose} is {'gone' if change.deadline is None else _time(change.deadline, unit)}"
+    return f"{whose} is {'removed' if change.deadline is None else _time(change.deadline, unit)}"
 
 
 def _add_groups(change: AddGroups, _unit: _Unit) -> str:
@@ -108,8 +108,8 @@ def _observe(change: Observe, unit: _Unit) -> str:
         ("started", change.started),
         ("finished", change.finished),
     ]
-    told = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
-    return f"{change.action} {' and '.join(told)}"
+    times = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
+    return f"{change.action} {' and '.join(times)}"
 
 
 _WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(
@@ -128,7 +128,7 @@ _WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(
             f"{change.action} may start from {_time(change.release, unit)} on"
         ),
         AddGroups: _add_groups,
-        CancelGroups: lambda change, _: f"taken back: {listed(change.groups)}",
+        CancelGroups: lambda change, _: f"cancelled groups: {listed(change.groups)}",
         SetGoals: _set_goals,
         SetState: lambda change, _: f"{change.var} has become {value_text(change.value)}",
         AddState: lambda change, _: f"new state variables: {_ids(change.state)}",

@@ -1,4 +1,4 @@
-"""What `irc explain` shows a person: the conflicting lines of the file, or the critical chain."""
+"""The output of `irc explain` for people: the conflicting lines, or the critical chain."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from irc.cli.output import Format, put, put_json
 from irc.diagnostics.source import Source, pointer_text
 from irc.diagnostics.text import excerpt
 from irc.explanation import Explanation
-from irc.explanation.result import Step, Told
+from irc.explanation.result import ChainStep, RenderedStatement
 from irc.model.quantities import Number
 from irc.model.times import format_number
 from irc.schedule import Status
 
 SLACK_ROWS = 60
-"""A longer list of slacks is cut; JSON has all of it."""
+"""Longer lists of slacks end in "and N more"; JSON has all of them."""
 
 
 def hint_for(file: str) -> str:
-    """What `irc solve` says under an infeasible task."""
+    """The hint that `irc solve` prints for an infeasible task."""
     name = "FILE" if file == "-" else shlex.quote(file)
     return f"hint: `irc explain {name}` shows which statements cannot hold together"
 
 
 def put_explanation(explanation: Explanation, format: Format) -> None:
-    """Prints an explanation and ends with the status of what it found."""
+    """Prints an explanation, and exits with the status for what it found."""
     if format is Format.json:
         put_json(explanation.to_dict())
     else:
@@ -54,7 +54,7 @@ def _name(explanation: Explanation) -> str:
 
 
 def _visible(text: str) -> str:
-    """Names are quoted as Python does, which shows control characters; a task's name is not."""
+    """A task's name with control characters made visible (other names are quoted as in Python)."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
@@ -65,43 +65,43 @@ def _infeasible(explanation: Explanation) -> Iterator[str]:
     count = len(explanation.conflict)
     yield f"{_name(explanation)}: no schedule exists"
     if not count and explanation.reason is not None:
-        yield f"that is proven; {explanation.reason}"
+        yield f"this is proven; {explanation.reason}"
         return
     if not count:
-        yield "that is proven; which statements are to blame was not found within the time limit"
+        yield "this is proven; the conflicting statements were not found within the time limit"
         yield "hint: give it more time with --time-limit"
         return
     proven = "without any one of them the others can"
     if not explanation.minimal:
-        proven = "that each is needed was not proven in time"
+        proven = "the time limit ended before irc could prove that each of them is needed"
     yield f"these {count} statements cannot hold together; {proven}:"
     yield ""
     if explanation.source is not None and all(t.offset is not None for t in explanation.conflict):
         yield from _snippet(explanation.source, explanation.conflict)
     else:
-        yield from (_listed(told) for told in explanation.conflict)
+        yield from (_listed(statement) for statement in explanation.conflict)
     if explanation.reason is not None:
         yield ""
         yield f"because {explanation.reason}"
 
 
-def _listed(told: Told) -> str:
-    return f"  {told.text}  ({pointer_text(told.pointer)})"
+def _listed(statement: RenderedStatement) -> str:
+    return f"  {statement.text}  ({pointer_text(statement.pointer)})"
 
 
-def _snippet(source: Source, conflict: Iterable[Told]) -> Iterator[str]:
-    """The lines of the text, each with what it states under its place."""
+def _snippet(source: Source, conflict: Iterable[RenderedStatement]) -> Iterator[str]:
+    """The lines of the text, each with its conflicting statements under their places."""
     placed = sorted(conflict, key=lambda t: (t.line or 0, t.column or 0))
     width = len(str(placed[-1].line))
     yield f"{'':{width}}--> {_visible(source.name)}"
     for line, on_line in groupby(placed, key=lambda t: t.line):
-        told = list(on_line)
-        text, first = excerpt(source.line_at(told[0].offset or 0), (told[0].column or 1) - 1)
-        shift = first - ((told[0].column or 1) - 1)
+        statements = list(on_line)
+        begin = (statements[0].column or 1) - 1
+        text, first = excerpt(source.line_at(statements[0].offset or 0), begin)
         yield f"{line:>{width}} | {text}"
-        for t in told:
-            column = min((t.column or 1) - 1 + shift, len(text))
-            yield f"{'':{width}} | {'':{column}}^ {t.text}"
+        for statement in statements:
+            column = min((statement.column or 1) - 1 + first - begin, len(text))
+            yield f"{'':{width}} | {'':{column}}^ {statement.text}"
 
 
 # --- a schedule ---------------------------------------------------------------------------------
@@ -114,7 +114,7 @@ def _feasible(explanation: Explanation) -> Iterator[str]:
     optimal = "optimal" if explanation.status is Status.OPTIMAL else "not proven optimal"
     yield f"{_name(explanation)}: makespan {makespan} {unit}, {optimal}"
     if explanation.chain is None:
-        yield "no chain takes up all of it: the schedule could end earlier as it stands"
+        yield "no critical chain: this schedule could end earlier in the same order"
     elif explanation.chain:
         yield "it is as long as this chain:"
         yield ""
@@ -126,12 +126,12 @@ def _feasible(explanation: Explanation) -> Iterator[str]:
         yield from _slack(explanation, unit)
 
 
-def _chain(chain: Sequence[Step]) -> Iterator[str]:
+def _chain(chain: Sequence[ChainStep]) -> Iterator[str]:
     times = [_span(step.start, step.end) for step in chain]
     width = max(map(len, times))
     for time, step in zip(times, chain, strict=True):
-        line = "" if step.told.line is None else f"  (line {step.told.line})"
-        yield f"  {time:>{width}}  {step.told.text}{line}"
+        line = "" if step.statement.line is None else f"  (line {step.statement.line})"
+        yield f"  {time:>{width}}  {step.statement.text}{line}"
 
 
 def _span(start: Number, end: Number) -> str:
@@ -141,7 +141,7 @@ def _span(start: Number, end: Number) -> str:
 
 
 def _slack(explanation: Explanation, unit: str) -> Iterator[str]:
-    """Those that can wait, by how long; the others are named together."""
+    """A line on the critical actions, then a line on each other action, by slack."""
     slack = explanation.slack
     critical = [repr(name) for name, value in slack.items() if not value]
     yield f"critical, so none can start later: {', '.join(critical) or 'none'}"
@@ -151,4 +151,4 @@ def _slack(explanation: Explanation, unit: str) -> Iterator[str]:
     for value, name in waiting[:SLACK_ROWS]:
         yield f"  {name!r} can start up to {format_number(value)} {unit} later"
     if len(waiting) > SLACK_ROWS:
-        yield f"  … and {len(waiting) - SLACK_ROWS} more"
+        yield f"  and {len(waiting) - SLACK_ROWS} more"

@@ -1,4 +1,4 @@
-"""`irc explain-code`: what a diagnostic means, from the catalogue."""
+"""`irc explain-code`: explains a diagnostic from the catalogue."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from textwrap import fill
 from irc.cli.exit_codes import EXIT_USE
 from irc.cli.output import Format, fail, put, put_json
 from irc.diagnostics import did_you_mean
-from irc.diagnostics.catalogue import Entry, load_catalogue, load_families
+from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue, load_families
 
 CODES_VERSION = "1"
 
@@ -17,7 +17,7 @@ _LOOKALIKES = str.maketrans("OLS", "015", "- _")
 
 
 def put_code(code: str, format: Format) -> None:
-    """Shows one code: "IRC201", in any case, or its number alone."""
+    """Prints the explanation of one code: "IRC201" in upper or lower case, or its number alone."""
     entries = load_catalogue()
     id = code.strip().upper()
     id = f"IRC{id.removeprefix('IRC')}"
@@ -33,7 +33,7 @@ def put_code(code: str, format: Format) -> None:
 
 
 def put_codes(format: Format) -> None:
-    """Shows all codes: a line on each."""
+    """Prints a list of all codes, a line on each."""
     if format is Format.json:
         entries = [entry.to_dict() for entry in load_catalogue().values()]
         put_json({"irc_codes": CODES_VERSION, "codes": entries})
@@ -42,20 +42,20 @@ def put_codes(format: Format) -> None:
     for family in load_families():
         rows = [f"  {e.code.id}  {e.code.severity:8}{e.code.summary}" for e in family.entries]
         blocks.append("\n".join([family.title, *rows]))
-    put("\n\n".join([*blocks, "`irc explain-code IRC201` tells more of one."]))
+    put("\n\n".join([*blocks, "`irc explain-code IRC201` explains one of them."]))
 
 
-def _in_words(entry: Entry) -> str:
+def _in_words(entry: CatalogueEntry) -> str:
     code = entry.code
     parts = [f"{code.severity}[{code.id}]: {code.summary}", fill(entry.explanation, _WIDTH)]
     parts.append(fill(f"What to do: {entry.remedy}.", _WIDTH))
     for name, text in entry.files.items():
         parts.append(f"With this {name}\n\n{_indented(text)}")
     parts += [f"after `{command}`," for command in entry.before]
-    source = f"what {entry.printed_by} prints" if entry.printed_by else entry.file
+    source = f"printed by {entry.printed_by}" if entry.printed_by else entry.file
     saved = "" if entry.encoding == "utf-8" else f", saved as {entry.encoding.upper()}"
     parts.append(f"Bad ({source}{saved}):\n\n{_indented(entry.bad)}")
-    parts.append(f"`{entry.command}` says:\n\n{_indented(entry.told)}")
+    parts.append(f"`{entry.command}` prints:\n\n{_indented(entry.output)}")
     parts.append(f"Good:\n\n{_indented(entry.good)}")
     return "\n\n".join(parts)
 

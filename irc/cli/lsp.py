@@ -1,4 +1,4 @@
-"""`irc lsp`: the language server, if the extra it needs is installed."""
+"""`irc lsp`: the language server, if the extra `lsp` is installed."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from irc.cli.output import Format, fail
 
 
 def run_server() -> None:
-    """Serves an editor over standard input and output until it goes."""
+    """Serves an editor over standard input and output until the editor ends."""
     if find_spec("pygls") is None:
         fail(
             EXIT_ENGINE,
             "the language server needs the extra `lsp`: pip install 'irc-compiler[lsp]'",
             Format.text,
         )
-    # Other commands end before rubbish matters; this one stays.
+    # Other commands end before garbage matters; this one goes on.
     gc.set_threshold(20_000, 10, 10)
-    # Nothing is to be put in order, and a thread that waits for input cannot be woken.
+    # There is nothing to clean up, and a thread that waits for input cannot be woken.
     signal.signal(signal.SIGTERM, lambda number, _frame: os._exit(128 + number))
     from irc.lsp.server import serve_standard_streams
 

@@ -1,4 +1,4 @@
-"""The time that an option names."""
+"""Reads the time in an option."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from irc.model.times import parse_instant
 
 
 def moment_of(task: Task, at: str, format: Format) -> Number:
-    """The time that --at names, in the task's unit; ends with wrong use where it names none."""
+    """The time in --at, in the task's unit; exits with wrong use if it is not a time."""
     try:
         moment = task.number(parse_instant(at))
     except TimeError as error:
         fail(EXIT_USE, f"--at {at}: {error}", format)
     if moment < 0:
-        fail(EXIT_USE, f"--at {at}: the task begins at 0, so nothing can happen before", format)
+        fail(EXIT_USE, f"--at {at}: the task begins at 0; give a time of 0 or later", format)
     return moment

@@ -1,4 +1,4 @@
-"""The commands that follow a task while it runs. Their bodies are loaded when they run."""
+"""The commands for running tasks. Their modules are imported when they run."""
 
 from __future__ import annotations
 
@@ -26,16 +26,18 @@ from irc.cli.output import Format
 def replan(
     file: FileArgument,
     schedule: Annotated[
-        str, typer.Option("--schedule", "-s", help="The schedule in force; '-': standard input.")
+        str, typer.Option("--schedule", "-s", help="The schedule in force; '-' is standard input.")
     ],
-    at: Annotated[str, typer.Option("--at", metavar="TIME", help='When: 12, "2 min", "1/3", …')],
+    at: Annotated[
+        str, typer.Option("--at", metavar="TIME", help='The present time: 12, "2 min", "1/3", …')
+    ],
     event: Annotated[
         list[str] | None,
         typer.Option(
             "--event",
             metavar="EVENT",
-            help="A file with an event or several, JSON or DSL ('-': standard input), or #id for "
-            "one of the task's own; as often as needed. Without it: the task's own at that time.",
+            help="A file with one or more events, JSON or DSL ('-' is standard input), or #id for "
+            "an event of the task. Repeat it for more. Without it: the task's events at TIME.",
         ),
     ] = None,
     target: TargetOption = "cpsat",
@@ -48,16 +50,18 @@ def replan(
     output: OutOption = None,
     task_output: Annotated[
         Path | None,
-        typer.Option("--task-output", help="Where to write the task as the events revise it."),
+        typer.Option("--task-output", help="The file for the task as the events revise it."),
     ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Plan the rest of a running schedule again, after what has happened at a time."""
-    from irc.cli.planning import Planning
+    """Plan the rest of a running schedule again, after events at a time."""
     from irc.cli.replan import replan_file
+    from irc.targets import SolveOptions
 
-    planning = Planning(target, engine, time_limit, memory_limit, seed, workers, stability)
-    replan_file(file, schedule, at, event or [], planning, output, task_output, format)
+    options = SolveOptions(
+        target, engine, time_limit, memory_limit, workers, seed, stability=stability
+    )
+    replan_file(file, schedule, at, event or [], options, output, task_output, format)
 
 
 def simulate(
@@ -80,17 +84,22 @@ def simulate(
     format: FormatOption = Format.text,
 ) -> None:
     """Run a task through all of its own events, planning again after each."""
-    from irc.cli.planning import Planning
     from irc.cli.simulate import simulate_file
+    from irc.targets import SolveOptions
 
-    planning = Planning(target, engine, time_limit, memory_limit, seed, workers, stability)
-    simulate_file(file, schedule, planning, output, steps, format)
+    options = SolveOptions(
+        target, engine, time_limit, memory_limit, workers, seed, stability=stability
+    )
+    simulate_file(file, schedule, options, output, steps, format)
 
 
 def run(
     file: FileArgument,
     stdio: Annotated[
-        bool, typer.Option("--stdio", help="Requests from standard input, answers to output.")
+        bool,
+        typer.Option(
+            "--stdio", help="Read requests from standard input, answer on standard output."
+        ),
     ] = False,
     schedule: Annotated[
         str | None,
@@ -98,7 +107,7 @@ def run(
     ] = None,
     journal: Annotated[
         Path | None,
-        typer.Option("--journal", "-j", help="Where to keep what was accepted, for a restart."),
+        typer.Option("--journal", "-j", help="The file for accepted requests, for a restart."),
     ] = None,
     target: TargetOption = "cpsat",
     engine: EngineOption = "auto",
@@ -108,9 +117,11 @@ def run(
     workers: WorkersOption = None,
     stability: StabilityOption = Fraction(0),
 ) -> None:
-    """Hold a running task open: a JSON request on each line in, an answer on each line out."""
-    from irc.cli.planning import Planning
+    """Serve a running task: read a JSON request on each line, print an answer on each line."""
     from irc.cli.run import run_file
+    from irc.targets import SolveOptions
 
-    planning = Planning(target, engine, time_limit, memory_limit, seed, workers, stability)
-    run_file(file, stdio, schedule, journal, planning)
+    options = SolveOptions(
+        target, engine, time_limit, memory_limit, workers, seed, stability=stability
+    )
+    run_file(file, stdio, schedule, journal, options)

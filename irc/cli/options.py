@@ -13,24 +13,28 @@ from irc.cli.output import Format
 FileArgument = Annotated[
     str, typer.Argument(help="A task: JSON, the DSL, or English; '-' is standard input.")
 ]
-FormatOption = Annotated[Format, typer.Option("--format", help="How to answer.")]
-OutOption = Annotated[Path | None, typer.Option("-o", "--output", help="Where to write.")]
+FormatOption = Annotated[Format, typer.Option("--format", help="The format of the output.")]
+OutOption = Annotated[
+    Path | None, typer.Option("-o", "--output", help="The file or folder to write.")
+]
 
 TargetOption = Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")]
-EngineOption = Annotated[str, typer.Option("--engine", "-e", help="One of the target's.")]
+EngineOption = Annotated[str, typer.Option("--engine", "-e", help="An engine of the target.")]
 TimeLimitOption = Annotated[
     float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds, all engines together.")
 ]
 MemoryLimitOption = Annotated[
-    int | None, typer.Option(min=16, max=2**30, help="MB for the engine.")
+    int | None, typer.Option(min=16, max=2**30, help="Memory limit of the engine in MB.")
 ]
-SeedOption = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="For engines that draw.")]
+SeedOption = Annotated[
+    int, typer.Option(min=0, max=2**31 - 1, help="Random seed, for engines that have one.")
+]
 WorkersOption = Annotated[
     int | None, typer.Option(min=1, max=10_000, help="Threads of the engine.")
 ]
 
 StepTimeLimitOption = Annotated[
-    float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for each planning.")
+    float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for each step.")
 ]
 
 
@@ -49,6 +53,6 @@ StabilityOption = Annotated[
     typer.Option(
         parser=_share,
         metavar="FRACTION",
-        help="How much worse the objective may get so that less moves: 0.05 or 5%.",
+        help="How much worse the last objective may get so that fewer move: 0.05 or 5%.",
     ),
 ]

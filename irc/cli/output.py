@@ -1,4 +1,4 @@
-"""What every command shares: where output goes, and how errors end the process."""
+"""Output and errors of every command: standard output, standard error, exit codes."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from irc.diagnostics.source import Source
 
 
 class Format(StrEnum):
-    """How a command answers."""
+    """The output format of a command."""
 
     text = "text"
     json = "json"
 
 
 class CheckFormat(StrEnum):
-    """How `irc check` answers."""
+    """The output format of `irc check`."""
 
     text = "text"
     json = "json"
@@ -30,12 +30,12 @@ class CheckFormat(StrEnum):
 
 
 def say(text: str) -> None:
-    """A message for people, on standard error."""
+    """Prints a message for people on standard error."""
     print(_writable(text, sys.stderr), file=sys.stderr)
 
 
 def put(text: str) -> None:
-    """A result, on standard output."""
+    """Prints a result on standard output."""
     sys.stdout.write(_writable(text if text.endswith("\n") else text + "\n", sys.stdout))
     sys.stdout.flush()
 
@@ -46,21 +46,21 @@ def _writable(text: str, stream: Any) -> str:
 
 
 def put_json(document: Any) -> None:
-    """A JSON document, alone on standard output."""
+    """Prints a JSON document on standard output, which has nothing else."""
     encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower().replace("-", "")
     put(json.dumps(document, indent=2, ensure_ascii=encoding != "utf8", allow_nan=False))
 
 
 def summary(report: Report) -> str:
-    """ "2 errors, 1 warning" in words; empty where there is nothing."""
+    """The counts of a report in words: "2 errors, 1 warning"; empty without findings."""
     counts = {s: sum(d.severity is s for d in report) for s in Severity}
     return ", ".join(f"{n} {s}{'s' if n != 1 else ''}" for s, n in counts.items() if n)
 
 
-def tell_notes(notes: Iterable[Diagnostic], source: Source | None = None) -> None:
-    """Shows what was found on the way to a good answer, on standard error.
+def print_notes(notes: Iterable[Diagnostic], source: Source | None = None) -> None:
+    """Prints the notes beside an answer on standard error.
 
-    Without a `source` those have a place that carry their own.
+    Without a `source`, only notes that carry their own source show their place.
     """
     shown = Report(tuple(notes), source).render()
     if shown:
@@ -68,7 +68,7 @@ def tell_notes(notes: Iterable[Diagnostic], source: Source | None = None) -> Non
 
 
 def fail(code: int, message: str, format: Format) -> NoReturn:
-    """Ends the process with one message."""
+    """Exits with a code and one message."""
     if format is Format.json:
         put_json({"irc_error": DIAGNOSTICS_VERSION, "exit": code, "message": message})
     say(f"error: {message}")
@@ -76,8 +76,8 @@ def fail(code: int, message: str, format: Format) -> NoReturn:
 
 
 @contextmanager
-def errors_told(format: Format) -> Iterator[None]:
-    """Turns the project's errors into messages and exit codes; nothing ends in a traceback."""
+def reporting_errors(format: Format) -> Iterator[None]:
+    """Turns irc's errors into messages and exit codes, so that none ends in a traceback."""
     from irc.driver.files import WriteError
     from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 

@@ -1,7 +1,7 @@
-"""A page of text on a console: its width, its characters, and how times are written on it.
+"""A page of text on a console: its width, its characters, and the format of times.
 
-Names are shown as data: never read as markup, control characters made visible, and what the
-console's encoding lacks written as escapes.
+Names are shown as data: they are never read as markup, control characters are made visible, and
+characters that the console's encoding lacks are written as escapes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from irc.model.quantities import Number
 from irc.model.times import format_number, unit_seconds
 
 PIPED_WIDTH = 100
-"""Columns where standard output is no terminal and nothing else says how many."""
+"""The number of columns if standard output is not a terminal and `COLUMNS` is not set."""
 
 
 def answer_console() -> Console:
@@ -39,7 +39,7 @@ def print_lines(page: Page, console: Console, lines: Iterable[Text]) -> None:
 
 
 class Kind(NamedTuple):
-    """How bars of one kind look; each character is one cell wide."""
+    """The characters and styles of one kind of bars; each character is one cell wide."""
 
     fill: str
     edge: str
@@ -101,7 +101,7 @@ _ASCII = Glyphs(
 
 
 class Page:
-    """Where an answer is shown: how wide it is and which characters it can take."""
+    """The width of the output, and the characters that its encoding has."""
 
     def __init__(self, console: Console) -> None:
         self.width = console.width
@@ -113,7 +113,9 @@ class Page:
         return text.encode(self.encoding, "backslashreplace").decode(self.encoding)
 
     def visible(self, name: str) -> str:
-        """A name on one line: nothing in it moves the cursor, is unseen or cannot be written."""
+        """A name on one line, without characters that move the cursor, are invisible or that the
+        encoding lacks.
+        """
         if name.isascii() and name.isprintable() and name == name.strip():
             return name
         shown = self._encodable(
@@ -122,7 +124,7 @@ class Page:
         return shown if shown == shown.strip() else f'"{shown}"'
 
     def fit(self, text: str, width: int) -> str:
-        """At most `width` cells of a text: its two ends, where names differ, and a mark between."""
+        """At most `width` cells of a text: its two ends with a mark between them."""
         if cell_len(text) <= width:
             return text
         room = width - len(self.glyphs.more)
@@ -138,7 +140,7 @@ class Page:
 
 
 _JOINERS = frozenset("\u200d\ufe0e\ufe0f")
-"""They ask for one glyph in place of two, and terminals do not agree on how wide that is."""
+"""Characters that join two glyphs to one; terminals differ in the width of such a glyph."""
 
 
 def _escape(character: str) -> str:
@@ -156,13 +158,13 @@ def natural(name: str) -> tuple[tuple[int, str], ...]:
 
 
 def grouped(value: Number) -> str:
-    """Exact text with thousands set apart: "58,000,000", "1,000.5", "1/3"."""
+    """The exact text of a number with groups of thousands: "58,000,000", "1,000.5", "1/3"."""
     sign, digits, rest = re.fullmatch(r"(-?)(\d+)(.*)", format_number(value)).groups()  # type: ignore[union-attr]
     return f"{sign}{int(digits):,}{rest}"
 
 
 def with_unit(value: Number, unit: str) -> str:
-    """ "1,000 min"."""
+    """The text of a number with its unit: "1,000 min"."""
     return f"{grouped(value)} {unit}"
 
 
@@ -171,13 +173,13 @@ SECONDS = dict(UNITS)
 
 
 def seconds_in(unit: str) -> Fraction | None:
-    """None where it is not known for certain: a month has as many days as its task says."""
+    """The seconds of a unit; None for a unit of several lengths, such as a month."""
     fewest, most = unit_seconds(unit, 28), unit_seconds(unit, 31)
     return fewest if fewest == most else None
 
 
 def time_in_words(page: Page, value: Number, unit: str) -> str:
-    """The exact value, and the same in greater units where they make it easier to grasp."""
+    """The text of a time, with the same time in larger units if they are easier to read."""
     shown, seconds = with_unit(value, unit), seconds_in(unit)
     if seconds is None:
         return shown
@@ -189,7 +191,7 @@ def time_in_words(page: Page, value: Number, unit: str) -> str:
             rest %= length
     if not parts or seconds >= SECONDS[parts[0][1]]:
         return shown
-    told = [f"{number} {name}" for number, name in parts if number]
-    if rest or len(told) > 3:
-        return f"{shown} ({page.glyphs.about}{' '.join(told[:2])})"
-    return f"{shown} ({' '.join(told)})"
+    words = [f"{number} {name}" for number, name in parts if number]
+    if rest or len(words) > 3:
+        return f"{shown} ({page.glyphs.about}{' '.join(words[:2])})"
+    return f"{shown} ({' '.join(words)})"

@@ -1,17 +1,14 @@
-"""What the online commands share: how to plan, and what they read beside the task."""
+"""Shared parts of the online commands: how they plan, and the inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 
 from irc.checks import run_checks
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
-from irc.cli.output import Format, fail, tell_notes
+from irc.cli.output import Format, fail, print_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
-from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
 from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json.document import read_document
@@ -22,81 +19,57 @@ from irc.schedule import Schedule, Status, schedule_from_json
 from irc.targets import SolveOptions, get_backend
 
 
-@dataclass(frozen=True)
-class Planning:
-    """The options that say how the rest of a task is planned, each time that it is."""
+def require_engine(options: SolveOptions) -> None:
+    """Raises `UnknownTarget` if there is no such target or engine."""
+    get_backend(options.target).engine(options.engine)
 
-    target: str
-    engine: str
-    time_limit: float
-    memory_limit: int | None
-    seed: int
-    workers: int | None
-    stability: Fraction
 
-    @property
-    def options(self) -> SolveOptions:
-        """The same for the library."""
-        return SolveOptions(
-            self.target,
-            self.engine,
-            self.time_limit,
-            self.memory_limit,
-            self.workers,
-            self.seed,
-            stability=self.stability,
-        )
+def execution_of(
+    task: Task,
+    schedule: Schedule,
+    options: SolveOptions,
+    at: Number = 0,
+    source: Source | None = None,
+) -> Execution:
+    """The execution of a task by a schedule (read from `source`, if given), as of `at`.
 
-    def require_engine(self) -> None:
-        """Raises `UnknownTarget` where there is no such target or engine, before it is needed."""
-        get_backend(self.target).engine(self.engine)
-
-    def execution(
-        self, task: Task, schedule: Schedule, at: Number = 0, source: Source | None = None
-    ) -> Execution:
-        """The task in execution by a schedule (read from `source`, if it was), as of `at`.
-
-        Raises `InputError` where the schedule does not fit the task.
-        """
-        try:
-            return Execution(task, schedule, at, options=self.options)
-        except InputError as error:
-            raise InputError(Report(error.report.diagnostics, source)) from None
-
-    def first_schedule(self, task: Task) -> Schedule:
-        """The best schedule of a task of which nothing has run yet, and no event is known."""
-        return solve_task(task, self.target, self.engine, self.options.limits).schedule
+    Raises `InputError` if the schedule does not fit the task.
+    """
+    try:
+        return Execution(task, schedule, at, options=options)
+    except InputError as error:
+        raise InputError(Report(error.report.diagnostics, source)) from None
 
 
 def one_standard_input(format: Format, *names: str | None) -> None:
-    """Ends with wrong use where more than one of the inputs is standard input."""
+    """Exits with wrong use if more than one of the inputs is standard input."""
     if sum(name == STANDARD_INPUT for name in names) > 1:
         fail(EXIT_USE, "only one of the inputs can be standard input", format)
 
 
 def read_schedule(path: str) -> tuple[Schedule, Source]:
-    """The schedule in a file, and its text. Raises `InputError`, also where it holds no plan."""
+    """The schedule in a file, and its text. Raises `InputError`, also for one without entries."""
     document = read_document(*read_text(path))
     schedule = schedule_from_json(document.content, document.source)
     if not schedule.answered:
         raise _unsuited(
-            f"there is no plan in this schedule: its status is {schedule.status}",
+            f"this schedule has no plan: its status is {schedule.status}",
             "status",
-            "give the schedule that was in force before",
+            "give the previous schedule",
             document.source,
         )
     return schedule, document.source
 
 
 def require_task(schedule: Schedule, source: Source, task: Task) -> None:
-    """Raises `InputError` where a schedule says that it is of another task."""
+    """Raises `InputError` if a schedule belongs to another task."""
     if schedule.task_sha256 in (None, task_sha256(task)):
         return
     raise _unsuited(
         "this schedule was made for another task, or the task has changed since",
         "task_sha256",
-        "give the task it was made for (`irc replan --task-output` writes the one in force), "
-        "or remove 'task_sha256' from the schedule to go on all the same",
+        "give the task that it was made for (`irc replan --task-output` writes the task in force), "
+        "or remove 'task_sha256' from the schedule to continue all the same",
         source,
     )
 
@@ -106,20 +79,20 @@ def _unsuited(message: str, field: str, hint: str, source: Source) -> InputError
 
 
 def schedule_to_begin_with(path: str, task: Task) -> tuple[Schedule, Source]:
-    """The schedule in a file, which must be one of the task. Raises `InputError`."""
+    """The schedule in a file, which must belong to the task. Raises `InputError`."""
     schedule, source = read_schedule(path)
     require_task(schedule, source, task)
     return schedule, source
 
 
 def read_sound_task(file: str, format: Format) -> Task:
-    """The task in a file; notes on its text are told. Raises `InputError` for its faults.
+    """The task in a file; prints notes on its text. Raises `InputError` for its faults.
 
-    Whether all of it can still be scheduled is not judged: that is what planning finds.
+    Whether the task has a schedule is not checked here: planning finds that.
     """
     reading = read_task(file)
     if format is Format.text:
-        tell_notes(reading.notes, reading.task.source)
+        print_notes(reading.notes, reading.task.source)
     report = run_checks(reading.task, lint=False).report
     if any(not d.code.id.startswith("IRC3") for d in report.errors):
         raise InputError(report)
@@ -127,7 +100,7 @@ def read_sound_task(file: str, format: Format) -> Task:
 
 
 def end_with(statuses: Sequence[Status]) -> None:
-    """Ends the process where a planning found no schedule: the first one that did not counts."""
+    """Exits if a step found no schedule, with the code for the first such step."""
     import sys
 
     for status in statuses:

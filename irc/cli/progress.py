@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress_shown(task: Task) -> Iterator[OnProgress | None]:
-    """A callback for engines that keeps the line current; None where nobody would see it."""
+    """A callback for engines that updates the line; None if standard error is not a terminal."""
     if not sys.stderr.isatty():
         yield None
         return

@@ -1,7 +1,7 @@
-"""What `irc solve` shows a person: a headline, a table of the actions, and a Gantt chart in text.
+"""The output of `irc solve` for people: a headline, a table of the actions, and a Gantt chart.
 
-Everything is laid out here in terminal cells, so that no line is wider than the console and the
-same text is good in a pipe.
+Widths are counted in terminal cells, so that no line is wider than the console and the same text
+can go into a pipe.
 """
 
 from __future__ import annotations
@@ -50,30 +50,30 @@ if TYPE_CHECKING:
     from irc.driver.judge import Answer
 
 CHART_ROWS = 40
-"""A chart with more rows is cut; every resource keeps its fair share."""
+"""A chart with more rows is cut; every resource keeps its share of the rows."""
 
 HUMAN_SPAN = 10_000
-"""From this many time units on, an axis counts in minutes, hours or days, if the unit allows."""
+"""A longer axis counts in minutes, hours or days, if the unit allows."""
 
 _WIDEST_NAME = 28
 """Cells for a name beside the chart or beside a bar."""
 
 
 def print_answer(answer: Answer, console: Console) -> None:
-    """Prints an answer for people: what was found and proved, every action, and the chart.
+    """Prints an answer for people: the status and objective values, every action, and the chart.
 
-    Lines are at most as wide as the console. Colours appear on terminals only; where its encoding
-    has no box and block characters, ASCII takes their place.
+    Lines are at most as wide as the console. Colours appear only on terminals. If the encoding has
+    no box and block characters, ASCII characters replace them.
     """
     page = Page(console)
     schedule, problem = answer.schedule, answer.problem
-    told = [*_headline(page, problem, schedule)]
+    lines = [*_headline(page, problem, schedule)]
     try:
         slack: dict[str, int] | None = slacks(problem, schedule)
     except AnswerError as error:
         slack = None
-        told.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
-    print_lines(page, console, (line for text in told for line in text.wrap(console, page.width)))
+        lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
+    print_lines(page, console, (line for text in lines for line in text.wrap(console, page.width)))
     if not schedule.entries:
         return
     for block in (_table, _chart):
@@ -126,7 +126,7 @@ def _status(page: Page, schedule: Schedule) -> str:
 
 
 def _gap(schedule: Schedule) -> str:
-    """How far the first objective that is not proved may be from the best there is."""
+    """The gap between the first objective that is not proven optimal and its bound, in words."""
     for value in schedule.objective:
         if value.bound is None:
             return " (no bound known)"
@@ -224,9 +224,9 @@ def _columns(
 
 
 class _Bar(NamedTuple):
-    """An action in the chart, in ticks; `labels` are what to call it, first choice first.
+    """An action in the chart, in ticks; `labels` are its possible labels, the best one first.
 
-    `critical` is None where slack is not known.
+    `critical` is None if slack is not known.
     """
 
     start: Number
@@ -241,7 +241,7 @@ _Lanes = list[list[_Bar]]
 def _chart(
     page: Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> Iterator[Text]:
-    """A row for each resource, more where its users overlap, and rows for what needs none."""
+    """The lines of the chart: rows for each resource, then rows for actions without a resource."""
     held, free = _bars(page, problem, schedule, slack)
     names = sorted(held, key=natural)
     capacity = {resource.id: resource.capacity for resource in problem.resources}
@@ -276,7 +276,7 @@ def _chart(
 def _bars(
     page: Page, problem: Problem, schedule: Schedule, slack: dict[str, int] | None
 ) -> tuple[dict[str, list[_Bar]], list[_Bar]]:
-    """The bars of each resource, and those that hold none; both by start."""
+    """(the bars of each resource, the bars without a resource), both by start."""
     held: dict[str, list[_Bar]] = {}
     free: list[_Bar] = []
     for entry in schedule.entries:
@@ -297,12 +297,12 @@ def _bars(
 
 
 def _lanes_by_time(bars: Iterable[_Bar]) -> _Lanes:
-    """As few lanes as there are bars at once (interval partitioning)."""
+    """The fewest lanes on which no bars overlap (interval partitioning)."""
     return _lanes((bar.start, bar.end, bar) for bar in bars)
 
 
 def _lanes(placed: Iterable[tuple[Number, Number, _Bar]]) -> _Lanes:
-    """Lanes on which nothing overlaps, from (first, end, bar) by first; low lanes fill first."""
+    """Lanes on which nothing overlaps, from (first, end, bar) in order; low lanes fill first."""
     lanes: _Lanes = []
     busy: list[tuple[Number, int]] = []
     free: list[int] = []
@@ -320,14 +320,14 @@ def _lanes(placed: Iterable[tuple[Number, Number, _Bar]]) -> _Lanes:
 
 
 class _Axis(NamedTuple):
-    """The ticks that are drawn over `width` cells, and the cells that have a label."""
+    """A time axis: the ticks that it covers, its width in cells, and the cells with a label."""
 
     span: Number
     width: int
     labels: list[tuple[int, str]]
 
     def column(self, time: Number) -> int:
-        """The cell at whose left edge a time is, rounded half up; the same for the same time."""
+        """The cell whose left edge is nearest to a time, rounded half up."""
         if not self.span:
             return 0
         over = time.numerator * self.span.denominator
@@ -341,7 +341,7 @@ class _Axis(NamedTuple):
 
 
 def _lanes_with_labels(page: Page, bars: list[_Bar], axis: _Axis, rows: int) -> _Lanes:
-    """Lanes with room for every label inside or beside its bar, if there are rows for that."""
+    """Lanes with room for every label inside or beside its bar, if there are enough rows."""
     if len(bars) > rows * axis.width:
         return _lanes_by_time(bars)
     placed: list[tuple[Number, Number, _Bar]] = []
@@ -360,12 +360,12 @@ def _lanes_with_labels(page: Page, bars: list[_Bar], axis: _Axis, rows: int) -> 
 
 
 def _fits_inside(label: str, cells: range) -> bool:
-    """Behind the edge, which tells the kind of the bar."""
+    """Whether a label fits into a bar behind the edge, which shows the kind of the bar."""
     return cell_len(label) < len(cells)
 
 
 def _shares(wanted: Sequence[int], limit: int) -> list[int]:
-    """How many rows each gets: all that it wants, or a fair share of the limit."""
+    """The number of rows for each: as many as it wants, or its share of the limit."""
     if sum(wanted) <= limit:
         return list(wanted)
     level = max(most for most in range(limit + 1) if sum(min(w, most) for w in wanted) <= limit)
@@ -381,7 +381,7 @@ def _shares(wanted: Sequence[int], limit: int) -> list[int]:
 class _Row:
     """A row of the chart: a text and a style for each cell, bars and the labels of bars.
 
-    A cell into which several bars fall says so.
+    A cell that several bars share has a mark of its own.
     """
 
     def __init__(self, page: Page, axis: _Axis, lane: list[_Bar]) -> None:
@@ -397,7 +397,7 @@ class _Row:
         taken = Counter(cell for _, span in spans for cell in span)
         self.crowds = [cell for cell, bars in taken.items() if bars > 1]
         self.kinds = {(bar.critical, bar.start == bar.end) for bar in lane}
-        # Those that matter most come last, so that a cell they share has their colour.
+        # Critical bars come last, so that a shared cell has their colour.
         for bar, span in sorted(spans, key=lambda item: bool(item[0].critical)):
             self._bar(bar, span)
         for cell in self.crowds:
@@ -407,7 +407,7 @@ class _Row:
                 self._label(bar, span)
 
     def text(self) -> Text:
-        """The row, neighbours of one style together."""
+        """The row as text, with neighbouring cells of one style joined."""
         row = Text()
         start = 0
         for cell in range(1, self.width + 1):
@@ -417,7 +417,7 @@ class _Row:
         return row
 
     def _bar(self, bar: _Bar, span: range) -> None:
-        """Draws a bar, or the mark of something that takes no time."""
+        """Draws a bar, or the mark of a milestone."""
         kind = self._kind(bar)
         for cell in span:
             self._put(cell, kind.fill if cell > span.start else kind.edge, kind.style)
@@ -428,7 +428,7 @@ class _Row:
         return self.page.glyphs.critical if bar.critical else self.page.glyphs.slack
 
     def _label(self, bar: _Bar, span: range) -> None:
-        """Names a bar inside it, else right or left of it, else as far as there is room inside."""
+        """Writes a label inside the bar, else right or left of it, else cut inside the bar."""
         for label in bar.labels:
             if _fits_inside(label, span):
                 self._inside(bar, span, label)
@@ -450,7 +450,7 @@ class _Row:
         self._write(first, padded, self._kind(bar).label_style)
 
     def _is_free(self, first: int, length: int) -> bool:
-        """Whether a text may stand there, inside the chart, with a space on either side."""
+        """Whether a text fits there, inside the chart, with a space on either side."""
         end = first + length
         return first >= 0 and end <= self.width and self.used.isdisjoint(range(first - 1, end + 1))
 
@@ -459,7 +459,7 @@ class _Row:
         self.used.add(cell)
 
     def _write(self, first: int, text: str, style: str) -> None:
-        """A text as one piece: it stands in its first cell, the others stay empty."""
+        """Writes a text into its first cell; its other cells become empty."""
         end = first + cell_len(text)
         for cell in {first - 1, end} & set(range(self.width)) - self.used:
             self.shown[cell] = " "
@@ -469,7 +469,7 @@ class _Row:
 
 
 def _legend(page: Page, rows: list[_Row]) -> Text:
-    """What the marks stand for, of those that were used."""
+    """The legend of the marks that the rows use."""
     kinds = {kind for row in rows for kind in row.kinds}
     critical, slack = page.glyphs.critical, page.glyphs.slack
     marks = (
@@ -489,7 +489,7 @@ def _legend(page: Page, rows: list[_Row]) -> Text:
 # --- time axis ----------------------------------------------------------------------------------
 
 _CLOCK_STEPS = {60: (1, 2, 5, 10, 15, 30, 60, 120, 240), 3600: (1, 2, 3, 6, 12, 24, 48, 96)}
-"""By the seconds in a unit: what is round in minutes and hours."""
+"""Round steps of minutes and hours, by the seconds in the unit."""
 
 _LEAST_APART = 8
 
@@ -508,7 +508,7 @@ def _axis(page: Page, problem: Problem, span: Number, width: int) -> _Axis:
 
 
 def _evened(axis: _Axis, ticks: Fraction, step: Number) -> _Axis:
-    """A little narrower, where that puts all labels the same number of cells apart."""
+    """The axis with labels, a little narrower if this makes their distances equal."""
     share = step * ticks / axis.span
     whole = axis.width - axis.width % share.denominator
     if whole > axis.width * 0.85:
@@ -517,7 +517,7 @@ def _evened(axis: _Axis, ticks: Fraction, step: Number) -> _Axis:
 
 
 def _axis_unit(unit: str, span: Number) -> tuple[str, Number]:
-    """What the axis counts in, and how many of the task's units that is."""
+    """(the unit of the axis, its length in the task's units)."""
     seconds = seconds_in(unit)
     if seconds is not None and span >= HUMAN_SPAN:
         for name, length in UNITS:
@@ -527,7 +527,7 @@ def _axis_unit(unit: str, span: Number) -> tuple[str, Number]:
 
 
 def _steps(unit: str, span: Fraction) -> Iterator[Number]:
-    """Distances between labels to try: round numbers, rising, the last ones beyond the span."""
+    """Possible distances between labels: increasing round numbers, up to beyond the span."""
     scale = Fraction(1)
     while 1000 * scale < span:
         scale *= 10
@@ -542,7 +542,7 @@ def _steps(unit: str, span: Fraction) -> Iterator[Number]:
 
 
 def _labels(axis: _Axis, ticks: Fraction, step: Number) -> list[tuple[int, str]]:
-    """The cell and the text of each label, `step` units of `ticks` apart; none if too many."""
+    """The cell and the text of each label, `step` units of `ticks` apart; empty if too many."""
     number = int(axis.span // (step * ticks)) + 1
     if number > axis.width:
         return []
@@ -559,9 +559,9 @@ def _apart(labels: list[tuple[int, str]]) -> bool:
 
 
 def _axis_lines(page: Page, axis: _Axis, gutter: int) -> Iterator[Text]:
-    """The labels, each beginning at its place, and the line with a mark for each.
+    """The line of labels, each beginning at its place, and the line of their marks.
 
-    The last label moves to the left, or goes, rather than stick out.
+    A last label that is too wide moves to the left or is left out.
     """
     shown, line = "", [page.glyphs.rule] * axis.width
     for column, text in axis.labels:

@@ -1,4 +1,4 @@
-"""`irc check --fix`: applies the certain repairs to a file and tells what is left."""
+"""`irc check --fix`: applies the certain repairs to a file and reports the rest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irc.frontends.files import parse_task, read_bytes
 from irc.frontends.json.document import decode_bytes
 
 MOST_ROUNDS = 8
-"""A repair can bring to light what could not be seen before; that is repaired in the next round."""
+"""Limit on rounds: a repair can reveal another fault, which the next round repairs."""
 
 _MARKS = {
     b"\xff\xfe\x00\x00": "utf-32-le",
@@ -23,11 +23,11 @@ _MARKS = {
 
 
 def repair_file(file: str, report: Report) -> tuple[Report, Report]:
-    """(what is to be said of the repaired file, what was repaired, at its place before).
+    """(the report of the repaired file, the repaired findings with their places before).
 
-    `report` is what is to be said of the file as it is, located. The file is written only if
-    something was repaired: whole, in its own encoding, with its own line ends, and changed
-    nowhere else. Raises `InputError` or `irc.driver.files.WriteError`.
+    `report` is the located report of the file before. The file is written only if something was
+    repaired: as a whole, in its own encoding, with its own line ends, and changed nowhere else.
+    Raises `InputError` or `irc.driver.files.WriteError`.
     """
     if report.source is None or not text_edits(report, report.source):
         return report, Report()
@@ -35,7 +35,7 @@ def repair_file(file: str, report: Report) -> tuple[Report, Report]:
     text = decode_bytes(data, name)
     repaired, report, fixed = repair_text(text, name)
     if repaired != text:
-        # Through a link to the file itself, whose permissions it keeps.
+        # Follow links to the file itself, and keep its permissions.
         path = Path(file).resolve()
         write_whole(path, _encoded(repaired, data), mode=path.stat().st_mode & 0o7777)
     return report, fixed
@@ -49,7 +49,7 @@ def repair_text(text: str, name: str) -> tuple[str, Report, Report]:
         if report.source is None or not text_edits(report, report.source):
             break
         fixed += [d for d in report if d.fix]
-        # A byte-order mark, which is no part of the source, stays.
+        # Keep a byte-order mark, which is not part of the source.
         lead = text[: len(text) - len(report.source.text)]
         text = lead + apply_fixes(report, report.source)
         report = _report(text, name)

@@ -1,4 +1,4 @@
-"""`irc replan`: one step of a running schedule, and the task as it is from then on."""
+"""`irc replan`: one step of a running schedule, and the task in force after it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from irc.cli.moments import moment_of
-from irc.cli.output import Format, errors_told, put_json, say, tell_notes
+from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
-    Planning,
     end_with,
+    execution_of,
     one_standard_input,
     read_schedule,
     read_sound_task,
@@ -31,6 +31,7 @@ from irc.model.quantities import Number, TimeError
 from irc.model.times import format_number, json_number
 from irc.schedule import Schedule, dump_json
 from irc.service.protocol import own_event
+from irc.targets import SolveOptions
 
 STEP_VERSION = "1"
 
@@ -40,19 +41,19 @@ def replan_file(
     schedule: str,
     at: str,
     named: Sequence[str],
-    planning: Planning,
+    options: SolveOptions,
     output: Path | None,
     task_output: Path | None,
     format: Format,
 ) -> None:
-    """Replans a task's schedule as of a time, shows the step and writes what was asked for."""
-    with errors_told(format):
+    """Replans a task's schedule as of a time, prints the step and writes the requested files."""
+    with reporting_errors(format):
         one_standard_input(format, file, schedule, *named)
         task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
         events = _events(task, named, moment, format)
-        step = _step(_running(task, before, source, moment, planning), events)
+        step = _step(_running(task, before, source, moment, options), events)
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
@@ -60,7 +61,7 @@ def replan_file(
             from irc.cli.page import answer_console
             from irc.cli.step_text import print_history, print_step
 
-            tell_notes(step.notes)
+            print_notes(step.notes)
             print_step(step, before, answer_console())
             print_history(step, before, answer_console())
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
@@ -69,7 +70,7 @@ def replan_file(
 
 
 def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
-    """The events that are named, or else the task's own at the time. Raises `InputError`."""
+    """The named events, or else the task's own events at the time. Raises `InputError`."""
     if not named:
         own = enumerate(task.events)
         return [_own(task, i) for i, event in own if task.number(event.at) == at]
@@ -104,16 +105,16 @@ def _named(task: Task, name: str) -> PlacedEvent:
 def _from_file(path: str, at: Number, format: Format) -> list[PlacedEvent]:
     events, notes, source = read_events(path, json_number(at))
     if format is Format.text:
-        tell_notes(notes, source)
+        print_notes(notes, source)
     return events
 
 
 def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
-    """Raises `InputError` where an event does not come at the time of the step."""
+    """Raises `InputError` if an event is not at the time of the step."""
     try:
         comes = task.number(placed.event.at)
     except TimeError:
-        return  # Told when the event is checked.
+        return  # The check of the event reports this.
     if comes == at:
         return
     name = "this event" if placed.event.id is None else f"event {placed.event.id!r}"
@@ -122,7 +123,7 @@ def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
         raise wrong_time(
             placed,
             f"{name} comes at {when}, before the time of this step, {now}",
-            f"replan first at {when}, and then go on from its schedule and its --task-output",
+            f"first replan at {when}, then continue with its schedule and its --task-output",
         )
     raise wrong_time(
         placed,
@@ -132,16 +133,16 @@ def _require_time(task: Task, placed: PlacedEvent, at: Number) -> None:
 
 
 def _running(
-    task: Task, schedule: Schedule, source: Source, at: Number, planning: Planning
+    task: Task, schedule: Schedule, source: Source, at: Number, options: SolveOptions
 ) -> Execution:
-    """The task in execution at `at` by a schedule, its own events before then known.
+    """The execution of a task by a schedule at `at`, after the task's own events before `at`.
 
-    To a schedule of the task as they revise it they are nothing new; where it says that it is of
-    the task before any event, they have happened since. Raises `InputError`.
+    If the schedule belongs to the task before any event, the events come after it; otherwise it
+    must belong to the task as these events revise it. Raises `InputError`.
     """
     earlier = [_own(task, task.events.index(e)) for e in in_order(task) if task.number(e.at) < at]
     if earlier and schedule.task_sha256 == task_sha256(task):
-        execution = planning.execution(task, schedule, source=source)
+        execution = execution_of(task, schedule, options, source=source)
         _apply(execution, earlier)
         execution.advance(at)
         return execution
@@ -152,7 +153,7 @@ def _running(
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
     require_task(schedule, source, task)
-    return planning.execution(task, schedule, at, source)
+    return execution_of(task, schedule, options, at, source)
 
 
 def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
@@ -169,7 +170,7 @@ def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:
-    """Writes the schedule, where there is one, and the task in force."""
+    """Writes the schedule, if there is one, and the task in force."""
     if output is not None and step.schedule.answered:
         write_whole(output, dump_json(step.schedule.to_dict()))
     if task_output is not None:

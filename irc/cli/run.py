@@ -1,4 +1,4 @@
-"""`irc run --stdio`: JSON lines in, JSON lines out, one process for a whole execution."""
+"""`irc run --stdio`: serves one execution; reads and prints lines of JSON."""
 
 from __future__ import annotations
 
@@ -12,44 +12,47 @@ from types import FrameType
 from typing import IO, NoReturn
 
 from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
-from irc.cli.output import Format, errors_told, fail, say, tell_notes
+from irc.cli.output import Format, fail, print_notes, reporting_errors, say
 from irc.cli.planning import (
-    Planning,
     end_with,
+    execution_of,
     read_sound_task,
+    require_engine,
     schedule_to_begin_with,
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.driver.solve import solve_task
 from irc.frontends.files import STANDARD_INPUT
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.service.journal import Journal, JournalError
 from irc.service.protocol import MAX_LINE
 from irc.service.session import Session, first_schedule
+from irc.targets import SolveOptions
 
 
 def run_file(
-    file: str, stdio: bool, schedule: str | None, journal: Path | None, planning: Planning
+    file: str, stdio: bool, schedule: str | None, journal: Path | None, options: SolveOptions
 ) -> None:
-    """Serves one execution until its requests end or one of them says so."""
+    """Serves one execution until its requests end or one of them is `stop`."""
     if not stdio:
-        fail(EXIT_USE, "say where requests come from: --stdio", Format.text)
+        fail(EXIT_USE, "add --stdio: requests come from standard input", Format.text)
     if STANDARD_INPUT in (file, schedule):
-        fail(EXIT_USE, "standard input carries the requests: name a file", Format.text)
-    with errors_told(Format.text), ExitStack() as open_files:
+        fail(EXIT_USE, "standard input is for the requests: name a file", Format.text)
+    with reporting_errors(Format.text), ExitStack() as open_files:
         before = signal.signal(signal.SIGTERM, _ended)
         open_files.callback(signal.signal, signal.SIGTERM, before)
-        planning.require_engine()
+        require_engine(options)
         task = read_sound_task(file, Format.text)
         try:
-            session = _session(task, schedule, journal, planning, open_files)
+            session = _session(task, schedule, journal, options, open_files)
             _serve(session, sys.stdin.buffer)
         except JournalError as error:
             fail(EXIT_USE, str(error), Format.text)
 
 
 def _ended(_number: int, _frame: FrameType | None) -> NoReturn:
-    """Being told to end is an orderly end: what was acknowledged is on disk."""
+    """Exits with success after SIGTERM: every acknowledged request is on disk."""
     sys.exit(EXIT_DONE)
 
 
@@ -57,26 +60,26 @@ def _session(
     task: Task,
     schedule: str | None,
     path: Path | None,
-    planning: Planning,
+    options: SolveOptions,
     open_files: ExitStack,
 ) -> Session:
     given, source = (None, None) if schedule is None else schedule_to_begin_with(schedule, task)
     if path is None:
-        first = given or _planned(task, planning)
-        return Session.start(planning.execution(task, first, source=source))
+        first = given or _planned(task, options)
+        return Session.start(execution_of(task, first, options, source=source))
     journal, found = Journal.open(path)
     open_files.enter_context(journal)
     if found is None:
-        first = given or _planned(task, planning)
-        return Session.start(planning.execution(task, first, source=source), journal)
+        first = given or _planned(task, options)
+        return Session.start(execution_of(task, first, options, source=source), journal)
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
-    return Session.resume(lambda first: planning.execution(task, first), task, journal, found)
+    return Session.resume(lambda first: execution_of(task, first, options), task, journal, found)
 
 
-def _planned(task: Task, planning: Planning) -> Schedule:
-    schedule = planning.first_schedule(task)
+def _planned(task: Task, options: SolveOptions) -> Schedule:
+    schedule = solve_task(task, options).schedule
     if not schedule.answered:
         say(f"error: there is no schedule to begin with: {schedule.status}")
         end_with([schedule.status])
@@ -93,7 +96,7 @@ def _other_schedule() -> Diagnostic:
 
 def _serve(session: Session, requests: IO[bytes]) -> None:
     if session.notes:
-        tell_notes(session.notes)
+        print_notes(session.notes)
     _send(json.dumps(session.greeting(), ensure_ascii=False, allow_nan=False))
     for line in _lines(requests):
         if len(line) > MAX_LINE:
@@ -110,7 +113,7 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
 
 
 def _lines(requests: IO[bytes]) -> Iterator[bytes]:
-    """Lines that are not blank; of one that is too long only so much that this is seen."""
+    """The lines that are not blank; a too long line is cut just behind the limit."""
     while line := requests.readline(MAX_LINE + 1):
         rest = line
         while len(rest) > MAX_LINE and not rest.endswith(b"\n"):

@@ -1,4 +1,4 @@
-"""`irc simulate`: a task through all of its own events, a step at a time."""
+"""`irc simulate`: runs a task through all of its own events, step by step."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
-from irc.cli.output import Format, errors_told, put, put_json, say, tell_notes
+from irc.cli.output import Format, print_notes, put, put_json, reporting_errors, say
 from irc.cli.planning import (
-    Planning,
     end_with,
     one_standard_input,
     read_sound_task,
@@ -21,29 +20,25 @@ from irc.driver.files import write_folder, write_whole
 from irc.execution.simulation import Simulation, simulate
 from irc.execution.step import Step
 from irc.schedule import Schedule, dump_json
+from irc.targets import SolveOptions
 from irc.validation import Verdict, validate
 
 
 def simulate_file(
     file: str,
     schedule: str | None,
-    planning: Planning,
+    options: SolveOptions,
     output: Path | None,
     steps: Path | None,
     format: Format,
 ) -> None:
-    """Simulates a task, shows every step as it comes, and writes what was asked for."""
-    with errors_told(format):
+    """Simulates a task, prints every step as it comes, and writes the requested files."""
+    with reporting_errors(format):
         one_standard_input(format, file, schedule)
         task = read_sound_task(file, format)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
-        told = _Steps(steps, format)
-        simulation = simulate(
-            task,
-            schedule=given,
-            on_step=told.tell,
-            options=planning.options,
-        )
+        reporter = _StepReporter(steps, format)
+        simulation = simulate(task, schedule=given, on_step=reporter.report, options=options)
         if output is not None and simulation.final.answered:
             write_whole(output, dump_json(simulation.final.to_dict()))
         verdict = _verdict(simulation)
@@ -62,16 +57,16 @@ def simulate_file(
 
 
 @dataclass
-class _Steps:
-    """Tells the steps of a simulation as they come, and writes them."""
+class _StepReporter:
+    """Prints the steps of a simulation as they come, and writes their documents."""
 
     folder: Path | None
     format: Format
     count: int = 0
     before: Schedule | None = None
 
-    def tell(self, step: Step) -> None:
-        """Shows a step to people, and writes its document where that is wanted."""
+    def report(self, step: Step) -> None:
+        """Prints a step for people, and writes its document if there is a folder."""
         if self.folder is not None:
             document = {"irc_step": STEP_VERSION, **step.to_dict()}
             write_folder(self.folder, {f"step_{self.count:03}.json": dump_json(document)})
@@ -82,7 +77,7 @@ class _Steps:
             if self.count:
                 put("")
             notes = (d for d in step.notes if d.code is not Code.LATER_EVENTS)
-            tell_notes(notes, step.task.source)
+            print_notes(notes, step.task.source)
             print_step(step, self.before, answer_console())
         self.count += 1
         if step.schedule.answered:
@@ -96,13 +91,13 @@ def _last(simulation: Simulation) -> Step | None:
 
 
 def _verdict(simulation: Simulation) -> Verdict | None:
-    """What the validator says of the whole history, for the task as all events have revised it."""
+    """The verdict on the whole history, for the task as all events have revised it."""
     last = _last(simulation)
     return None if last is None else validate(last.task, last.schedule, last.at)
 
 
 def _print_end(simulation: Simulation) -> None:
-    """The whole history and what it came to."""
+    """Prints the whole history and its objective values."""
     from irc.cli.page import answer_console
     from irc.cli.step_text import print_end
 

@@ -1,4 +1,4 @@
-"""What a person sees of a step: what happened, what is settled by it, and what moved."""
+"""The text of a step for people: its events, what has run, and the changes of the plan."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _Key = tuple[str, int]
 
 
 def print_step(step: Step, before: Schedule | None, console: Console) -> None:
-    """What happened at a step and what came of it; `before` is the schedule it replaces."""
+    """Prints the events of a step and the changes of the plan; `before` is the previous plan."""
     page = Page(console)
     unit = step.task.time_unit
     _print_wrapped(page, console, _heading(page, step, unit))
@@ -45,11 +45,12 @@ def print_step(step: Step, before: Schedule | None, console: Console) -> None:
         return
     if before is not None:
         _print_wrapped(page, console, _movements(page, step, before, unit))
-    _print_wrapped(page, console, [_worth(page, step.schedule, unit), *_left_out(page, step)])
+    values = _objective_values(page, step.schedule, unit)
+    _print_wrapped(page, console, [values, *_left_out(page, step)])
 
 
 def print_history(step: Step, before: Schedule | None, console: Console) -> None:
-    """The table of a step's schedule: what is done, what runs, and where the rest was before."""
+    """Prints the table of a step's schedule, with a note on what is done, running or moved."""
     if not step.schedule.entries:
         return
     page = Page(console)
@@ -65,20 +66,18 @@ def print_history(step: Step, before: Schedule | None, console: Console) -> None
 
 
 def print_end(simulation: Simulation, last: Step, console: Console) -> None:
-    """The table of the whole history, and what it came to."""
+    """Prints the table of the whole history and its objective values."""
     page, unit = Page(console), last.task.time_unit
     if last is not simulation.steps[-1]:
         console.print()
         when = time_in_words(page, last.at, unit)
-        _print_wrapped(page, console, [Text(f"the plan on record, as of {when}:", "bold")])
+        _print_wrapped(page, console, [Text(f"the last plan, as of {when}:", "bold")])
     print_history(replace(last, completed=(), running=()), None, console)
     steps = len(simulation.steps)
-    told = [
-        f"{steps:,} step{'s' if steps != 1 else ''}",
-        f"moved {simulation.moved:,} in all",
-    ]
+    counts = f"{steps:,} step{'s' if steps != 1 else ''}, moved {simulation.moved:,} in total"
     console.print()
-    _print_wrapped(page, console, [Text(", ".join(told)), _worth(page, last.schedule, unit)])
+    values = _objective_values(page, last.schedule, unit)
+    _print_wrapped(page, console, [Text(counts), values])
     _print_wrapped(page, console, _left_out(page, last))
 
 
@@ -105,17 +104,17 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
         if ids:
             yield Text(f"{title} {len(ids):,}: {listed(map(page.visible, ids))}")
     if step.abandoned:
-        yield Text(f"abandoned half-done: {listed(map(page.visible, step.abandoned))}", "yellow")
+        yield Text(f"abandoned: {listed(map(page.visible, step.abandoned))}", "yellow")
     if step.schedule.status is Status.INFEASIBLE and not step.at and not step.events:
-        yield Text("no schedule exists, events or not: `irc explain` says why", "red")
+        yield Text("no schedule exists, even without events: `irc explain` shows why", "red")
     elif step.schedule.status is Status.INFEASIBLE:
-        yield Text("no schedule continues what has run; the plan of before stays on record", "red")
+        yield Text("no schedule continues the history; keeping the previous plan", "red")
     elif not step.schedule.answered:
         yield Text("no schedule was found within the limits", "yellow")
 
 
 def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[Text]:
-    """What became of the plan: what moved, and what is new or no longer planned."""
+    """The lines on what moved, and on what is new or no longer planned."""
     old = {_key(entry): entry for entry in before.entries}
     now = {_key(entry): entry for entry in step.schedule.entries}
     moved = [
@@ -131,8 +130,8 @@ def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[
         if key in old and old[key].start == entry.start and old[key].end != entry.end
     ]
     if step.events or step.moved:
-        told = f": {listed(moved)}" if moved else ""
-        yield Text(f"moved {step.moved:,}{told}")
+        names = f": {listed(moved)}" if moved else ""
+        yield Text(f"moved {step.moved:,}{names}")
     if ends:
         yield Text(f"other ends: {listed(ends)}")
     if added:
@@ -142,35 +141,35 @@ def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[
 
 
 def _difference(page: Page, old: Entry, new: Entry) -> str:
-    """How an entry differs from what it was: "10 → 14", "on robot2"; empty where not at all."""
-    told = []
+    """The differences of an entry from the previous plan: "10 → 14", "on robot2"; else empty."""
+    changes = []
     if old.start != new.start:
-        told.append(_change(page, old.start, new.start))
+        changes.append(_change(page, old.start, new.start))
     if old.resources != new.resources and new.resources:
-        told.append(f"on {entry_resources(page, new)}")
+        changes.append(f"on {entry_resources(page, new)}")
     if old.mode != new.mode and new.mode is not None:
-        told.append(f"as {page.visible(new.mode)}")
-    return ", ".join(told)
+        changes.append(f"as {page.visible(new.mode)}")
+    return ", ".join(changes)
 
 
 def _change(page: Page, old: Number, new: Number) -> str:
     return f"{grouped(old)} {page.glyphs.arrow} {grouped(new)}"
 
 
-def _worth(page: Page, schedule: Schedule, unit: str) -> Text:
-    told = [f"makespan {time_in_words(page, schedule.makespan, unit)}"]
+def _objective_values(page: Page, schedule: Schedule, unit: str) -> Text:
+    values = [f"makespan {time_in_words(page, schedule.makespan, unit)}"]
     for value in schedule.objective:
         if value.name == "makespan":
             continue
         shown = grouped(value.value)
-        told.append(
+        values.append(
             f"{value.name} {with_unit(value.value, unit) if _is_time(value.name) else shown}"
         )
-    return Text(", ".join(told))
+    return Text(", ".join(values))
 
 
 def _left_out(page: Page, step: Step) -> Iterator[Text]:
-    """The optional groups of which nothing is planned or has run."""
+    """The line on the optional groups of which no action is planned or has run."""
     present = {entry.id for entry in step.schedule.entries}
     groups = [g for g in step.task.groups if not g.required and present.isdisjoint(g.actions)]
     if groups:
@@ -182,7 +181,7 @@ def _is_time(objective: str) -> bool:
 
 
 def _is_frozen(entry: Entry, step: Step) -> bool:
-    """Whether an occurrence had begun by the step; of what it was before, nothing was moved."""
+    """Whether an occurrence had begun by the step, so that the step did not move it."""
     if entry.id in step.completed:
         return entry.end <= step.at
     return entry.id in step.running and entry.start <= step.at
@@ -193,7 +192,7 @@ def _key(entry: Entry) -> _Key:
 
 
 def _note(entry: Entry, step: Step, before: Schedule | None) -> str:
-    """What there is to know of an entry: its status, whether it has run, or where it was."""
+    """The note on an entry: its status, whether it has run, or its previous place."""
     if entry.status is not None:
         return entry.status
     if _is_frozen(entry, step):

@@ -1,7 +1,4 @@
-"""A table in text: columns, laid out in terminal cells so that no line is wider than the console.
-
-What an entry of a schedule looks like in one.
-"""
+"""A table in text, in which no line is wider than the console, and the cells of an entry."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from irc.schedule import Entry
 
 
 class Column(NamedTuple):
-    """A title and a cell for each row; flexible ones give way on a narrow console."""
+    """A title and a cell for each row; flexible columns get narrower on a narrow console."""
 
     title: str
     cells: list[str]
@@ -29,46 +26,46 @@ TABLE_ROWS = 60
 """A longer table is cut in the middle."""
 
 LEAST_FLEXIBLE = 8
-"""Cells that a flexible column keeps however narrow the console is."""
+"""The least width of a flexible column, in cells."""
 
 _FIRST_TO_GO = ("status", "resources", "rank", "mode", "duration")
 _GAP = "  "
 
 
 def entry_title(page: Page, entry: Entry) -> str:
-    """The name of an occurrence."""
+    """The name of an occurrence: "stir", "stir #2"."""
     name = page.visible(entry.id)
     return name if entry.occurrence == 1 else f"{name} #{entry.occurrence}"
 
 
 def rank_text(entry: Entry) -> str:
-    """The place within its instant: "1"; "0, 1" where the end has one of its own."""
+    """The ranks of an entry: "1"; "0, 1" if the end has another rank than the start."""
     if entry.end_rank is None or entry.end_rank == entry.rank:
         return str(entry.rank) if entry.rank else ""
     return f"{entry.rank}, {entry.end_rank}"
 
 
 def entry_resources(page: Page, entry: Entry) -> str:
-    """What an entry holds, with amounts."""
+    """The resources that an entry holds, with amounts."""
     held = sorted(entry.resources.items(), key=lambda item: natural(item[0]))
     return ", ".join(counted(page, name, amount) for name, amount in held)
 
 
 def counted(page: Page, name: str, amount: int) -> str:
-    """A resource with its amount, where that is not 1."""
+    """A resource with its amount, if that is not 1."""
     shown = page.visible(name)
     return shown if amount == 1 else f"{shown} {page.glyphs.times}{amount}"
 
 
 def aligned(values: Iterable[Number]) -> list[str]:
-    """Numbers whose points stand under each other once they are set to the right."""
+    """The texts of numbers, padded so that their points are under each other."""
     parts = [grouped(value).partition(".") for value in values]
     places = max((len(point + digits) for _, point, digits in parts), default=0)
     return [whole + (point + digits).ljust(places) for whole, point, digits in parts]
 
 
 def middle_cut(entries: Sequence[Entry]) -> tuple[Sequence[Entry], int]:
-    """The entries that a table shows, and how many in the middle it leaves out."""
+    """(the entries that a table shows, the number of entries that it leaves out in the middle)."""
     if len(entries) <= TABLE_ROWS:
         return entries, 0
     half = TABLE_ROWS // 2
@@ -78,9 +75,9 @@ def middle_cut(entries: Sequence[Entry]) -> tuple[Sequence[Entry], int]:
 def table_lines(
     page: Page, columns: list[Column], hidden: int, style: Callable[[int, str], str]
 ) -> Iterator[Text]:
-    """The lines of a table; `style` is that of row k in the column with a title.
+    """The lines of a table; `style(k, title)` is the style of row k in the column with a title.
 
-    Where `hidden` rows were cut out of the middle, a line says so.
+    If `hidden` rows were cut out of the middle, a line says so.
     """
     columns = _fitting(page, columns)
     widths = _widths(page, columns)
@@ -102,7 +99,7 @@ def _natural_width(column: Column) -> int:
 
 
 def _fitting(page: Page, columns: list[Column]) -> list[Column]:
-    """The columns without those that a narrow console has no room for."""
+    """The columns without those for which a narrow console has no room."""
     for title in _FIRST_TO_GO:
         least = [
             min(_natural_width(column), LEAST_FLEXIBLE)
@@ -117,7 +114,7 @@ def _fitting(page: Page, columns: list[Column]) -> list[Column]:
 
 
 def _widths(page: Page, columns: list[Column]) -> list[int]:
-    """As wide as the contents; where that is too wide, the widest flexible ones give way."""
+    """The widths of columns: those of their contents; the widest flexible ones shrink if needed."""
     widths = [_natural_width(column) for column in columns]
     flexible = [k for k, column in enumerate(columns) if column.flexible]
     spare = page.width - sum(widths) - len(_GAP) * (len(widths) - 1)

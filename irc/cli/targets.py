@@ -1,4 +1,4 @@
-"""`irc targets`: which target takes which feature, and why not this file."""
+"""`irc targets`: the features that each target supports, and why a target refuses a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irc.targets import Backend, backends, refused_features
 
 
 def put_targets(task: Task | None, format: Format) -> None:
-    """A table of features by target; with a task only its own, and each refusal's place."""
+    """Prints a table of features by target; for a task only its features, with each refusal."""
     found = backends()
     used = list(Feature)
     if task is not None:
@@ -46,7 +46,7 @@ def _as_json(backend: Backend, used: list[Feature], task: Task | None) -> dict[s
     }
     if task is not None:
         refused = refused_features(task, backend)
-        shown["takes_file"] = not refused
+        shown["supports_file"] = not refused
         shown["refused"] = [
             {"feature": f.name.lower(), "pointer": pointer_text(use.pointer)}
             for f, use in refused.items()
@@ -65,8 +65,8 @@ def _engines(backend: Backend) -> str:
 def _verdict(task: Task, backend: Backend) -> list[str]:
     refused = refused_features(task, backend)
     if not refused:
-        return [f"{backend.name} takes this file"]
-    return [f"{backend.name} does not take this file:"] + [
+        return [f"{backend.name} supports this file"]
+    return [f"{backend.name} does not support this file:"] + [
         f"  {use.element} ({pointer_text(use.pointer)}): {feature.value}"
         for feature, use in refused.items()
     ]

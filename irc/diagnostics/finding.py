@@ -1,4 +1,4 @@
-"""Diagnostics: what is wrong or worth knowing, where it stands, and what to do about it."""
+"""Diagnostics: each finding with its severity, message, place and hint."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DIAGNOSTICS_VERSION = "1"
 
 
 class Severity(StrEnum):
-    """How bad it is; only an error stops a compilation."""
+    """The severity of a finding; only an error stops a compilation."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -24,7 +24,7 @@ class Severity(StrEnum):
 
 
 class Code(Enum):
-    """Every diagnostic of the project: its stable code, its severity, what it is about.
+    """Every diagnostic of the project: its stable code, its severity and a summary.
 
     A new member comes with its entry in `irc/diagnostics/catalogue/` and a row in `tests/corpus/`.
     """
@@ -33,7 +33,11 @@ class Code(Enum):
     SYNTAX = ("IRC002", Severity.ERROR, "the text is not valid JSON")
     SURROUNDED = ("IRC003", Severity.NOTE, "there is other text around the JSON document")
     DUPLICATE_KEY = ("IRC004", Severity.ERROR, "an object has the same key twice")
-    BAD_NUMBER = ("IRC005", Severity.ERROR, "a number that JSON does not have, or beyond all range")
+    BAD_NUMBER = (
+        "IRC005",
+        Severity.ERROR,
+        "a number that JSON does not have, or a number out of range",
+    )
     TOO_LARGE = ("IRC006", Severity.ERROR, "the input is too large or nested too deeply")
     BYTE_ORDER_MARK = ("IRC007", Severity.NOTE, "the text starts with a byte-order mark")
 
@@ -41,7 +45,11 @@ class Code(Enum):
     DSL_TEXT = ("IRC011", Severity.ERROR, "text in quotes that is not closed or cannot be read")
     DSL_INDENTATION = ("IRC012", Severity.ERROR, "indentation that belongs to no statement")
     DSL_NAME = ("IRC013", Severity.ERROR, "a name that cannot be written without quotes")
-    DSL_TWICE = ("IRC014", Severity.ERROR, "something that can be said once is said twice")
+    DSL_TWICE = (
+        "IRC014",
+        Severity.ERROR,
+        "a statement or clause that may appear once appears twice",
+    )
     DSL_INCLUDE = ("IRC015", Severity.ERROR, "an include that cannot be read or is not allowed")
     DSL_TEMPLATE = ("IRC016", Severity.ERROR, "braces, or a `for`, that cannot be filled in")
     DSL_EXPANSION = ("IRC017", Severity.ERROR, "a text that would grow without bounds")
@@ -55,16 +63,16 @@ class Code(Enum):
     NO_DURATION = ("IRC025", Severity.ERROR, "a step without a duration")
     NO_ORDER = ("IRC026", Severity.ERROR, "a text that does not say in which order")
     CONTRADICTION = ("IRC027", Severity.ERROR, "a sentence that contradicts another one")
-    LIMITED = ("IRC028", Severity.ERROR, "a limit of people or things that is not exact")
+    LIMITED = ("IRC028", Severity.ERROR, "a limit on people or things that is not exact")
     NO_STEPS = ("IRC029", Severity.ERROR, "a text without a list of steps")
 
     MISSING_FIELD = ("IRC101", Severity.ERROR, "a required field is missing")
-    UNKNOWN_FIELD = ("IRC102", Severity.ERROR, "a field the IR does not have")
+    UNKNOWN_FIELD = ("IRC102", Severity.ERROR, "a field that the IR does not have")
     WRONG_TYPE = ("IRC103", Severity.ERROR, "a value of the wrong type or shape")
     BAD_TIME = ("IRC104", Severity.ERROR, "a time that cannot be read")
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
-    NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not what the importer takes")
+    NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")
@@ -76,7 +84,7 @@ class Code(Enum):
     OCCURRENCE = (
         "IRC208",
         Severity.ERROR,
-        "an action that may occur more than once cannot be used so",
+        "an action that may occur more than once, used where only one occurrence may be",
     )
     GROUPING = ("IRC209", Severity.ERROR, "group membership that contradicts itself")
     UNKNOWN_VALUE = ("IRC210", Severity.ERROR, "a value that the state variable does not have")
@@ -90,33 +98,33 @@ class Code(Enum):
     DEMAND = ("IRC304", Severity.ERROR, "a demand above the capacity")
     LAGS = ("IRC305", Severity.ERROR, "lags that contradict each other")
     UNREACHABLE = ("IRC306", Severity.ERROR, "a value that a state variable can never have")
-    STOCK = ("IRC307", Severity.ERROR, "a stock that cannot last, or overflows, in any order")
+    STOCK = ("IRC307", Severity.ERROR, "a stock that runs out or overflows in every order")
     AT_ODDS = ("IRC308", Severity.ERROR, "conditions, effects or goals that contradict each other")
     NEVER = ("IRC309", Severity.ERROR, "an action that is required and may never occur")
 
     UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
     REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")
 
-    UNSUPPORTED = ("IRC501", Severity.ERROR, "a feature the target cannot take")
+    UNSUPPORTED = ("IRC501", Severity.ERROR, "a feature that the target does not support")
     OUT_OF_RANGE = ("IRC502", Severity.ERROR, "numbers beyond the target's range")
-    LATER_EVENTS = ("IRC503", Severity.NOTE, "events that are not seen as of t = 0")
+    LATER_EVENTS = ("IRC503", Severity.NOTE, "events that are not known at t = 0")
 
     BAD_SCHEDULE = ("IRC601", Severity.ERROR, "a schedule file that cannot be read")
     BAD_ANSWER = ("IRC602", Severity.ERROR, "an engine's answer that cannot be used")
     DAMAGED = ("IRC603", Severity.WARNING, "damaged lines in an engine's answer")
-    NO_ANSWER = ("IRC604", Severity.NOTE, "an engine that found nothing within its limits")
+    NO_ANSWER = ("IRC604", Severity.NOTE, "an engine found no answer within its limits")
     BAD_JOURNAL = ("IRC605", Severity.ERROR, "a journal that cannot be continued")
     TORN_JOURNAL = ("IRC606", Severity.NOTE, "a journal whose last line was cut off")
 
     TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
     OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")
     NOTHING_TO_REMOVE = ("IRC703", Severity.ERROR, "an event that removes what is not there")
-    UNSUITED_CHANGE = ("IRC704", Severity.ERROR, "a change that its element cannot take")
+    UNSUITED_CHANGE = ("IRC704", Severity.ERROR, "a change that does not fit its element")
     EVENT_TIME = ("IRC705", Severity.ERROR, "a time that contradicts the event's own")
     ALREADY_DONE = ("IRC707", Severity.ERROR, "an event about an action that has ended")
     OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
-    CARRIED = ("IRC709", Severity.WARNING, "a conflict that only what has run already causes")
-    NO_CONTINUATION = ("IRC710", Severity.ERROR, "what has run and cannot be continued")
+    CARRIED = ("IRC709", Severity.WARNING, "a conflict that the history alone causes")
+    NO_CONTINUATION = ("IRC710", Severity.ERROR, "a history that no schedule continues")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id
@@ -126,11 +134,10 @@ class Code(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding. `offset` places it in the text where no element of the document does.
+    """One finding. `offset` is its place in the text, if no element of the document gives one.
 
-    `within` is the text it stands in where that is another one than the report's: a file that
-    the task includes. `fix` is a repair that is certain, as JSON patch operations; empty where
-    none is.
+    `within` is its text, if that is not the report's own: a file that the task includes. `fix` is
+    a certain repair as JSON patch operations; it is empty if there is none.
     """
 
     code: Code
@@ -144,7 +151,7 @@ class Diagnostic:
     within: Source | None = None
     fix: Fix = ()
     end: int | None = None
-    """The offset where the text that is meant ends, if it is known and within the same line."""
+    """The offset at which the faulty text ends, if it is known and on the same line."""
 
     @property
     def severity(self) -> Severity:

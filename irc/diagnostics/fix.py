@@ -10,7 +10,7 @@ from irc.diagnostics.source import Pointer, pointer_text
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One operation of a JSON patch. `origin` is what RFC 6902 calls `from`."""
+    """One operation of a JSON patch. `origin` is the member `from` of RFC 6902."""
 
     op: Literal["replace", "remove", "move"]
     path: Pointer
@@ -19,7 +19,7 @@ class Operation:
 
     @property
     def target(self) -> Pointer:
-        """The element of the document, as it is, that the operation changes."""
+        """The path of the element, in the document before the patch, that the operation changes."""
         return self.path if self.origin is None else self.origin
 
     def to_dict(self) -> dict[str, Any]:
@@ -38,20 +38,20 @@ Fix = tuple[Operation, ...]
 
 
 def replaced(pointer: Pointer, value: Any) -> Fix:
-    """Another value in the same place."""
+    """A fix that puts another value in the same place."""
     return (Operation("replace", pointer, value),)
 
 
 def removed(*pointers: Pointer) -> Fix:
-    """Elements taken out, the last one first."""
+    """A fix that removes elements, the last one first."""
     return tuple(Operation("remove", p) for p in sorted(pointers, key=_order, reverse=True))
 
 
 def renamed(pointer: Pointer, key: str) -> Fix:
-    """The same member of an object under another key."""
+    """A fix that gives a member of an object another key."""
     return (Operation("move", (*pointer[:-1], key), origin=pointer),)
 
 
 def _order(pointer: Pointer) -> tuple[tuple[int, int, str], ...]:
-    """Sorts the elements of an array by index, and what is inside of an element after it."""
+    """A sort key: elements of an array by index, and parts of an element after it."""
     return tuple((0, p, "") if isinstance(p, int) else (1, 0, p) for p in pointer)

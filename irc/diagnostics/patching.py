@@ -1,8 +1,8 @@
 """Certain repairs: as JSON patches (RFC 6902), and as edits of the text that keep its layout.
 
-The paths of all fixes of a report are those of the document before any of them: applied from the
-end of the document to its start, no fix moves what another one means. `apply_patches` does so on a
-decoded document, `apply_fixes` on the text itself.
+The paths of all fixes of a report are those of the document before any of them. Applied from the
+end of the document to its start, no fix moves the target of another one. `apply_patches` does so on
+a decoded document, `apply_fixes` on the text itself.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _KEY = re.compile(r'"(?:[^"\\]++|\\.)*+"')
 
 
 def as_written(fix: Fix, source: Source) -> Fix:
-    """A fix whose paths are those of the text; empty where JSON patches do not apply to it."""
+    """A fix with the paths of the text; empty if JSON patches do not apply to the text."""
     operations = []
     for operation in fix:
         written = _written(operation.target, source)
@@ -47,7 +47,7 @@ def _written(pointer: Pointer, source: Source) -> Pointer | None:
 def operations_of(diagnostics: Iterable[Diagnostic]) -> list[Operation]:
     """All operations of some diagnostics, each once, last place first.
 
-    What is inside of something that another operation removes is left out.
+    Operations inside an element that another operation removes are left out.
     """
     by_target = {o.target: o for d in diagnostics for o in d.fix if o.op != "remove"}
     by_target |= {o.target: o for d in diagnostics for o in d.fix if o.op == "remove"}
@@ -78,7 +78,7 @@ def apply_patches(document: Any, diagnostics: Iterable[Diagnostic]) -> Any:
 
 
 class TextEdit(NamedTuple):
-    """What stands in [start, end) of the text becomes `text`."""
+    """An edit: `text` replaces [start, end) of a text."""
 
     start: int
     end: int
@@ -112,9 +112,9 @@ def _json(value: Any) -> str:
 
 
 def _removals(text: str, elements: list[Range]) -> list[TextEdit]:
-    """Takes elements of arrays and objects out, each with one of the commas beside it."""
+    """Edits that remove elements of arrays and objects, each with one of the commas beside it."""
     edits = []
-    tails: dict[int, int] = {}  # Elements that nothing stays behind: start → end of the last.
+    tails: dict[int, int] = {}  # Removed elements at the end of a list: start → end of the last.
     for element in sorted(elements, key=lambda r: r.start, reverse=True):
         after = _skip(text, element.end)
         if not text.startswith(",", after):

@@ -26,7 +26,7 @@ class Report:
 
     @property
     def errors(self) -> tuple[Diagnostic, ...]:
-        """Those that stop a compilation."""
+        """The findings that stop a compilation."""
         return tuple(d for d in self.diagnostics if d.severity is Severity.ERROR)
 
     @property
@@ -41,10 +41,10 @@ class Report:
         return Report((*self.diagnostics, *more), self.source)
 
     def located(self) -> Report:
-        """The same in reading order, with line and column, and pointers as the text has them.
+        """The same report in reading order, with lines, columns, and pointers as the text has them.
 
-        The checks know an element by the IR's own field names; a text may write an alias or a
-        pair instead, and pointers and fixes must lead somewhere in what the author sees.
+        The checks know an element by the IR's own field names. A text may write an alias or a
+        pair instead, and pointers and fixes must match the author's text.
         """
         if self.source is None:
             return self
@@ -81,7 +81,7 @@ class Report:
         return [d.to_dict() for d in self.located()]
 
     def render(self, *, notes: bool = True) -> str:
-        """The text a person reads: each finding with the source line under a caret."""
+        """The text for people: each finding with its source line and a caret under it."""
         from irc.diagnostics.text import render
 
         located = self.located()
@@ -89,7 +89,7 @@ class Report:
 
 
 def _reading_order(d: Diagnostic) -> tuple[str, int, int, int]:
-    """By place; what stands in included files comes after the text's own, file by file."""
+    """A sort key by place; findings in included files come after the text's own, file by file."""
     file = "" if d.within is None else d.within.name
     return file, d.line or 0, d.column or 0, _ORDER[d.severity]
 
@@ -120,7 +120,7 @@ def _placed(d: Diagnostic, source: Source, place: Range | None) -> Diagnostic:
 
 
 class InputError(IrcError):
-    """The input is at fault; `report` says how, each finding with its place."""
+    """The input is faulty; `report` has each finding with its place."""
 
     def __init__(self, report: Report) -> None:
         self.report = report

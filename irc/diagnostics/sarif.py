@@ -1,4 +1,4 @@
-"""Reports as SARIF 2.1.0, which editors, code hosts and CI systems show at the lines concerned.
+"""Reports as SARIF 2.1.0, which editors, code hosts and CI systems show beside the source lines.
 
 Source: "Static Analysis Results Interchange Format (SARIF) Version 2.1.0", OASIS Standard, 2020.
 Section numbers below are those of the standard.
@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote
 
 from irc._version import __version__
-from irc.diagnostics.catalogue import Entry, load_catalogue
+from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue
 from irc.diagnostics.finding import Code, Diagnostic, Severity
 from irc.diagnostics.patching import TextEdit, text_edits
 from irc.diagnostics.report import Report
@@ -26,7 +26,7 @@ _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: 
 
 
 def sarif_log(reports: Sequence[tuple[str, Report]]) -> dict[str, Any]:
-    """One run of irc over some files, each given with its report."""
+    """The SARIF log of one run of irc over some files, each given with its report."""
     located = [(file, report.located()) for file, report in reports]
     names = dict.fromkeys(
         name
@@ -51,7 +51,7 @@ def sarif_log(reports: Sequence[tuple[str, Report]]) -> dict[str, Any]:
                         "rules": [_rule(entries[code.id], code) for code in codes],
                     }
                 },
-                # What Python counts: characters, not UTF-16 code units (3.14.17).
+                # Python counts characters, not UTF-16 code units (3.14.17).
                 "columnKind": "unicodeCodePoints",
                 "artifacts": [{"location": {"uri": _uri(file)}} for file in names],
                 "results": results,
@@ -60,8 +60,8 @@ def sarif_log(reports: Sequence[tuple[str, Report]]) -> dict[str, Any]:
     }
 
 
-def _rule(entry: Entry, code: Code) -> dict[str, Any]:
-    """What the catalogue says of a code, as a reporting descriptor (3.49)."""
+def _rule(entry: CatalogueEntry, code: Code) -> dict[str, Any]:
+    """The catalogue's entry of a code as a reporting descriptor (3.49)."""
     return {
         "id": code.id,
         "name": "".join(word.capitalize() for word in code.name.split("_")),

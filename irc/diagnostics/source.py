@@ -1,4 +1,4 @@
-"""Where a task was read from, and where in that text each of its elements stands."""
+"""Sources: the text of a document, and the place of each element in it."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Locator = Callable[[str, frozenset[Pointer]], Mapping[Pointer, "Range"]]
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Offsets into the text: [start, end) of a value, and of its key where it has one.
+    """Offsets into the text: [start, end) of a value, and the start of its key if it has one.
 
-    `within` is the text where that is another one than the task's own: a file it includes.
-    `written` is the path as the text itself spells it, for texts that JSON patches apply to.
+    `within` is the text, if that is not the task's own: a file that it includes. `written` is the
+    path as the text itself spells it, for texts that JSON patches apply to.
     """
 
     start: int
@@ -34,10 +34,10 @@ def pointer_text(pointer: Pointer) -> str:
 
 @dataclass(frozen=True)
 class Source:
-    """A named text and the way to find an element in it.
+    """A named text and a locator for its elements.
 
-    Positions are looked up only when a diagnostic needs them, so a good task pays nothing. The
-    locator must be one that can be pickled: a module's function, or an object of a class.
+    Positions are computed only when a diagnostic needs them, so a task without faults pays nothing.
+    The locator must be picklable: a function of a module, or an object of a class.
     """
 
     name: str
@@ -45,27 +45,27 @@ class Source:
     locator: Locator | None = field(default=None, compare=False, repr=False)
     _found: dict[Pointer, Range | None] = field(default_factory=dict, repr=False, compare=False)
     _counted: list[int] = field(default_factory=lambda: [0, 0, 0], repr=False, compare=False)
-    """An offset that was asked for, how many lines end before it, and where its line begins."""
+    """The last offset, the number of lines that end before it, and the start of its line."""
 
     def line_and_column(self, offset: int) -> tuple[int, int]:
         """1-based line and column (in characters) of an offset."""
         counted, lines, begin = self._counted
         if offset < begin:
             counted, lines, begin = 0, 0, 0
-        # What was counted is not counted again: a line may be long, and asked for often.
+        # Count on from the last offset: a line may be long and have many findings.
         if more := self.text.count("\n", counted, offset):
             lines, begin = lines + more, self.text.rfind("\n", counted, offset) + 1
         self._counted[:] = [max(offset, counted), lines, begin]
         return lines + 1, offset - begin + 1
 
     def line_at(self, offset: int) -> str:
-        """The text of the line an offset is in, without its line end."""
+        """The text of the line that contains an offset, without its line end."""
         start = self.text.rfind("\n", 0, offset) + 1
         end = self.text.find("\n", offset)
         return self.text[start : end if end >= 0 else len(self.text)].rstrip("\r")
 
     def locate(self, pointers: Iterable[Pointer]) -> Mapping[Pointer, Range | None]:
-        """The place of each element; of its nearest known ancestor where it has none itself."""
+        """The place of each element, or of its nearest known ancestor if it has none itself."""
         missing = {p for p in pointers if p not in self._found}
         if missing and self.locator is not None:
             wanted = frozenset(p[:n] for p in missing for n in range(len(p) + 1))

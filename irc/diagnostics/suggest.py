@@ -1,15 +1,15 @@
-"""Which known name is meant by an unknown one: a guess for a hint, or certainty for a repair.
+"""Finds the known name that an unknown one means: a guess for a hint, a certain one for a repair.
 
-A guess may be wrong and is only shown. A repair is applied without asking, so it is offered only
-where exactly one known name differs from the written one by nothing but
+A guess may be wrong and is only shown. A repair is applied without asking, so it is offered only if
+exactly one known name differs from the written one only in
 
 - upper and lower case, spaces, underscores, hyphens or a compatibility form of Unicode, or else
-- one slip of the pen: a letter missing, doubled or added, or two neighbours changed round, in a
-  word of at least five letters; a letter replaced by another in one of at least seven. Digits and
-  short words tell names apart (`robot1`, `cut_a`), so nothing in them counts as a slip; and in
-  short words a replaced letter makes another word (`bake`, `cake`).
+- one slip: a letter missing, doubled or added, or two neighbouring letters swapped, in a word of at
+  least five letters; or a letter replaced by another in a word of at least seven. Digits and short
+  words distinguish names (`robot1`, `cut_a`), so a change in them is no slip; and in short words a
+  replaced letter makes another word (`bake`, `cake`).
 
-The words of the IR itself are few and fixed, so there four letters are enough for either.
+The words of the IR itself are few and fixed, so four letters are enough there for both.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 _MANY = 5_000
-"""Among more names only those that begin alike are compared for a guess."""
+"""With more names, a guess compares only those with the same first letter."""
 
 _MOST_FOR_SLIPS = 10_000
-"""Among more names none is found by a slip, only by case and separators."""
+"""With more names, only case and separators are corrected, not slips."""
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
@@ -32,7 +32,7 @@ def closest(name: str, known: Iterable[str]) -> str | None:
 
     candidates: Sequence[str] = list(known)
     if len(candidates) > _MANY:
-        # Close matching is quadratic in spirit; in a large file look only at similar lengths.
+        # Close matching takes quadratic time; in a large file compare only similar lengths.
         candidates = [k for k in candidates if k[:1] == name[:1] and abs(len(k) - len(name)) < 3]
     close = get_close_matches(name, candidates[:_MANY], n=1, cutoff=0.6)
     return (
@@ -41,14 +41,14 @@ def closest(name: str, known: Iterable[str]) -> str | None:
 
 
 def normal_form(name: str) -> str:
-    """A name without what people vary freely: case, spaces, underscores, hyphens."""
+    """A name without its case, spaces, underscores and hyphens, which people vary freely."""
     folded = unicodedata.normalize("NFKC", name).casefold()
     return "".join(c for c in folded if c not in "_-‐‑–" and not c.isspace())
 
 
 @dataclass(frozen=True)
 class SlipRule:
-    """The fewest letters of a word in which a slip, or a replaced letter, still is one."""
+    """The least length of a word in which a slip, or a replaced letter, is corrected."""
 
     slip: int
     replaced: int
@@ -62,7 +62,7 @@ KEYWORDS = SlipRule(slip=4, replaced=4)
 
 
 class Certain:
-    """Known names, prepared to be asked which of them an unknown name certainly means."""
+    """Known names, indexed to find the one that an unknown name certainly means."""
 
     def __init__(self, known: Collection[str], rule: SlipRule = NAMES) -> None:
         self.rule = rule
@@ -76,7 +76,7 @@ class Certain:
                     self._by_rest.setdefault(rest, []).append(name)
 
     def match(self, name: str) -> str | None:
-        """The one known name that is certainly meant; None where there is doubt."""
+        """The one known name that is certainly meant; None in doubt."""
         form = normal_form(name)
         if form in self._by_form:
             return _only(self._by_form[form]) if form else None
@@ -118,7 +118,7 @@ def _only(names: Iterable[str]) -> str | None:
 
 
 def _with_one_less(name: str) -> set[str]:
-    """A name and all that is left of it without one character: names one slip apart share one."""
+    """A name, and the name without each one of its characters; names one slip apart share one."""
     return (
         {name, *(name[:i] + name[i + 1 :] for i in range(len(name)))} if len(name) < 200 else {name}
     )
@@ -141,7 +141,7 @@ def _differs_by_one(a: str, b: str) -> tuple[int, int] | None:
 
 
 def _word(name: str, at: int) -> int:
-    """How many letters the word has in which, or at whose end, a place is."""
+    """The number of letters of the word that contains a place, or ends at it."""
     if at >= len(name) or not name[at].isalpha():
         at -= 1
     if at < 0:

@@ -1,4 +1,4 @@
-"""Diagnostics as text for people: the message, the source line under a caret, the hint."""
+"""Diagnostics as text for people: the message, the source line with a caret, the hint."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from irc.diagnostics.finding import Code, Diagnostic, Severity
 from irc.diagnostics.source import Source, pointer_text
 
 SHOWN_PER_CODE = 50
-"""At most this many diagnostics of one code are shown, then how many more there are."""
+"""At most this many diagnostics of one code are shown; then comes the number of the others."""
 
 _WIDEST_EXCERPT = 100
 
 
 def render(diagnostics: Iterable[Diagnostic], source: Source | None, *, notes: bool = True) -> str:
-    """The text of located diagnostics; without the notes if these are not wanted."""
+    """The text of located diagnostics, with or without the notes."""
     shown: Counter[Code] = Counter()
     blocks = []
     for d in diagnostics:
@@ -58,7 +58,7 @@ def excerpt(line: str, column: int) -> tuple[str, int]:
 
 
 def _cells(character: str) -> int:
-    """How many cells of a terminal a character takes (Unicode Standard Annex 11)."""
+    """The number of terminal cells of a character (Unicode Standard Annex 11)."""
     if unicodedata.combining(character):
         return 0
     return 2 if unicodedata.east_asian_width(character) in "WF" else 1

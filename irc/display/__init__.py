@@ -1,1 +1,1 @@
-"""Tables in, and what shows them out: HTML for notebooks, and data frames of other libraries."""
+"""Display: in, rows; out, HTML for notebooks, and data frames of other libraries."""

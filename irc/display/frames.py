@@ -1,4 +1,4 @@
-"""Rows → a data frame of whichever library is installed; none is required."""
+"""Turns rows into a data frame of an installed library; none is required."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The driver: in, a `Task`; out, a program, or a validated schedule with an honest status."""
+"""The driver: in, a `Task`; out, a program, or a validated schedule with its proven status."""

@@ -29,7 +29,7 @@ def _accepted(task: Task) -> Checked:
 def lower_for(task: Task, backend: Backend) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
-    Raises `InputError` where the task or the target says no.
+    Raises `InputError` if the task is faulty or the target does not support it.
     """
     checked = _accepted(task)
     require_support(task, backend)
@@ -39,38 +39,38 @@ def lower_for(task: Task, backend: Backend) -> Problem:
 def compile_task(task: Task, target: str) -> Program:
     """The task as a program of `target`.
 
-    Raises `InputError` (the task is at fault or refused) or `UnknownTarget`.
+    Raises `InputError` (the task is faulty or refused) or `UnknownTarget`.
     """
     backend = get_backend(target)
     program = Program(backend, task, lower_for(task, backend), later_events(task))
-    with refusals_told(task):
-        program.files  # noqa: B018 - encodes now, so that a refusal is told here
+    with reporting_refusals(task):
+        program.files  # noqa: B018 - encodes now, so that a refusal is raised here
     return program
 
 
 def later_events(task: Task) -> tuple[Diagnostic, ...]:
-    """A note that the task's events are not seen, where it has any.
+    """A note that the plan does not use the task's events, if it has any.
 
-    What is planned as of t = 0 knows of no event, not even of one at 0: events become known while
-    the task runs. The note carries its own place in the text, so that it can be shown without it.
+    A plan as of t = 0 uses no event, not even one at t = 0: events become known while the task
+    runs. The note carries its own source, so that it can be shown without the report of the task.
     """
     if not task.events:
         return ()
     count = len(task.events)
-    events = f"{count} events are" if count > 1 else "event is"
+    events = f"{count} events" if count > 1 else "event"
     note = Diagnostic(
         Code.LATER_EVENTS,
-        f"planned as of t = 0: the task's {events} not seen",
+        f"planned as of t = 0, without the task's {events}",
         ("events", 0),
-        "`irc simulate` runs the task with its events, and plans what is left anew at each",
+        "`irc simulate` runs the task with its events and plans the rest again at each of them",
     )
     (placed,) = Report((note,), task.source).located()
     return (placed if placed.within else replace(placed, within=task.source),)
 
 
 @contextmanager
-def refusals_told(task: Task) -> Iterator[None]:
-    """A backend's refusal becomes the `InputError` that names its place."""
+def reporting_refusals(task: Task) -> Iterator[None]:
+    """Turns a backend's refusal into the `InputError` that names its place."""
     try:
         yield
     except Refusal as refusal:

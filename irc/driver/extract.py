@@ -1,8 +1,7 @@
-"""A raw answer to a program → the validated schedule, long after it was compiled."""
+"""Turns a raw answer to a compiled program into a validated schedule."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -17,6 +16,7 @@ from irc.problem.decisions import AnswerError
 from irc.schedule import Status
 from irc.targets import (
     MANIFEST_VERSION,
+    Budget,
     EngineFailed,
     Outcome,
     get_backend,
@@ -30,12 +30,12 @@ def extract_answer(
     manifest_source: Source | None = None,
     answer_name: str = "<answer>",
 ) -> Answer:
-    """A raw answer to a program, long after it was compiled: decoded, re-timed, validated.
+    """The schedule of a raw answer to a compiled program: decoded, re-timed, validated.
 
-    Raises `InputError` where the manifest is not one of ours or the answer has no valid schedule;
-    it shows the place in the manifest's text (if its source is given) or in the answer.
+    Raises `InputError` if the manifest is not one of irc or the answer has no valid schedule; it
+    shows the place in the manifest's text (if its source is given) or in the answer.
     """
-    began = time.perf_counter()
+    budget = Budget()
     task, target, names = _read_manifest(manifest, manifest_source)
     backend = get_backend(target)
     problem = lower_for(task, backend)
@@ -48,7 +48,7 @@ def extract_answer(
         diagnostic = Diagnostic(Code.BAD_ANSWER, message, ("names",))
         raise InputError(Report((diagnostic,), manifest_source)) from None
     outcome = Outcome(Status.FEASIBLE, "extract", schedule)
-    schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
+    schedule = finish(task, problem, outcome, target, budget.elapsed)
     try:
         approved = _approved(task, replace(schedule, engine=None))
         return Answer(approved, problem, later_events(task))
@@ -57,12 +57,12 @@ def extract_answer(
 
 
 def _bad_answer(message: str, answer: str, name: str, line: int | None = None) -> InputError:
-    """What is wrong with an answer, shown at a line of it (where none is known, at its start)."""
+    """The error of a faulty answer, placed at one of its lines (without a line: at its start)."""
     offset = sum(len(text) + 1 for text in answer.split("\n")[: (line or 1) - 1])
     diagnostic = Diagnostic(
         Code.BAD_ANSWER,
         message,
-        hint="give all that the engine printed about the program of this manifest",
+        hint="give the whole output of the engine for the program of this manifest",
         offset=min(offset, len(answer)),
     )
     return InputError(Report((diagnostic,), Source(name, answer)))
@@ -102,7 +102,7 @@ def _read_manifest(
             Code.BAD_ANSWER,
             "the manifest was changed: its task has another hash",
             ("task_sha256",),
-            hint="compile the task again; the answer may be to the program of before",
+            hint="compile the task again; the answer may belong to the previous program",
         )
         raise InputError(Report(tuple(findings.items), source))
     return task, target, names

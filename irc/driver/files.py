@@ -1,4 +1,4 @@
-"""Writing files so that they appear whole or not at all."""
+"""Writes files so that they appear whole or not at all."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from irc.errors import IrcError
 
 
 class WriteError(IrcError):
-    """A file or folder that cannot be written; the text says which and why."""
+    """A file or folder that cannot be written; the message says which and why."""
 
 
 def write_whole(path: Path, content: str | bytes, *, mode: int | None = None) -> None:
-    """Writes beside the target and renames, so no reader ever sees half a file.
+    """Writes a file beside `path` and renames it, so that no reader sees half a file.
 
-    `mode` are the permissions of the file; without it, those that a new one would have.
+    `mode` is the permissions of the file; the default is those of a new file.
     """
     temporary: str | None = None
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name[:50]}.", dir=path.parent)
         with os.fdopen(handle, "wb") as file:
             file.write(content.encode() if isinstance(content, str) else content)
-        # mkstemp makes private files; a result has the permissions a new file would have.
+        # mkstemp makes private files; a result has the permissions of a new file.
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask if mode is None else mode)
@@ -33,14 +33,14 @@ def write_whole(path: Path, content: str | bytes, *, mode: int | None = None) ->
         temporary = None
     except OSError as error:
         raise WriteError(f"cannot write {str(path)!r}: {error.strerror or error}") from None
-    finally:  # also where we are interrupted
+    finally:  # also after an interrupt
         if temporary is not None:
             with suppress(OSError):
                 os.unlink(temporary)
 
 
 def write_folder(folder: Path, files: Mapping[str, str]) -> None:
-    """Writes several files into a folder, which is made if need be."""
+    """Writes several files into a folder; makes the folder if necessary."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

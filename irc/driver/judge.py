@@ -12,7 +12,7 @@ from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
 from irc.problem import Problem
-from irc.problem.objective_values import worth
+from irc.problem.objective_values import schedule_values
 from irc.schedule import ObjectiveValue, Schedule, Status
 from irc.targets import (
     EngineFailed,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Answer:
-    """A schedule with what was found on the way, and the problem it answers."""
+    """A schedule with the notes about it, and the problem that it solves."""
 
     schedule: Schedule
     problem: Problem
@@ -33,9 +33,9 @@ class Answer:
 
 
 def _approved(task: Task, schedule: Schedule) -> Schedule:
-    """The schedule, once the validator has found nothing against it.
+    """The schedule, if the validator finds no violation.
 
-    Raises `EngineFailed` with the validator's reasons otherwise: nothing invalid is reported.
+    Otherwise raises `EngineFailed` with the violations: no invalid schedule is reported.
     """
     if schedule.status not in (Status.OPTIMAL, Status.FEASIBLE):
         return schedule
@@ -51,11 +51,11 @@ def _approved(task: Task, schedule: Schedule) -> Schedule:
 def validate_schedule(
     task: Task, schedule: Schedule, source: Source | None = None, *, at: Number | None = None
 ) -> Verdict:
-    """The independent verdict on a schedule, once the task itself has been checked.
+    """The validator's verdict on a schedule, after a check of the task itself.
 
-    `at`, in the task's unit: what began before is history, and what it alone causes is carried.
-    Raises `InputError` for a faulty task, or a schedule (read from `source`, if it was) that
-    says it is of another task.
+    `at` is in the task's unit: actions that began before are history, and violations that the
+    history alone causes are carried. Raises `InputError` for a faulty task, and for a schedule
+    (read from `source`, if given) of another task.
     """
     report = run_checks(task, lint=False).report
     structural = [d for d in report.errors if not d.code.id.startswith("IRC3")]
@@ -75,7 +75,7 @@ def validate_schedule(
 
 
 def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
-    """The outcome as the schedule that is reported: status, objective and bounds filled in."""
+    """The schedule of an outcome, with its status, objective values and bounds."""
     schedule = outcome.schedule or Schedule(())
     status = outcome.status
     objective: tuple[ObjectiveValue, ...] = ()
@@ -97,8 +97,8 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
 def _judged(
     problem: Problem, outcome: Outcome, schedule: Schedule
 ) -> tuple[Status, tuple[ObjectiveValue, ...]]:
-    """What each objective came to, and whether all of them meet proven bounds."""
-    values = worth(problem, schedule)
+    """(the status, the objective values with their bounds): optimal if all meet their bounds."""
+    values = schedule_values(problem, schedule)
     known = {level.name: level.bound for level in outcome.levels}
     if problem.objectives[0] == "makespan":
         ours = problem.to_units(max(outcome.bound, problem.bounds.makespan.value))
@@ -108,7 +108,7 @@ def _judged(
     objective = tuple(
         ObjectiveValue(name, values[name], known.get(name)) for name in problem.levels
     )
-    # (Changes that only choose among equals do not count.)
+    # (The level `changes` that only chooses among equal schedules does not count.)
     own = objective[: len(problem.objectives)]
     if all(o.bound is not None and o.value == o.bound for o in own):
         return Status.OPTIMAL, objective

@@ -1,11 +1,9 @@
-"""The whole road from a task to an answer: compile, run, re-time, validate."""
+"""Solves a task: compile, run an engine, re-time, validate."""
 
 from __future__ import annotations
 
-import time
-
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import later_events, lower_for, refusals_told
+from irc.driver.compile import later_events, lower_for, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.problem import Problem
@@ -13,58 +11,62 @@ from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Status
 from irc.targets import (
+    Backend,
+    Budget,
+    Engine,
     EngineMissing,
-    Limits,
-    OnProgress,
     Outcome,
     Program,
+    SolveOptions,
     get_backend,
 )
 
 SHORTCUT_ENGINE = "critical-path"
-"""What is named as engine where no solver was needed."""
+"""The name of the engine in a schedule that needed no solver."""
 
 
 def solve_task(
-    task: Task,
-    target: str = "cpsat",
-    engine: str = "auto",
-    limits: Limits | None = None,
-    *,
-    shortcut: bool = True,
-    on_progress: OnProgress | None = None,
+    task: Task, options: SolveOptions | None = None, budget: Budget | None = None
 ) -> Answer:
     """Compiles, runs an engine, re-times and returns the answer.
 
-    The task is planned as of t = 0: of its events there is only a note. Raises `InputError`,
-    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries
-    and says why in its status.
+    The task is planned as of t = 0, without its events; a note says so. If this is a part of a
+    longer call, `budget` replaces the time limit of the options. Raises `InputError`,
+    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries;
+    its status says why.
     """
-    began = time.perf_counter()
-    backend = get_backend(target)
-    runner = backend.engine(engine)
+    options = options or SolveOptions()
+    budget = Budget(options.time_limit) if budget is None else budget.share(1)
+    backend = get_backend(options.target)
+    return solve_by(task, backend, backend.engine(options.engine), options, budget)
+
+
+def solve_by(
+    task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
+) -> Answer:
+    """The answer of `solve_task` by a given backend and engine."""
     problem = lower_for(task, backend)
-    if shortcut and not problem.has_contention:
+    if options.shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     else:
-        reason = runner.missing()
+        reason = engine.missing()
         if reason is not None:
             raise EngineMissing(reason)
-        with refusals_told(task):
-            outcome = runner.solve(Program(backend, task, problem), limits or Limits(), on_progress)
-    schedule = finish(task, problem, outcome, target, time.perf_counter() - began)
+        with reporting_refusals(task):
+            outcome = engine.solve(Program(backend, task, problem), options, budget)
+    schedule = finish(task, problem, outcome, backend.name, budget.elapsed)
     return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
 
 
 def _too_short(problem: Problem) -> Diagnostic:
-    """Why no schedule meets the task's deadline, where a bound of ours says so."""
+    """The note that the lower bound on the makespan is above the task's deadline."""
     return Diagnostic(
         Code.TOO_LATE,
         f"no schedule ends before {problem.time_text(problem.bounds.makespan.value)} "
         f"({problem.bounds.makespan.reason})",
         ("deadline",),
-        "a later deadline or more capacity would be needed",
+        "a later deadline or more capacity is needed",
     )

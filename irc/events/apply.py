@@ -1,4 +1,4 @@
-"""Revising a task by an event: a pure function from a task to a task."""
+"""Revises a task by an event: a pure function from a task to a task."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ def apply(
 ) -> Task:
     """The task as revised by `event`, which is no longer among its events.
 
-    `starts` says when actions started, in the task's unit, for observations that name an end
-    alone; `source` is the text that the event was read from. Neither task nor event changes.
-    The task must have no faults of its own (`irc.check`): only the event is judged here.
-    Raises `InputError` where the event does not fit the task: nothing of it is applied then.
+    `starts` has the starts of actions, in the task's unit, for observations of an end alone;
+    `source` is the text of the event. Neither task nor event changes. The task must have no faults
+    of its own (`irc.check`): only the event is checked here. Raises `InputError` if the event does
+    not fit the task.
 
     >>> import irc
     >>> task = irc.Task()
@@ -71,7 +71,7 @@ def apply(
 
 
 class _NoStart(Exception):
-    """An observation names the end of an action whose start nobody has told."""
+    """An observation names the end of an action whose start is not known."""
 
     def __init__(self, action: str) -> None:
         super().__init__(action)
@@ -82,9 +82,9 @@ def _no_start(action: str, change: int, source: Source | None) -> Report:
     findings = Findings()
     findings.add(
         Code.UNSUITED_CHANGE,
-        f"when action {action!r} started is not known, so its end says no duration",
+        f"the start of action {action!r} is not known, so its end gives no duration",
         ("changes", change, "finished"),
-        hint='say when it did: "started": …',
+        hint='add the start: "started": …',
     )
     return Report(tuple(findings.items), source)
 
@@ -104,7 +104,7 @@ class _TaskEditor:
         """Fields of the task that are replaced as a whole."""
 
     def revised(self, event: Event) -> Task:
-        """The task that the changes have made."""
+        """The task after the changes."""
         fields: dict[str, Any] = {
             "actions": tuple(self.actions.values()),
             "resources": tuple(self.resources.values()),
@@ -115,14 +115,14 @@ class _TaskEditor:
             **self.whole,
         }
         changed = {k: v for k, v in fields.items() if v != getattr(self.task, k)}
-        # Its elements no longer stand where the text that was read has them.
+        # The places of its elements in the text are no longer valid.
         return self.task.model_copy(update=changed).with_source(None)
 
     def change_action(self, name: str, **fields: Any) -> None:
         self.actions[name] = self.actions[name].model_copy(update=fields)
 
     def cancel(self, names: Collection[str]) -> None:
-        """Ends actions; what orders, groups and wants them lapses."""
+        """Cancels actions, and removes them from precedences, groups and goals."""
         gone = frozenset(names)
         for name in gone:
             self.actions[name] = ended(self.actions[name], self.at, self.clock)
@@ -148,7 +148,7 @@ def _add(table: dict[str, Any], elements: Iterable[Any]) -> None:
 
 
 def _cancel_groups(editor: _TaskEditor, change: CancelGroups) -> None:
-    """Members go with their order, unless another one that stays wants them."""
+    """Removes groups and cancels their members, except members of other groups."""
     taken_back = [editor.groups.pop(name) for name in dict.fromkeys(change.groups)]
     wanted = {action for group in editor.groups.values() for action in group.actions}
     editor.cancel({a for group in taken_back for a in group.actions} - wanted)
@@ -184,9 +184,9 @@ def _set_state(editor: _TaskEditor, change: SetState) -> None:
 
 
 def _observe(editor: _TaskEditor, change: Observe) -> None:
-    """What happened is what the task says from now on: a fixed start, an exact duration.
+    """Writes an observation into the task: as a fixed start, an exact duration.
 
-    Of one of several occurrences a task cannot say that: the history alone has it.
+    A task cannot express this for one of several occurrences: only the history has it.
     """
     name, clock = change.action, editor.clock
     action = editor.actions[name]
@@ -195,7 +195,7 @@ def _observe(editor: _TaskEditor, change: Observe) -> None:
     if change.started is not None:
         started = clock.number(change.started)
         editor.change_action(name, start=started)
-        if clock.number(action.release) > started:  # It did start, whatever it should have done.
+        if clock.number(action.release) > started:  # It started before its release.
             editor.change_action(name, release=started)
         latest = action.latest_start
         if latest is not None and clock.number(latest) < started:

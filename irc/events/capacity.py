@@ -1,4 +1,4 @@
-"""Capacities that an event changes: a piece of a resource's time has another capacity."""
+"""Changes of capacity by an event, over a window or from a time on."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class _Piece:
 def with_capacity(
     resource: Resource, capacity: int, start: Number, end: Number | None, clock: Clock
 ) -> Resource:
-    """The resource with `capacity` at every instant of [start, end); no `end`: from then on.
+    """The resource with `capacity` at every instant of [start, end), or from `start` on.
 
-    Its windows are cut where the piece begins and ends. Without an end the new capacity becomes
-    the base, and what the base was before is told by windows.
+    Its windows are cut at `start` and `end`. Without an end the new capacity becomes the usual
+    one, and windows give the previous capacity before `start`.
     """
     pieces = [p for piece in _pieces(resource, clock) for p in _outside(piece, start, end)]
     pieces.append(_Piece(start, end, capacity))
@@ -38,7 +38,7 @@ def with_capacity(
 
 
 def _pieces(resource: Resource, clock: Clock) -> list[_Piece]:
-    """The capacity over all time: pieces without gaps, the last of them without an end."""
+    """The capacity over all time as pieces without gaps; the last piece has no end."""
     windows = sorted(
         (
             _Piece(clock.number(window.from_), clock.number(window.to), window.capacity)
@@ -57,7 +57,7 @@ def _pieces(resource: Resource, clock: Clock) -> list[_Piece]:
 
 
 def _outside(piece: _Piece, start: Number, end: Number | None) -> list[_Piece]:
-    """What is left of a piece outside [start, end)."""
+    """The parts of a piece outside [start, end)."""
     left = []
     if piece.start < start:
         until = start if piece.end is None else min(piece.end, start)
@@ -68,7 +68,7 @@ def _outside(piece: _Piece, start: Number, end: Number | None) -> list[_Piece]:
 
 
 def _joined(pieces: list[_Piece]) -> list[_Piece]:
-    """The same with neighbours of equal capacity made one."""
+    """The same pieces, with neighbours of equal capacity joined."""
     joined: list[_Piece] = []
     for piece in pieces:
         if joined and joined[-1].capacity == piece.capacity and joined[-1].end == piece.start:

@@ -1,7 +1,7 @@
-"""Changes of the world: facts that become part of the history.
+"""World changes: changes of state variables by events.
 
-A change of a state variable at an instant is an action of no duration with a fixed start and one
-effect. It is valid, re-timed and encoded like any other, and needs no rule of its own.
+A world change is an action of duration 0 with a fixed start and one effect. It is validated,
+re-timed and encoded like any other action, and needs no rule of its own.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from irc.model.world_changes import is_world_change, world_change_id
 def world_change(
     var: str, value: bool | str, at: Number, actions: Mapping[str, Action], clock: Clock
 ) -> tuple[Action, Precedence | None]:
-    """The action that makes `var` become `value` at `at`, and what orders it.
+    """(the action that makes `var` become `value` at `at`, its precedence if it needs one).
 
-    Its id is "`var` at `at`", with a number where that is taken. It comes after an earlier
-    change of the same variable at the same instant: events of one instant keep their order.
+    Its id is "`var` at `at`", with a number if that id is taken. It comes after an earlier change
+    of the same variable at the same instant: events of one instant keep their order.
     """
     name = stem = world_change_id(var, at)
     number, earlier = 1, None
@@ -29,17 +29,17 @@ def world_change(
             earlier = name
         number += 1
         name = f"{stem} ({number})"
-    fact = Action(
+    action = Action(
         id=name,
         duration=0,
         start=at,
         effects=({"at": "start", "var": var, "value": value},),
     )
-    return fact, None if earlier is None else Precedence(before=earlier, after=name)
+    return action, None if earlier is None else Precedence(before=earlier, after=name)
 
 
 def _is_change(action: Action, var: str, at: Number, clock: Clock) -> bool:
-    """Whether the action is a change of `var` at this instant."""
+    """Whether the action is a world change of `var` at this instant."""
     if not is_world_change(action, clock) or action.start is None:
         return False
     return action.effects[0].var == var and clock.number(action.start) == at

@@ -1,7 +1,7 @@
-"""Execution: in, a task that is being carried out and what happened; out, the schedule repaired.
+"""Execution: in, a running task, its schedule and its events; out, the repaired schedule.
 
-`Execution` holds a running task, `replan` repairs a schedule once, `simulate` goes through all of a
-task's events. `irc.events.apply` revises the task itself.
+`Execution` holds a running task, `replan` repairs a schedule once, and `simulate` runs through all
+events of a task. `irc.events.apply` revises the task itself.
 """
 
 from __future__ import annotations

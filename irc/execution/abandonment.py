@@ -1,12 +1,11 @@
-"""Which half-done orders are given up: as few as possible, and only on a proof.
+"""Decides which half-done groups are given up: as few as possible, and only on a proof.
 
-What is half-done is finished if any continuation allows it. Where a proof says that none does, it
-is found which can be finished together.
+A half-done group is finished if any continuation allows it. Where a proof says that none does, a
+search finds the groups that can be finished together.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -16,16 +15,16 @@ from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import costs
 from irc.schedule import Status
-from irc.targets import Outcome, get_backend
+from irc.targets import Budget, Outcome, get_backend
 
 Found = tuple[Outcome, Problem, tuple[int, ...]]
 """An outcome, the problem it answers, and the groups given up."""
 
 PROVER_SHARE = 0.1
-"""The part of the time limit that this may take."""
+"""The part of the time left that this may take before an engine is asked."""
 
 GIVEN_UP_TRIED = 200
-"""So many choices of orders to give up are tried at most, smaller ones first."""
+"""At most this many choices of groups to give up are tried, smaller ones first."""
 
 
 def best_continuation(remainder: Remainder) -> Found:
@@ -36,7 +35,7 @@ def best_continuation(remainder: Remainder) -> Found:
         return _as_proven(remainder)
     outcome, problem = remainder.attempt(())
     if outcome.status is Status.UNKNOWN and has_prover:
-        proven, whole = replace(_prover(remainder), began=time.perf_counter()).attempt(())
+        proven, whole = _prover(remainder, remainder.budget).attempt(())
         if proven.status is Status.INFEASIBLE:
             return proven, whole, ()
     if outcome.schedule is not None or not half_done:
@@ -44,23 +43,22 @@ def best_continuation(remainder: Remainder) -> Found:
     found, certain = _smallest(remainder, half_done, outcome.status is not Status.UNKNOWN)
     if found:
         return min(found, key=lambda f: _value(f[1], f[0]))
-    # Without a proof that the others can be finished no more, none is given up.
+    # Without a proof that the others cannot be finished, none is given up.
     return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
 
 
-def _prover(remainder: Remainder) -> Remainder:
-    """The same for the prover, with its share of the time."""
-    means, seconds = remainder.means, remainder.means.limits.seconds
-    if seconds is not None:
-        limits = replace(means.limits, seconds=seconds * PROVER_SHARE)
-        means = replace(means, limits=limits, on_progress=None)
+def _prover(remainder: Remainder, budget: Budget) -> Remainder:
+    """The same for the prover, with a budget of its own."""
     prover = get_backend(PROVER)
-    return replace(remainder, backend=prover, engine=prover.engine(), means=means)
+    options = replace(remainder.options, on_progress=None)
+    return replace(
+        remainder, backend=prover, engine=prover.engine(), options=options, budget=budget
+    )
 
 
 def _as_proven(remainder: Remainder) -> Found:
-    """The continuation that gives up what the prover has, so that no time is lost on the rest."""
-    proven = best_continuation(_prover(remainder))
+    """The continuation that gives up the groups which the prover gave up, to save time."""
+    proven = best_continuation(_prover(remainder, remainder.budget.share(PROVER_SHARE)))
     if proven[0].status is Status.INFEASIBLE:
         return proven
     return (*remainder.attempt(proven[2]), proven[2])
@@ -69,15 +67,14 @@ def _as_proven(remainder: Remainder) -> Found:
 def _smallest(
     remainder: Remainder, half_done: Sequence[int], certain: bool
 ) -> tuple[list[Found], bool]:
-    """What comes of giving up as few as possible, and whether fewer are known not to do."""
+    """The result of giving up as few as possible, and whether fewer are proven not to suffice."""
     found: list[Found] = []
     sizes = range(1, 1 + len(half_done))
     choices = (chosen for size in sizes for chosen in combinations(half_done, size))
     for tried, given_up in enumerate(choices):
         if found and len(given_up) > len(found[0][2]):
             break
-        spent = remainder.left is not None and remainder.left <= 0
-        certain = certain and not spent and tried < GIVEN_UP_TRIED
+        certain = certain and not remainder.budget.is_over and tried < GIVEN_UP_TRIED
         if not certain:
             break
         outcome, problem = remainder.attempt(given_up)

@@ -1,7 +1,7 @@
-"""Conflicts that only what has begun causes: they are carried, so they must not bind any more.
+"""Relaxes conflicts that the history alone causes: they are carried, so they bind no more.
 
-Each is relaxed just so far that the history is possible. What they are is told by judging the
-history alone with the validator, which shares no code with this.
+Each is relaxed only as far as the history needs. The validator finds the same conflicts when it
+judges the history alone; it shares no code with this module.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from irc.schedule import Entry
 def relaxed(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> tuple[Problem, dict[int, ExecutedActivity]]:
-    """The problem without what its executed activities contradict, and those activities.
+    """The problem without the demands that its executed activities break, and those activities.
 
-    Where a condition of what is running breaks later on, a helper behind all other activities holds
-    it until then. The helper counts as executed.
+    Where a condition of a running activity breaks later, a helper activity, after all others in the
+    list, holds the condition until then. The helper counts as executed.
     """
     if not executed:
         return problem, {}
@@ -42,7 +42,7 @@ def relaxed(
 
 
 def _without_late_deadline(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
-    """Where what runs must end after the task's deadline, it binds all others one by one."""
+    """Moves the task's deadline to the open activities, if a running one must end after it."""
     deadline = problem.deadline
     if deadline is None:
         return problem
@@ -90,7 +90,7 @@ def _is_broken(problem: Problem, arc: Arc, executed: Mapping[int, ExecutedActivi
 
 
 def overloaded(problem: Problem, running: Sequence[Entry]) -> set[int]:
-    """The resources (indexes) of which more is held by what is running than they ever have."""
+    """The resources (indexes) of which running activities hold more than the greatest capacity."""
     held: Counter[str] = Counter()
     for entry in running:
         held.update(dict(entry.resources))
@@ -100,7 +100,7 @@ def overloaded(problem: Problem, running: Sequence[Entry]) -> set[int]:
 
 
 def _with_room(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
-    """Resources have as much as executed activities hold, at every instant."""
+    """The problem in which capacities suffice, at every instant, for executed activities."""
     loads: dict[int, list[tuple[int, int]]] = {}
     for i, past in executed.items():
         activity = problem.activities[i]
@@ -124,7 +124,7 @@ def _with_room(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Pr
     return replace(
         problem,
         resources=resources,
-        # (What holds too much of a member keeps it from being pooled: `irc.passes.contention`.)
+        # (A member of which too much is held is not pooled: `irc.passes.contention`.)
         contention=replace(
             problem.contention,
             pools=tuple(
@@ -138,7 +138,7 @@ def _with_room(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Pr
 
 
 def _windows(resource: Renewable, load: list[tuple[int, int]]) -> tuple[Window, ...] | None:
-    """The windows of a resource with room for a load; None where there is enough already."""
+    """The windows of a resource with room for a load; None where the capacity suffices."""
     times = {t for t, _ in load} | {t for w in resource.windows for t in (w.start, w.end)}
     steps: dict[int, int] = {}
     for time, amount in load:

@@ -1,23 +1,21 @@
-"""What is left of a task that is being carried out, and how an engine is asked to continue it.
+"""Asks an engine for a continuation of a running task.
 
-An engine is given either the whole problem, in which what has begun is fixed, or what is left with
+An engine gets either the whole problem, in which the history is fixed, or the residual problem with
 the present as time 0 (`Backend.begins_now`). Either way the answer is of the whole.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.solve import SHORTCUT_ENGINE
-from irc.execution.freeze import Frozen, with_groups
+from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
-from irc.execution.step import Means
 from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.quantities import Number
@@ -29,27 +27,30 @@ from irc.passes.mandatory import least_occurrences
 from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
-from irc.problem.objective_values import worth
+from irc.problem.objective_values import schedule_values
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
 from irc.targets import (
     Backend,
+    Budget,
     Engine,
     EngineFailed,
     EngineMissing,
     ObjectiveLevel,
     Outcome,
     Program,
+    SolveOptions,
 )
 
 Judge = Callable[[Schedule], str | None]
 
 PROVER = "cpsat"
-"""Says which orders can be finished, where the target's engines prove nothing of the kind."""
+"""The target that proves which groups can be finished, where the chosen target proves nothing."""
 
-LEAST_SECONDS = 0.1
-"""An engine is always given so much."""
+AFTERWARDS_SHARE = 0.1
+"""The part of the time left that is kept for after the engine: for the prover, if the engine finds
+nothing, or for the search for a schedule in which less moves."""
 
 _PASSES = (
     reduce_transitively,
@@ -62,22 +63,16 @@ _PASSES = (
 
 @dataclass
 class Remainder:
-    """A frozen problem, with those who can solve it within the limits that began at `began`."""
+    """A frozen problem, with those who can solve it, and their time."""
 
     task: Task
-    frozen: Frozen
+    frozen: FrozenProblem
     history: History
     at: Number
     backend: Backend
     engine: Engine
-    means: Means
-    began: float = field(default_factory=time.perf_counter)
-
-    @property
-    def left(self) -> float | None:
-        """Seconds until the limit."""
-        seconds = self.means.limits.seconds
-        return None if seconds is None else seconds - (time.perf_counter() - self.began)
+    options: SolveOptions
+    budget: Budget
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers.
@@ -95,13 +90,13 @@ class Remainder:
             raise EngineMissing(missing)
         if self.backend.begins_now:
             return self._from_now(frozen, whole, given_up), whole
-        if not whole.is_plain and self.means.limits.hints:
+        if not whole.is_plain:
             found = warm_start(whole, self.frozen.executed, self.history.plan)
             whole = replace(whole, previous=replace(whole.previous, warm_start=found))
         return self._solved(whole), whole
 
-    def tried(self, problem: Problem, seconds: float) -> Outcome:
-        """The outcome of another problem of the whole, within some seconds of its own.
+    def tried(self, problem: Problem, budget: Budget) -> Outcome:
+        """The outcome of another problem of the whole, within a budget of its own.
 
         Raises `EngineFailed` or `irc.targets.Refusal`.
         """
@@ -110,40 +105,39 @@ class Remainder:
             return impossible
         if not whole.has_contention:
             return _by_critical_path(whole)
-        limits = replace(self.means.limits, seconds=seconds)
-        return self.engine.solve(Program(self.backend, self.task, whole), limits)
+        options = replace(self.options, on_progress=None)
+        return self.engine.solve(Program(self.backend, self.task, whole), options, budget)
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
-        """The entries of what was cancelled, or ran for an order that is given up, say so."""
+        """Marks the entries as cancelled, or as abandoned where their group is given up."""
         groups, activities = self.frozen.problem.groups, self.frozen.problem.activities
         kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
         lost = {activities[i].id for k in given_up for i in groups[k].members if i not in kept}
 
-        def told(entry: Entry) -> Entry:
+        def marked(entry: Entry) -> Entry:
             before = self.history.entries.get(key_of(entry))
             cancelled = before is not None and before.status == CANCELLED
             status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
             return replace(entry, status=status)
 
-        entries = (told(e) for e in schedule.entries if e.id not in self.frozen.helpers)
+        entries = (marked(e) for e in schedule.entries if e.id not in self.frozen.helpers)
         return replace(schedule, entries=tuple(entries))
 
     def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
         program = Program(self.backend, self.task, problem, judge=judge)
-        limits = self.means.limits
-        if self.left is not None:
-            limits = replace(limits, seconds=max(LEAST_SECONDS, self.left))
-        return self.engine.solve(program, limits, self.means.on_progress)
+        alone = self.backend.proves and not self.backend.begins_now
+        budget = self.budget if alone else self.budget.share(1 - AFTERWARDS_SHARE)
+        return self.engine.solve(program, self.options, budget)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
-        """What the validator has against a whole history; None: nothing."""
+        """The violations that the validator finds in a whole history; None if it is valid."""
         from irc.validation import validate
 
         verdict = validate(self.task, self.with_status(schedule, given_up), self.at)
         return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
 
     def _from_now(self, frozen: Problem, whole: Problem, given_up: Sequence[int]) -> Outcome:
-        """The outcome of what is left, with the history before it."""
+        """The outcome of the residual problem, with the history before it."""
         now = self.frozen.now
         try:
             residual = residual_problem(frozen, self.frozen.executed, now)
@@ -163,21 +157,22 @@ class Remainder:
         try:
             merged = residual.merged(whole, found.schedule)
         except AnswerError as error:
-            raise EngineFailed(f"the answer does not continue what has begun: {error}") from None
+            raise EngineFailed(f"the answer does not continue the history: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
         kept = stabilised(
             whole,
             merged,
             self.history.entries.values(),
-            self.means.stability,
+            self.options.share,
             lambda schedule: self.judged(schedule, given_up) is None,
+            self.budget,
         )
         return _stabilised(outcome, whole, kept)
 
 
 @dataclass(frozen=True, slots=True)
 class _WithHistory:
-    """What the validator says of a plan with the history before it; None: nothing."""
+    """Judges a plan of the residual problem together with the history; None if it is valid."""
 
     remainder: Remainder
     residual: ResidualProblem
@@ -200,7 +195,7 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
     try:
         problem = run_passes(problem, _PASSES)
     except ValueError:
-        return problem, _impossible("what has begun and the lags of the task contradict each other")
+        return problem, _impossible("the history and the lags of the task contradict each other")
     bound = problem.bounds.makespan
     if problem.deadline is not None and bound.value > problem.deadline:
         least = f"no continuation ends before {problem.time_text(since + bound.value)}"
@@ -217,30 +212,30 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
 
 
 def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str | None:
-    """What keeps an activity from being so late; None: nothing."""
+    """The reason why an activity cannot start or end this late; None if it can."""
     activity, deadline = problem.activities[i], problem.effective_deadline(i)
     if deadline is not None and end > deadline:
         if deadline < 0:
-            return f"{activity.id!r} must have ended by now, and has not begun"
+            return f"{activity.id!r} must have ended by now, but has not begun"
         earliest, limit = problem.time_text(since + end), problem.time_text(since + deadline)
-        return f"{activity.id!r} cannot end before {earliest}, and must by {limit}"
+        return f"{activity.id!r} must end by {limit}, but cannot end before {earliest}"
     if activity.start is not None and start > activity.start:
         earliest, fixed = (
             problem.time_text(since + start),
             problem.time_text(since + activity.start),
         )
-        return f"{activity.id!r} must start at {fixed}, and cannot before {earliest}"
+        return f"{activity.id!r} must start at {fixed}, but cannot start before {earliest}"
     if activity.latest_start is not None and start > activity.latest_start:
         earliest, latest = (
             problem.time_text(since + start),
             problem.time_text(since + activity.latest_start),
         )
-        return f"{activity.id!r} must start by {latest}, and cannot before {earliest}"
+        return f"{activity.id!r} must start by {latest}, but cannot start before {earliest}"
     return None
 
 
 def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
-    """Everything as early as it can be: what is too late even so shows that nothing is possible."""
+    """The outcome with all activities as early as possible; infeasible if one is too late then."""
     try:
         placed = earliest_schedule(problem)
     except AnswerError as error:
@@ -254,9 +249,9 @@ def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
 
 
 def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, now: int) -> Outcome:
-    """An outcome of what is left as one of the whole: each value is off by what history adds."""
+    """The outcome of the residual problem as one of the whole; the history adds to each value."""
     assert found.schedule is not None
-    part, all_of_it = worth(left, found.schedule), worth(whole, merged)
+    part, all_of_it = schedule_values(left, found.schedule), schedule_values(whole, merged)
     levels = []
     for level in found.levels:
         bound = level.bound
@@ -270,8 +265,8 @@ def _of_whole(found: Outcome, left: Problem, whole: Problem, merged: Schedule, n
 
 
 def _stabilised(outcome: Outcome, whole: Problem, schedule: Schedule) -> Outcome:
-    """The outcome once less of it moves: the bounds are as before, the values may not be."""
-    values = worth(whole, schedule)
+    """The outcome with a schedule that moves less: its bounds stay, its values are new."""
+    values = schedule_values(whole, schedule)
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
     status = outcome.status
     if status is Status.OPTIMAL and whole.previous.stability:

@@ -1,10 +1,10 @@
-"""The history in a problem's terms: which activity each entry is of, in ticks and indexes."""
+"""The history as executed activities of a problem, in ticks and indexes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, PreviousPlace, Problem, Ranks
+from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import with_uses
 from irc.schedule import CANCELLED, Entry
@@ -14,8 +14,8 @@ from irc.schedule import CANCELLED, Entry
 class ExecutedActivity:
     """An occurrence that has begun. Times are in ticks; `end` is the planned one while it runs.
 
-    `mode` and `resources` (one for each use, None for those of other modes) are None where nobody
-    has said them: an observation that something started does not tell what it uses.
+    `mode` and `resources` (one for each use, None for those of other modes) are None where they are
+    not known: the observation of a start does not say what the action uses.
     """
 
     entry: Entry
@@ -27,18 +27,18 @@ class ExecutedActivity:
     rank: int = 0
     end_rank: int = 0
     by_itself: bool = False
-    """Whether it is a change of the world, which nobody has made."""
+    """Whether it is a world change, which no plan contains."""
 
     @property
     def cancelled(self) -> bool:
-        """Whether it was ended before its time."""
+        """Whether it was ended before it was done."""
         return self.entry.status == CANCELLED
 
 
 def executed_activity(
     problem: Problem, activity: Activity, entry: Entry, *, running: bool
 ) -> ExecutedActivity:
-    """What an entry says of an activity that has begun. Raises `UnexplainedError`."""
+    """The executed activity that an entry describes. Raises `UnexplainedError`."""
     mode, resources = choices_of(problem, activity, entry)
     start, end = problem.whole_ticks(entry.start), problem.whole_ticks(entry.end)
     return ExecutedActivity(
@@ -47,7 +47,7 @@ def executed_activity(
 
 
 def previous_place_of(problem: Problem, activity: Activity, entry: Entry) -> PreviousPlace | None:
-    """Where an entry has an activity that may still move; None where it does not say all of it."""
+    """The previous place of an open activity by its entry; None if the entry does not give all."""
     try:
         mode, resources = choices_of(problem, activity, entry)
     except UnexplainedError:
@@ -58,7 +58,7 @@ def previous_place_of(problem: Problem, activity: Activity, entry: Entry) -> Pre
 
 
 def frozen_choices(activity: Activity) -> tuple[int | None, tuple[int, ...]]:
-    """The mode and the resource of each use of an activity that happened: it has no others."""
+    """The mode and the resource of each use of an executed activity, which has no others."""
     mode = 0 if activity.details.modes else None
     return mode, tuple(use.alternatives[0] for use in activity.uses)
 
@@ -70,12 +70,11 @@ def as_executed(
     now: int,
     ranks: Ranks | None = None,
 ) -> Activity:
-    """The activity as it happened: its start is fixed, and so are mode, resources and, unless it
-    is running for a duration of its own choice, its end, and those of its `ranks` that are known.
+    """The activity as it happened: its start, mode, resources and known `ranks` are fixed.
 
-    What was cancelled neither produces nor changes anything when it ends, and earns nothing. What
-    has ended demands nothing any more. Releases, latest starts and deadlines were for the time
-    before.
+    Its end is fixed too, unless it is running and its duration can still be chosen. The end of a
+    cancelled activity produces and changes nothing, and earns no reward. An ended activity has no
+    open demands. Its release, its latest start and its deadline bind no more.
     """
     if activity.details.modes and past.mode is None:
         return _begun(activity, past)
@@ -87,45 +86,9 @@ def as_executed(
     apart = _ends_apart(activity, past, ranks)
     if apart:
         longest = shortest + 1
-    uses = activity.uses
-    demands = activity.open_demands
-    if past.resources is not None:
-        taken = [r for r in past.resources if r is not None]
-        uses = tuple(
-            use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
-        )
-        demands = tuple(
-            demand._replace(
-                alternatives=tuple(
-                    k
-                    for k in demand.alternatives
-                    if taken[demand.use] in problem.contention.pools[k].members
-                )
-            )
-            for demand in activity.open_demands
-        )
-    details = activity.details
-    details = replace(
-        details,
-        optional=False,
-        repeats=None,
-        modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
-        ranks=ranks,
-    )
-    if longest == 0:
-        # (One happening: what was seen to take no time has changed each variable once, at last.)
-        changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
-        details = replace(details, effects=tuple(changed.values()))
-    if past.cancelled:
-        details = replace(
-            details,
-            stock=tuple(c for c in details.stock if not c.at_end),
-            conditions=tuple(c for c in details.conditions if c.at != "end"),
-            effects=tuple(e for e in details.effects if not e.at_end),
-            due=None,
-            reward=0,
-        )
-    # (What it frees at this instant, ranks may still have to do with.)
+    activity = _with_taken(problem, activity, past)
+    details = _as_happened(activity.details, past, shortest, longest, ranks)
+    # (Ranks still decide who gets the units that it frees at this instant.)
     frees_now = bool(problem.variables) and past.end == now
     deadline = past.end if apart else activity.deadline
     if shortest == longest or (deadline is not None and deadline < past.start + shortest):
@@ -138,15 +101,64 @@ def as_executed(
         deadline=deadline,
         duration_min=shortest,
         duration_max=longest,
-        uses=uses,
-        open_demands=demands if past.running or frees_now else (),
+        open_demands=activity.open_demands if past.running or frees_now else (),
         details=details,
     )
 
 
+def _with_taken(problem: Problem, activity: Activity, past: ExecutedActivity) -> Activity:
+    """The activity with only the resources that it took, where they are known."""
+    if past.resources is None:
+        return activity
+    taken = [r for r in past.resources if r is not None]
+    pools = problem.contention.pools
+    return replace(
+        activity,
+        uses=tuple(
+            use._replace(alternatives=(r,)) for use, r in zip(activity.uses, taken, strict=True)
+        ),
+        open_demands=tuple(
+            demand._replace(
+                alternatives=tuple(
+                    k for k in demand.alternatives if taken[demand.use] in pools[k].members
+                )
+            )
+            for demand in activity.open_demands
+        ),
+    )
+
+
+def _as_happened(
+    details: Details, past: ExecutedActivity, shortest: int, longest: int, ranks: Ranks | None
+) -> Details:
+    """The details of an executed activity that takes from `shortest` to `longest`."""
+    details = replace(
+        details,
+        optional=False,
+        repeats=None,
+        modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
+        ranks=ranks,
+    )
+    if longest == 0:
+        # (An activity of no duration is one happening, which gives each variable its last value.)
+        changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
+        details = replace(details, effects=tuple(changed.values()))
+    if not past.cancelled:
+        return details
+    return replace(
+        details,
+        stock=tuple(c for c in details.stock if not c.at_end),
+        conditions=tuple(c for c in details.conditions if c.at != "end"),
+        effects=tuple(e for e in details.effects if not e.at_end),
+        due=None,
+        reward=0,
+    )
+
+
 def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None) -> bool:
-    """Whether what has ended was of a duration that could be chosen, so that its end has a rank of
-    its own. It keeps one where it could still be longer, and a deadline says that it is not.
+    """Whether the end of an ended activity has a rank of its own: its duration could be chosen.
+
+    It keeps that rank where it could be longer, and a deadline says that it is not.
     """
     details = activity.details
     if past.running or past.cancelled or not (details.conditions or details.effects):
@@ -157,7 +169,7 @@ def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None)
 
 
 def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
-    """It has started, and nobody has said in which mode."""
+    """The activity with a fixed start, where its mode is not known."""
     return replace(
         activity,
         start=past.start,
@@ -168,7 +180,7 @@ def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
 
 
 def _in_mode(activity: Activity, past: ExecutedActivity) -> Activity:
-    """Only the mode that was chosen is left, with the uses that it has."""
+    """The activity with only the mode that was chosen, and the uses of that mode."""
     details = activity.details
     if not details.modes or past.mode is None:
         return activity

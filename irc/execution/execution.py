@@ -1,4 +1,4 @@
-"""A task that is being carried out: for a live executive, and for whole simulations."""
+"""`Execution`: a task that is being carried out, live or in a simulation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irc.events.apply import apply
 from irc.execution.history import History
 from irc.execution.replanning import solve_step
 from irc.execution.state import ExecutionState
-from irc.execution.step import Means, Step
+from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
 from irc.model.quantities import Number
@@ -47,7 +47,7 @@ class Execution:
         options: SolveOptions | None = None,
         **more: Unpack[SolveKeywords],
     ) -> None:
-        """Raises `InputError` where the schedule says what the task does not have."""
+        """Starts at `at`. Raises `InputError` where the schedule names what the task lacks."""
         self.task = task_of(task)
         _require_known(self.task, schedule)
         self.now: Number = at
@@ -57,7 +57,7 @@ class Execution:
         self._events: list[Event] = []
 
     def copy(self) -> Execution:
-        """Another execution that stands where this one does; neither sees what the other does."""
+        """A copy at the same point; later changes of one do not affect the other."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__)
         other._history = self._history.copy()
@@ -67,12 +67,12 @@ class Execution:
     __copy__ = copy
 
     def __eq__(self, other: object) -> bool:
-        """Equal where they stand at the same point of the same task, and plan alike."""
+        """Whether both are at the same point of the same task, with the same options."""
         return self.__dict__ == other.__dict__ if isinstance(other, Execution) else NotImplemented
 
     @property
     def schedule(self) -> Schedule:
-        """The schedule in force, with what was observed in place of what was planned.
+        """The schedule in force, with observed times in place of planned ones.
 
         After an event it is out of date until `replan`.
         """
@@ -87,11 +87,11 @@ class Execution:
         return tuple(self._events)
 
     def state(self) -> ExecutionState:
-        """What is completed, running and open now."""
+        """The entries that are completed, running and open now."""
         return self._history.state(self.now)
 
     def advance(self, to: Instant) -> None:
-        """Lets time pass. Raises `InputError` for a time that has passed already."""
+        """Advances the time. Raises `InputError` for a time that has passed already."""
         time = self.task.number(parse_instant(to))
         if time < self.now:
             raise _in_the_past(
@@ -107,7 +107,7 @@ class Execution:
         finished: Instant | None = None,
         occurrence: int = 1,
     ) -> Report:
-        """What really happened, as of now: an `observe` event. Raises `InputError`."""
+        """Applies an `observe` event: what really happened, as of now. Raises `InputError`."""
         seen = {"started": started, "finished": finished}
         change = {
             "op": "observe",
@@ -118,10 +118,10 @@ class Execution:
         return self.apply(Event.model_validate({"at": self.now, "changes": [change]}))
 
     def apply(self, event: Event | Built[Event], *, source: Source | None = None) -> Report:
-        """Revises the task by an event, now or later: time passes until then.
+        """Revises the task by an event, now or later: the time advances to the event.
 
-        Raises `InputError` where the event is at fault, and then nothing of it is applied;
-        `source` is the text that it was read from. The plan is not repaired before `replan`.
+        Raises `InputError` where the event has a fault, and then applies nothing of it; `source`
+        is the text that it was read from. The plan is repaired only by `replan`.
         """
         event = event_of(event)
         report = check_event(self.task, event, source=source)
@@ -145,18 +145,16 @@ class Execution:
     def replan(self) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
-        Where no continuation exists the step says so, and the old schedule stays. Raises
+        Where no continuation exists the step reports it, and the previous schedule stays. Raises
         `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
         """
-        step = solve_step(
-            self.task, self._history, self.now, Means.of(self.options), tuple(self._events)
-        )
+        step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
         if step.schedule.answered:
             self.adopt(step.schedule)
         return step
 
     def adopt(self, schedule: Schedule) -> None:
-        """Takes a schedule, such as that of a step, as the one that is carried out from now on."""
+        """Sets the schedule that is carried out from now on, such as that of a step."""
         _require_known(self.task, schedule)
         entries = {(e.id, e.occurrence): e for e in schedule.entries}
         self._history.entries, self._history.plan = entries, dict(entries)
@@ -173,7 +171,7 @@ def replan(
     options: SolveOptions | None = None,
     **more: Unpack[SolveKeywords],
 ) -> Step:
-    """The schedule of a running task repaired at `at`, after events of that instant.
+    """Repairs the schedule of a running task at `at`, after events of that instant.
 
     Raises what `Execution.apply` and `Execution.replan` raise.
     """
@@ -184,18 +182,18 @@ def replan(
 
 
 def _require_known(task: Task, schedule: Schedule) -> None:
-    """A schedule of a running task names its actions, each occurrence once."""
+    """Checks that a schedule names only actions of its task, each occurrence once."""
     known = {action.id for action in task.actions}
     findings = Findings()
     seen: set[tuple[str, int]] = set()
     for k, entry in enumerate(schedule.entries):
         if entry.id not in known:
             message = f"the schedule has {entry.id!r}, which the task does not have"
-            hint = "give the schedule of this task, and the task as earlier events have revised it"
+            hint = "give the schedule of this task, and the task as revised by earlier events"
             findings.add(Code.BAD_SCHEDULE, message, ("actions", k, "id"), hint=hint)
         elif (entry.id, entry.occurrence) in seen:
-            message = f"the schedule has {entry.id!r} twice with the same occurrence"
-            hint = 'number what occurs several times: "occurrence": 2'
+            message = f"the schedule has two entries of {entry.id!r} with the same occurrence"
+            hint = 'number the occurrences of an action that repeats: "occurrence": 2'
             findings.add(Code.BAD_SCHEDULE, message, ("actions", k), hint=hint)
         seen.add((entry.id, entry.occurrence))
     if findings.items:
@@ -215,6 +213,6 @@ def _in_the_past(
         Code.EVENT_TIME,
         f"{what} {format_number(time)} {unit}, but it is {format_number(now)} {unit} already",
         pointer,
-        hint="events come in the order of their times; only what is still to come can be changed",
+        hint="give events in the order of their times; the past cannot be changed",
     )
     return InputError(Report(tuple(findings.items), source))

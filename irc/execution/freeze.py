@@ -1,9 +1,9 @@
-"""A task that is being carried out, as a problem: what has begun is fixed, the rest is later.
+"""Freezes a running task: in its problem the history is fixed, and the rest is later.
 
-The frozen problem is of the whole history, so that its answer is the merged schedule: lags to what
-already ran, capacity while it runs, state and stock need no rule of their own. What history alone
-contradicts (a capacity cut below what is running, an observation against a lag) is relaxed just so
-far that history is possible: `irc.execution.conflicts`.
+The frozen problem contains the whole history, so that its answer is the merged schedule: lags to
+executed activities, capacity while they run, state and stock need no rule of their own. Demands
+that the history alone breaks (a capacity below what running activities hold, an observation against
+a lag) are relaxed only as far as the history needs: `irc.execution.conflicts`.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from irc.schedule import Entry
 
 
 @dataclass(frozen=True, slots=True)
-class Frozen:
+class FrozenProblem:
     """A problem whose history is fixed. `executed` are by activity; `now` is in ticks.
 
-    `helpers` are ids of activities that only say what must hold for a while.
+    `helpers` are ids of activities that only hold a condition for a while.
     """
 
     problem: Problem
@@ -39,7 +39,7 @@ class Frozen:
     helpers: frozenset[str] = frozenset()
 
     def half_done(self) -> tuple[int, ...]:
-        """The optional groups of which something has begun and something is open."""
+        """The optional groups with executed members and open members."""
         return tuple(k for k, group in enumerate(self.problem.groups) if self._is_half_done(group))
 
     def _is_half_done(self, group: Group) -> bool:
@@ -53,12 +53,12 @@ def freeze(
     now: Number,
     ticks: int,
     world_changes: Collection[str] = (),
-) -> Frozen:
+) -> FrozenProblem:
     """The problem of a revised task as of `now` (`ticks` in ticks), given its history.
 
-    `world_changes` are ids of actions that say how the world has changed by itself: what is due has
-    happened. Optional groups are as they were: `with_groups` says which of them must be finished.
-    Raises `UnexplainedError` where an entry that has begun says what its action cannot have.
+    `world_changes` are ids of actions that stand for world changes: those that are due have
+    happened. Optional groups stay as they are: `with_groups` requires those that must be finished.
+    Raises `UnexplainedError` where an entry of the history does not fit its action.
     """
     state = history.state(now)
     completed, running = _by_action(state.completed), _by_action(state.running)
@@ -88,12 +88,9 @@ def freeze(
                 previous = first + len(further) - 1
                 rest = replace(rest, details=replace(rest.details, previous_occurrence=previous))
             activities.append(_open(rest, ticks, activity.id in history.cancelled))
-            its = sorted(planned.get(activity.id, ()), key=lambda e: e.occurrence)
-            places = [previous_place_of(problem, activity, e) for e in its]
-            # (Without all of the first ones known, nobody could say which is which.)
-            known = [*takewhile(lambda place: place is not None, places)]
+            known = _places_of_first(problem, activity, planned.get(activity.id, ()))
             earlier.append(known[0] if known else None)
-            recurring[i] = tuple(place for place in known[1:] if place is not None)
+            recurring[i] = known[1:]
         elif found:
             executed[i] = found[0]
             ranks = known_ranks(problem, history, activity, found[0])
@@ -107,14 +104,11 @@ def freeze(
             activities.append(_open(activity, ticks, activity.id in history.cancelled))
             entries = planned.get(activity.id)
             earlier.append(previous_place_of(problem, activity, entries[0]) if entries else None)
+    places = (*earlier, *(None for _ in further)) if any(earlier) else ()
     frozen = replace(
         problem,
         activities=(*activities, *_chained(further, len(activities))),
-        previous=replace(
-            problem.previous,
-            places=(*earlier, *(None for _ in further)) if any(earlier) else (),
-            recurring=recurring,
-        ),
+        previous=replace(problem.previous, places=places, recurring=recurring),
     )
     frozen = replace(frozen, required=_still_required(frozen, executed))
     if frozen.variables:
@@ -122,7 +116,19 @@ def freeze(
     count = len(frozen.activities)
     frozen, executed = relaxed(frozen, executed, ticks)
     helpers = frozenset(a.id for a in frozen.activities[count:])
-    return Frozen(frozen, ticks, executed, helpers)
+    return FrozenProblem(frozen, ticks, executed, helpers)
+
+
+def _places_of_first(
+    problem: Problem, activity: Activity, entries: Collection[Entry]
+) -> tuple[PreviousPlace, ...]:
+    """The previous places of an action's first occurrences, up to the first unknown one.
+
+    (After an unknown place, the numbers of the occurrences would not be certain.)
+    """
+    in_order = sorted(entries, key=lambda e: e.occurrence)
+    places = (previous_place_of(problem, activity, e) for e in in_order)
+    return tuple(place for place in takewhile(lambda p: p is not None, places) if place is not None)
 
 
 def _is_due(activity: Activity, now: int) -> bool:
@@ -130,7 +136,7 @@ def _is_due(activity: Activity, now: int) -> bool:
 
 
 def _happened(problem: Problem, activity: Activity) -> ExecutedActivity:
-    """A change of the world that nobody has planned: it takes place when it does."""
+    """The executed activity of a world change, which takes place at its fixed start."""
     assert activity.start is not None
     time = problem.to_units(activity.start)
     entry = Entry(activity.id, time, time)
@@ -140,7 +146,7 @@ def _happened(problem: Problem, activity: Activity) -> ExecutedActivity:
 
 
 def _still_required(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> tuple[int, ...]:
-    """A goal is reached when one occurrence of its action has begun."""
+    """The goals still to reach: a goal is reached when an occurrence of its action has begun."""
     begun = {problem.activities[i].id for i, past in executed.items() if not past.cancelled}
     return tuple(i for i in problem.required if problem.activities[i].id not in begun)
 
@@ -153,7 +159,7 @@ def _by_action(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
 
 
 def _rest(activity: Activity, begun: Sequence[ExecutedActivity]) -> Activity:
-    """The occurrences that are left of an action that may repeat."""
+    """The rest of an action that may repeat, after its executed occurrences."""
     assert activity.details.repeats is not None
     least, greatest = activity.details.repeats
     count = sum(1 for past in begun if not past.cancelled)
@@ -172,7 +178,7 @@ def _occurrence(activity: Activity, number: int) -> Activity:
 
 
 def _chained(further: Sequence[Activity], first: int) -> list[Activity]:
-    """Each occurrence that has begun with the one before it."""
+    """Executed occurrences, each linked to the previous occurrence."""
     return [
         a
         if a.details.occurrence == 1
@@ -182,17 +188,17 @@ def _chained(further: Sequence[Activity], first: int) -> list[Activity]:
 
 
 def _open(activity: Activity, now: int, cancelled: bool) -> Activity:
-    """What has not begun starts now or later, or, when it was cancelled, never."""
+    """An open activity: it starts now or later, or never if it was cancelled."""
     if not cancelled:
         return replace(activity, release=max(activity.release, now))
     details = replace(activity.details, optional=True, repeats=None)
     return replace(activity, deadline=IMPOSSIBLE_DEADLINE, details=details)
 
 
-def with_groups(frozen: Frozen, given_up: Collection[int]) -> Problem:
-    """The problem in which what is half-done is finished, but for the groups `given_up`.
+def with_groups(frozen: FrozenProblem, given_up: Collection[int]) -> Problem:
+    """The problem in which half-done groups must be finished, except for the groups `given_up`.
 
-    Of those, what has not begun is left out, unless another group that must be there has it.
+    Open members of a given-up group are left out, unless another required group has them.
     """
     problem = frozen.problem
     required = {

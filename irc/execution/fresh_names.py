@@ -6,7 +6,7 @@ from collections.abc import Container
 
 
 def fresh_name(name: str, taken: Container[str]) -> str:
-    """A name that nothing has, after `name`."""
+    """A name that is not taken, made from `name`."""
     while name in taken:
         name += "'"
     return name

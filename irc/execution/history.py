@@ -1,4 +1,4 @@
-"""The schedule that is being carried out, and what events and observations make of it.
+"""The schedule that is being carried out, as events and observations change it.
 
 `irc.events.apply` revises the task; here the schedule follows: an observation replaces what was
 planned, a new duration moves the end of a running action, a cancellation ends it.
@@ -32,10 +32,11 @@ from irc.schedule import CANCELLED, Entry, Schedule
 
 @dataclass
 class History:
-    """Entries by occurrence: what has run, what runs, and what is planned.
+    """Entries by occurrence: completed, running and planned.
 
-    `started` and `finished` were observed to have; `cancelled` are ids of actions that must not
-    begin any more. `plan` are the entries as they were planned, which events leave alone.
+    `started` and `finished` are the occurrences with an observed start or end; `cancelled` are ids
+    of actions that must not begin any more. `plan` has the entries as planned; events do not
+    change it.
     """
 
     entries: dict[Key, Entry] = field(default_factory=dict)
@@ -46,7 +47,7 @@ class History:
 
     @classmethod
     def of(cls, schedule: Schedule) -> History:
-        """The history that a schedule tells."""
+        """The history with the entries of a schedule."""
         entries = {key_of(entry): entry for entry in schedule.entries}
         cancelled = {entry.id for entry in schedule.entries if entry.status == CANCELLED}
         return cls(entries, cancelled=cancelled, plan=dict(entries))
@@ -62,11 +63,11 @@ class History:
         )
 
     def state(self, at: Number) -> ExecutionState:
-        """What is completed, running and open at `at`."""
+        """The entries that are completed, running and open at `at`."""
         return state_at(Schedule(tuple(self.entries.values())), at, self.started)
 
     def starts(self, at: Number) -> Mapping[str, Number]:
-        """When what has started by `at` did, by action; of several occurrences the first."""
+        """The start of each action that has begun by `at`; of several occurrences the first."""
         return {
             name: entry.start
             for (name, number), entry in self.entries.items()
@@ -74,12 +75,12 @@ class History:
         }
 
     def take(self, task: Task, event: Event, findings: Findings, at: Pointer = ()) -> None:
-        """Follows an event that revises `task`; adds what contradicts the history to `findings`.
+        """Applies an event that revises `task`; adds contradictions with the history to `findings`.
 
         The event must fit the task (`irc.checks.events.check_event`). After a fault the history
         cannot be used any more.
         """
-        step = _Step(
+        step = _EventStep(
             self,
             task.clock,
             task.time_unit,
@@ -95,9 +96,9 @@ class History:
 
 
 def length_of(action: Action, entry: Entry, clock: Clock) -> Number | None:
-    """How long an occurrence takes: what the task says, within a range what was planned.
+    """The duration of an occurrence: by the task if fixed, by the plan if a range.
 
-    None where it has modes and the entry does not say which.
+    None where the action has modes and the entry gives none.
     """
     duration = action.duration
     if action.modes:
@@ -111,10 +112,10 @@ def length_of(action: Action, entry: Entry, clock: Clock) -> Number | None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Step:
-    """An event at work on a history.
+class _EventStep:
+    """An event that is applied to a history.
 
-    `actions` and `groups` are those of the task, as the changes before have left them.
+    `actions` and `groups` are those of the task, after the previous changes.
     """
 
     history: History
@@ -143,7 +144,7 @@ class _Step:
     def is_running(self, entry: Entry) -> bool:
         return self.is_frozen(entry) and entry.end > self.at
 
-    def tell(self, code: Code, message: str, pointer: Pointer, hint: str) -> None:
+    def add_finding(self, code: Code, message: str, pointer: Pointer, hint: str) -> None:
         self.findings.add(code, message, pointer, hint=hint)
 
     def put(self, entry: Entry, **fields: Any) -> None:
@@ -156,14 +157,14 @@ class _Step:
         return f"{format_number(time)} {self.unit}"
 
 
-def _cancel_actions(step: _Step, change: CancelActions, at: Pointer) -> None:
+def _cancel_actions(step: _EventStep, change: CancelActions, at: Pointer) -> None:
     for k, name in enumerate(change.actions):
         found = step.occurrences(name)
         done = [e for e in found if step.is_frozen(e) and not step.is_running(e)]
         action = step.action(name)
         repeats = action is not None and action.may_repeat
         if done and not repeats:
-            step.tell(
+            step.add_finding(
                 Code.ALREADY_DONE,
                 f"action {name!r} cannot be cancelled: it ended at {step.text(done[-1].end)}",
                 (*at, "actions", k),
@@ -173,7 +174,7 @@ def _cancel_actions(step: _Step, change: CancelActions, at: Pointer) -> None:
             _end(step, [name])
 
 
-def _cancel_groups(step: _Step, change: CancelGroups, at: Pointer) -> None:
+def _cancel_groups(step: _EventStep, change: CancelGroups, at: Pointer) -> None:
     gone = set(change.groups)
     kept = {name for g in step.groups.values() if g.id not in gone for name in g.actions}
     for k, group_id in enumerate(change.groups):
@@ -185,7 +186,7 @@ def _cancel_groups(step: _Step, change: CancelGroups, at: Pointer) -> None:
             and len(entries) == len(members)
             and not any(not step.is_frozen(e) or step.is_running(e) for e in entries)
         ):
-            step.tell(
+            step.add_finding(
                 Code.ALREADY_DONE,
                 f"group {group_id!r} cannot be cancelled: all of it is done",
                 (*at, "groups", k),
@@ -195,8 +196,8 @@ def _cancel_groups(step: _Step, change: CancelGroups, at: Pointer) -> None:
             _end(step, [name for name in members if name not in kept])
 
 
-def _end(step: _Step, names: Iterable[str]) -> None:
-    """What runs ends now, what has not begun will not."""
+def _end(step: _EventStep, names: Iterable[str]) -> None:
+    """Ends running actions now, and keeps others from starting."""
     for name in names:
         step.history.cancelled.add(name)
         for entry in step.occurrences(name):
@@ -206,7 +207,7 @@ def _end(step: _Step, names: Iterable[str]) -> None:
                 del step.history.entries[key_of(entry)]
 
 
-def _set_duration(step: _Step, change: SetDuration, at: Pointer) -> None:
+def _set_duration(step: _EventStep, change: SetDuration, at: Pointer) -> None:
     action = step.action(change.action)
     if action is not None:
         step.actions[action.id] = action.model_copy(update={"duration": change.duration})
@@ -220,16 +221,16 @@ def _set_duration(step: _Step, change: SetDuration, at: Pointer) -> None:
             continue
         if not step.is_running(entry):
             if action is not None and not action.may_repeat:
-                step.tell(
+                step.add_finding(
                     Code.ALREADY_DONE,
                     f"action {change.action!r} ended at {step.text(entry.end)}, "
                     f"so it cannot get another duration at {step.text(step.at)}",
                     (*at, "action"),
-                    "tell what was seen with an observation, or leave this out",
+                    "report what happened with an observation, or leave this out",
                 )
             continue
         if entry.start + most < step.at:
-            step.tell(
+            step.add_finding(
                 Code.EVENT_TIME,
                 f"action {change.action!r} started at {step.text(entry.start)}; with this duration "
                 f"it would have ended at {step.text(entry.start + most)}, before the event "
@@ -243,7 +244,7 @@ def _set_duration(step: _Step, change: SetDuration, at: Pointer) -> None:
         step.put(entry, end=entry.start + length)
 
 
-def _observe(step: _Step, change: Observe, at: Pointer) -> None:
+def _observe(step: _EventStep, change: Observe, at: Pointer) -> None:
     key = (change.action, change.occurrence)
     entry = step.history.entries.get(key)
     action = step.action(change.action)
@@ -253,15 +254,15 @@ def _observe(step: _Step, change: Observe, at: Pointer) -> None:
         entry is None
         and (change.action in step.history.cancelled or is_over(action, step.at, step.clock))
     ):
-        step.tell(
+        step.add_finding(
             Code.OVER,
-            f"action {change.action!r} was cancelled, so nothing can have happened to it since",
+            f"action {change.action!r} was cancelled, so it cannot have started or ended since",
             (*at, "action"),
             "leave this out, or add what happened as another action",
         )
         return
     if entry is None and change.occurrence > 1 + len(step.occurrences(change.action)):
-        step.tell(
+        step.add_finding(
             Code.OBSERVED,
             f"occurrence {change.occurrence} of {change.action!r} cannot have begun: "
             f"there are only {len(step.occurrences(change.action))} before it",
@@ -282,14 +283,14 @@ def _observe(step: _Step, change: Observe, at: Pointer) -> None:
         entry = replace(entry, end=started + (planned if length is None else length))
     if entry is None or (finished is not None and entry.start > finished):
         if action.may_repeat:
-            step.tell(
+            step.add_finding(
                 Code.OBSERVED,
                 f"when occurrence {change.occurrence} of {change.action!r} started is not known, "
-                "so its end says no duration",
+                "so its end gives no duration",
                 (*at, "finished"),
-                'say when it did: "started": …',
+                'give its start too: "started": …',
             )
-        return  # (Of what occurs at most once `apply` says so.)
+        return  # (`apply` reports this for actions that occur at most once.)
     if finished is not None:
         step.history.started.add(key)
         step.history.finished.add(key)
@@ -298,56 +299,56 @@ def _observe(step: _Step, change: Observe, at: Pointer) -> None:
 
 
 def _contradicts(
-    step: _Step,
+    step: _EventStep,
     key: Key,
     entry: Entry | None,
     started: Number | None,
     finished: Number | None,
     at: Pointer,
 ) -> bool:
-    """Whether an earlier observation said something else; tells so."""
+    """Reports an earlier observation that says something else; returns whether there is one."""
     seen = False
     if entry is None:
         return False
-    for field_name, told, observed, planned in (
+    for field_name, stated, observed, planned in (
         ("started", started, step.history.started, entry.start),
         ("finished", finished, step.history.finished, entry.end),
     ):
-        if told is not None and key in observed and told != planned:
-            step.tell(
+        if stated is not None and key in observed and stated != planned:
+            step.add_finding(
                 Code.OBSERVED,
                 f"action {key[0]!r} was already observed to have {field_name} at "
-                f"{step.text(planned)}, not {step.text(told)}",
+                f"{step.text(planned)}, not {step.text(stated)}",
                 (*at, field_name),
-                "what was observed is a fact; leave out the observation that is wrong",
+                "two observations contradict each other; leave out the wrong one",
             )
             seen = True
     return seen
 
 
-def _set_goals(step: _Step, change: SetGoals, at: Pointer) -> None:
-    """What was cancelled can be nobody's goal any more."""
+def _set_goals(step: _EventStep, change: SetGoals, at: Pointer) -> None:
+    """Checks that no goal is a cancelled action."""
     for k, goal in enumerate(change.goals):
         if not isinstance(goal, str) or goal not in step.history.cancelled:
             continue
         if all(entry.status == CANCELLED for entry in step.occurrences(goal)):
-            step.tell(
+            step.add_finding(
                 Code.OVER,
                 f"action {goal!r} was cancelled, so it cannot be a goal",
                 (*at, "goals", k),
-                "leave it out, or add it anew under another id",
+                "leave it out, or add it again under another id",
             )
 
 
-def _add_actions(step: _Step, change: AddActions, _: Pointer) -> None:
+def _add_actions(step: _EventStep, change: AddActions, _: Pointer) -> None:
     step.actions.update((action.id, action) for action in change.actions)
 
 
-def _add_groups(step: _Step, change: AddGroups, _: Pointer) -> None:
+def _add_groups(step: _EventStep, change: AddGroups, _: Pointer) -> None:
     step.groups.update((group.id, group) for group in change.groups)
 
 
-_FOLLOWED: Mapping[type, Callable[[_Step, Any, Pointer], None]] = MappingProxyType(
+_FOLLOWED: Mapping[type, Callable[[_EventStep, Any, Pointer], None]] = MappingProxyType(
     {
         AddActions: _add_actions,
         AddGroups: _add_groups,

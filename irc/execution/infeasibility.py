@@ -1,12 +1,11 @@
-"""Why nothing continues what has run: which limits would have to give way.
+"""Finds why a history has no continuation: the limits that would have to be relaxed.
 
-Told is what suffices: a schedule was found in which only the limits that are named are broken. Each
-sort of limit is tried for itself, with CP-SAT and for a short time only.
+The named limits suffice: a schedule was found that breaks only those. Each sort of limit is tried
+alone, with CP-SAT and for a short time only.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,25 +20,24 @@ from irc.passes import order_from_state
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, PreviousPlan, Problem
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Refusal, get_backend
+from irc.targets import Budget, EngineFailed, Refusal, get_backend
 
 PATIENCE = 3.0
-"""Seconds for all that is tried."""
+"""Seconds for all attempts together."""
 
 EACH = 1.0
-"""Seconds for one problem that is tried."""
+"""Seconds for each attempt."""
 
 SHOWN = 3
-"""So many limits of one sort are named."""
+"""At most this many limits of one sort are named."""
 
 
 def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
-    """What must give way where nothing continues a history, whatever is given up.
+    """The limits that would have to be relaxed where no continuation exists, as diagnostics.
 
-    Empty where nothing was found. Never takes long, nor longer than what is left of the limit.
+    Empty where nothing was found. It takes little time, and no more than the time that is left.
     """
-    frozen, left = remainder.frozen, remainder.left
-    until = time.perf_counter() + (PATIENCE if left is None else min(PATIENCE, left))
+    frozen, budget = remainder.frozen, remainder.budget.at_most(PATIENCE)
     problem = order_from_state(with_groups(frozen, frozen.half_done()))
     problem = replace(problem, previous=PreviousPlan(stability=problem.previous.stability))
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
@@ -47,14 +45,14 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
     prover = replace(remainder, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None:
         return ()
-    search = _Search(problem, helpers.union(frozen.executed), prover, until)
+    search = _LimitSearch(problem, helpers.union(frozen.executed), prover, budget)
     for sort in _SORTS:
         found = [*sort(search)]
         if found:
             return tuple(
                 Diagnostic(Code.NO_CONTINUATION, why, hint=hint) for why, hint in found[:SHOWN]
             )
-        if search.left <= 0:
+        if budget.is_over:
             break
     return ()
 
@@ -62,23 +60,19 @@ def what_is_in_the_way(remainder: Remainder) -> tuple[Diagnostic, ...]:
 _Item = TypeVar("_Item")
 
 _Reason = tuple[str, str]
-"""What is wrong, and what to do."""
+"""A fault, and a hint."""
 
 
 @dataclass(frozen=True)
-class _Search:
+class _LimitSearch:
     problem: Problem
     begun: Collection[int]
     prover: Remainder
-    until: float
-
-    @property
-    def left(self) -> float:
-        return self.until - time.perf_counter()
+    budget: Budget
 
     @property
     def open(self) -> list[tuple[int, Activity]]:
-        """What has not begun and is not over."""
+        """The activities that have not begun and are not over."""
         return [
             (i, a)
             for i, a in enumerate(self.problem.activities)
@@ -87,12 +81,12 @@ class _Search:
 
     def tried(self, relaxed: Problem) -> tuple[Schedule, bool] | None:
         """A schedule of a relaxed problem, and whether it is the best, if one was found."""
-        if self.left <= 0:
+        if self.budget.is_over:
             return None
         try:
-            found = self.prover.tried(relaxed, min(EACH, self.left))
+            found = self.prover.tried(relaxed, self.budget.at_most(EACH))
         except (AnswerError, EngineFailed, Refusal):
-            return None  # Who breaks down proves nothing.
+            return None  # An engine that fails proves nothing.
         if found.schedule is None:
             return None
         return found.schedule, found.status is Status.OPTIMAL
@@ -101,14 +95,14 @@ class _Search:
         return self.tried(replace(relaxed, objectives=("makespan",))) is not None
 
     def with_open(self, change: Callable[[Activity], Activity]) -> tuple[Activity, ...]:
-        """The activities, those that are open changed."""
+        """All activities, with the open ones changed."""
         changed = list(self.problem.activities)
         for i, activity in self.open:
             changed[i] = change(activity)
         return tuple(changed)
 
     def without(self, limits: Collection[Limit]) -> tuple[Schedule, bool] | None:
-        """A schedule that need not keep some limits: with as little lateness as can be."""
+        """A schedule that need not keep some limits, with as little lateness as possible."""
         problem = without(self.problem, limits)
         activities = [replace(a, details=replace(a.details, due=None)) for a in problem.activities]
         for sort, i in limits:
@@ -134,8 +128,8 @@ def _as_due(activity: Activity, sort: Sort) -> int | None:
     return (start or 0) + activity.duration_min
 
 
-def _too_small(search: _Search) -> Iterator[_Reason]:
-    """What must be there and asks for more than any of its resources ever has from now on."""
+def _too_small(search: _LimitSearch) -> Iterator[_Reason]:
+    """Required activities that ask for more than their resources have from now on."""
     problem = search.problem
     for i, activity in search.open:
         details = activity.details
@@ -147,8 +141,8 @@ def _too_small(search: _Search) -> Iterator[_Reason]:
             greatest = max(_greatest(problem, r, activity.release) for r in use.alternatives)
             if greatest < use.amount:
                 names = " or ".join(repr(problem.resources[r].id) for r in use.alternatives)
-                why = f"{activity.id!r} needs {use.amount} of {names}, which has {greatest} at most"
-                yield why, f"more of {names}, or {activity.id!r} cancelled, would help"
+                why = f"{activity.id!r} needs {use.amount} of {names}, which has at most {greatest}"
+                yield why, f"more of {names}, or cancelling {activity.id!r}, would help"
 
 
 def _is_choice(problem: Problem, index: int) -> bool:
@@ -156,16 +150,16 @@ def _is_choice(problem: Problem, index: int) -> bool:
 
 
 def _greatest(problem: Problem, resource: int, since: int) -> int:
-    """The greatest capacity from a time on; the last window may go on for good."""
+    """The greatest capacity from a time on; the last window may have no end."""
     r = problem.resources[resource]
     later = [w.capacity for w in r.windows if w.end > since]
     return max((r.capacity, *later))
 
 
-def _times(search: _Search) -> Iterator[_Reason]:
-    """The limits on time that would have to give way: of one sort if that is enough, else of all.
+def _times(search: _LimitSearch) -> Iterator[_Reason]:
+    """The limits on time that would have to be relaxed: of one sort if that suffices, else of all.
 
-    The fewest that do are looked for by taking them back one by one.
+    A small set is found by restoring the limits one by one.
     """
     limits = [*time_limits(search.problem, search.begun)]
     by_sort = [[limit for limit in limits if limit.sort is sort] for sort in Sort]
@@ -185,7 +179,7 @@ def _times(search: _Search) -> Iterator[_Reason]:
         return
 
 
-def _goals(search: _Search) -> Iterator[_Reason]:
+def _goals(search: _LimitSearch) -> Iterator[_Reason]:
     problem = search.problem
     for k, (v, value) in enumerate(problem.goals):
         rest = problem.goals[:k] + problem.goals[k + 1 :]
@@ -195,8 +189,8 @@ def _goals(search: _Search) -> Iterator[_Reason]:
             yield f"the goal {what} cannot be reached any more", "other goals would help"
 
 
-def _state(search: _Search) -> Iterator[_Reason]:
-    """Variables without whose conditions something would go on."""
+def _state(search: _LimitSearch) -> Iterator[_Reason]:
+    """Variables without whose conditions a continuation exists."""
     problem = search.problem
     for v, variable in enumerate(problem.variables):
         needed = sorted(
@@ -212,8 +206,8 @@ def _state(search: _Search) -> Iterator[_Reason]:
         freed = search.with_open(partial(_without_conditions, var=v))
         if search.is_possible(replace(problem, activities=freed)):
             asked = ", ".join(f"{value} for {name!r}" for name, value in needed[:SHOWN])
-            why = f"{variable.id!r} does not become what is needed: {asked}"
-            yield why, "an action that brings it about, or another value now, would help"
+            why = f"{variable.id!r} does not reach the needed value: {asked}"
+            yield why, "an action that sets it, or another value now, would help"
 
 
 def _without_conditions(activity: Activity, var: int) -> Activity:
@@ -221,29 +215,32 @@ def _without_conditions(activity: Activity, var: int) -> Activity:
     return replace(activity, details=replace(activity.details, conditions=kept))
 
 
-def _stock(search: _Search) -> Iterator[_Reason]:
+def _stock(search: _LimitSearch) -> Iterator[_Reason]:
     problem = search.problem
     changes = [c for a in problem.activities for c in a.details.stock]
     for r, reservoir in enumerate(problem.reservoirs):
         taken = sum(-c.amount for c in changes if c.reservoir == r and c.amount < 0)
         fuller = replace(reservoir, initial=reservoir.initial + taken, greatest=None)
         if search.is_possible(replace(problem, reservoirs=_put(problem.reservoirs, r, fuller))):
-            yield f"the stock of {reservoir.id!r} does not last", f"more of {reservoir.id!r} helps"
+            yield (
+                f"the stock of {reservoir.id!r} does not suffice",
+                f"more of {reservoir.id!r} would help",
+            )
 
 
-def _capacities(search: _Search) -> Iterator[_Reason]:
+def _capacities(search: _LimitSearch) -> Iterator[_Reason]:
     problem = search.problem
     for r, resource in enumerate(problem.resources):
         asked = sum(u.amount for a in problem.activities for u in a.uses if r in u.alternatives)
         if asked <= resource.capacity and not resource.windows:
             continue
         if search.is_possible(_with_plenty(problem, r, max(asked, resource.capacity))):
-            why = f"there is not enough of {resource.id!r} for what is left"
-            yield why, f"more of {resource.id!r}, or sooner, would help"
+            why = f"there is not enough of {resource.id!r} for the remaining actions"
+            yield why, f"more of {resource.id!r}, or having it sooner, would help"
 
 
 def _with_plenty(problem: Problem, resource: int, capacity: int) -> Problem:
-    """The problem where a resource always has so much."""
+    """The problem in which a resource always has this capacity."""
     larger = replace(problem.resources[resource], capacity=capacity, windows=())
     pools = tuple(
         replace(p, capacity=max(capacity, p.capacity), base=None, windows=())
@@ -262,7 +259,7 @@ def _put(items: Sequence[_Item], index: int, item: _Item) -> tuple[_Item, ...]:
     return (*items[:index], item, *items[index + 1 :])
 
 
-_SORTS: tuple[Callable[[_Search], Iterator[_Reason]], ...] = (
+_SORTS: tuple[Callable[[_LimitSearch], Iterator[_Reason]], ...] = (
     _too_small,
     _times,
     _goals,

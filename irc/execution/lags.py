@@ -1,4 +1,4 @@
-"""Lags between what is left of a running task, and what lags to its past come to."""
+"""The lags of a residual problem: between open activities, and those to the past."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from irc.execution.fresh_names import fresh_name
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Arc, Problem
 
 _NOW = "now"
-"""What the instant is called that lags to the past are counted from."""
+"""The id of the instant that lags to the past are counted from."""
 
 
 class Lags:
-    """The arcs between what is left, and what arcs to the past come to."""
+    """The arcs between activities of the residual problem, and the demands of arcs to the past."""
 
     def __init__(
         self,
@@ -32,9 +32,9 @@ class Lags:
         self.anchor: int | None = None
 
     def add(self, arc: Arc, renumbered: Arc | None, *, keep: bool) -> None:
-        """Adds an arc of the frozen problem; `renumbered` is the same in what is left, if there.
+        """Adds an arc of the frozen problem; `renumbered` is that arc in the residual problem.
 
-        With `keep` it stays one wherever it can: between happenings of one time it orders ranks.
+        With `keep` it stays an arc wherever possible: at equal times it orders ranks.
         """
         left = self._is_to_come(arc.before, arc.from_end) and self._is_to_come(
             arc.after, arc.to_end
@@ -55,12 +55,12 @@ class Lags:
             self._between(self.places[arc.before], arc.from_end, least_before, after - arc.min_lag)
 
     def _is_to_come(self, i: int, at_end: bool) -> bool:
-        """Whether a point of an activity is one of what is left."""
+        """Whether a point of an activity belongs to the residual problem."""
         past = self.executed.get(i)
         return past is None or (i in self.places and (at_end or past.start == self.now))
 
     def _known(self, i: int, *, at_end: bool) -> int | None:
-        """When a point of what has begun is, from now on; None where it is still to be decided."""
+        """The time from now to a point of an executed activity; None if it is not decided yet."""
         past = self.executed.get(i)
         if past is None:
             return None
@@ -71,7 +71,7 @@ class Lags:
         return past.end - self.now
 
     def _between(self, i: int, at_end: bool, least: int | None, most: int | None) -> None:
-        """A point of activity i lies between two instants."""
+        """Demands that a point of activity i lies between two instants."""
         activity = self.activities[i]
         if least is not None and (activity.is_fixed or not at_end):
             release = least - activity.duration_min if at_end else least
@@ -88,7 +88,7 @@ class Lags:
             self.arcs.append(Arc(i, self._anchor(), at_end, False, -most, None, -1))
 
     def _anchor(self) -> int:
-        """An activity that stands for the present."""
+        """The activity that stands for the present."""
         if self.anchor is None:
             self.anchor = len(self.activities)
             # (Nothing else is named after this one.)
@@ -99,7 +99,7 @@ class Lags:
 def twins(
     problem: Problem, executed: Mapping[int, ExecutedActivity], places: Mapping[int, int]
 ) -> Iterator[Arc]:
-    """Of what began together and ends together, the ends come in the order of the starts.
+    """Arcs between activities that begin together and end together: ends in the order of starts.
 
     (With a fixed duration both have the same rank.)
     """

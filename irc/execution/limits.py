@@ -1,4 +1,4 @@
-"""The limits on time in a frozen problem: each can be dropped, and told where it is broken."""
+"""The limits on time in a frozen problem: finds, drops and describes them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irc.schedule import Schedule
 
 
 class Sort(Enum):
-    """What limits the time."""
+    """The sort of a limit on time."""
 
     ALL = "the task's deadline"
     DEADLINE = "the deadline of an action, or of a group that it is in"
@@ -24,14 +24,14 @@ class Sort(Enum):
 
 
 class Limit(NamedTuple):
-    """What is limited (`of`) is an activity or an arc, by its index."""
+    """A limit on the time of an activity or an arc; `of` is its index."""
 
     sort: Sort
     of: int = 0
 
 
 def time_limits(problem: Problem, begun: Collection[int]) -> Iterator[Limit]:
-    """The limits that still bind something: what has `begun` is settled."""
+    """The limits that still bind something; activities that have `begun` are not bound."""
     if problem.deadline is not None:
         yield Limit(Sort.ALL)
     for i, activity in enumerate(problem.activities):
@@ -49,7 +49,7 @@ def time_limits(problem: Problem, begun: Collection[int]) -> Iterator[Limit]:
 
 
 def without(problem: Problem, limits: Collection[Limit]) -> Problem:
-    """The problem without these limits; nothing starts earlier than it had to."""
+    """The problem without these limits; a dropped fixed start remains as a release."""
     activities, arcs = list(problem.activities), list(problem.arcs)
     for sort, i in limits:
         if sort is Sort.DEADLINE:
@@ -66,7 +66,7 @@ def without(problem: Problem, limits: Collection[Limit]) -> Problem:
 
 
 def broken(problem: Problem, limits: Collection[Limit], schedule: Schedule) -> dict[Limit, str]:
-    """The limits that a schedule does not keep, each with what it has instead."""
+    """The limits that a schedule breaks, each with the value it has instead."""
     starts, ends = _times(problem, schedule, False), _times(problem, schedule, True)
     found: dict[Limit, str] = {}
     for limit in limits:
@@ -75,7 +75,7 @@ def broken(problem: Problem, limits: Collection[Limit], schedule: Schedule) -> d
             last = max(ends, key=lambda k: ends[k], default=None)
             if last is not None and ends[last] > (problem.deadline or 0):
                 name = problem.activities[last].id
-                found[limit] = f"{problem.time_text(ends[last])}, when {name!r} does"
+                found[limit] = f"{problem.time_text(ends[last])}, the end of {name!r}"
         elif sort is Sort.DEADLINE:
             if i in ends and ends[i] > (problem.activities[i].deadline or 0):
                 found[limit] = problem.time_text(ends[i])
@@ -101,7 +101,7 @@ def _lag(arc: Arc, starts: Mapping[int, int], ends: Mapping[int, int]) -> int | 
 
 
 def _times(problem: Problem, schedule: Schedule, at_end: bool) -> dict[int, int]:
-    """Where each activity that is there starts or ends, in ticks."""
+    """The start or the end of each activity that is present, in ticks."""
     entries = {(e.id, e.occurrence): e for e in schedule.entries}
     times = {}
     for i, activity in enumerate(problem.activities):
@@ -112,29 +112,31 @@ def _times(problem: Problem, schedule: Schedule, at_end: bool) -> dict[int, int]
 
 
 def in_words(problem: Problem, limit: Limit, needed: str, only: bool) -> str:
-    """What a limit says, and what a continuation `needed`; `only`: nothing less will do."""
+    """A limit, and the time that a continuation `needed`; `only`: no earlier time is possible."""
     sort, i = limit
     text = problem.time_text
-    could = "and could not before" if only else "and the best plan found has"
+    found = "but the best plan found has"
+    ends = "but cannot end before" if only else found
     if sort is Sort.ALL:
         limited = text(problem.deadline or 0)
-        return f"everything must end by {limited}, {could} {needed}"
+        return f"all actions must end by {limited}, {ends} {needed}"
     if sort is Sort.LAG:
         lag = arc_in_words(problem, problem.arcs[i], Side.MOST, must=True)
-        return f"{lag}, and the best plan found has {needed}"
+        return f"{lag}, {found} {needed}"
     activity = problem.activities[i]
     if sort is Sort.DEADLINE:
-        return f"{activity.id!r} must end by {text(activity.deadline or 0)}, {could} {needed}"
+        return f"{activity.id!r} must end by {text(activity.deadline or 0)}, {ends} {needed}"
+    starts = "but cannot start before" if only else found
     if sort is Sort.LATEST_START:
         latest = text(activity.latest_start or 0)
-        return f"{activity.id!r} must start by {latest}, {could} {needed}"
-    return f"{activity.id!r} must start at {text(activity.start or 0)}, {could} {needed}"
+        return f"{activity.id!r} must start by {latest}, {starts} {needed}"
+    return f"{activity.id!r} must start at {text(activity.start or 0)}, {starts} {needed}"
 
 
 HINTS = {
     Sort.ALL: "a later deadline of the task would help",
-    Sort.DEADLINE: "a later deadline for it, or what is before it cancelled, would help",
+    Sort.DEADLINE: "a later deadline for it, or cancelling a predecessor, would help",
     Sort.START: "another start for it would help",
-    Sort.LATEST_START: "a later latest start, or what precedes it cancelled, would help",
+    Sort.LATEST_START: "a later latest start for it, or cancelling a predecessor, would help",
     Sort.LAG: "a longer maximum lag would help",
 }

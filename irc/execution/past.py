@@ -1,7 +1,7 @@
-"""The past comes first: ranks of what has been, and the order of an event's instant.
+"""The past comes first: ranks of the history, and the order at an event's instant.
 
-At the instant of an event there is what ended then, then the event's changes of the world, then
-what starts. What has been keeps its ranks, wherever its times are as they were planned.
+At the instant of an event, ends come first, then the world changes of the event, then starts. The
+history keeps its ranks wherever its times are as planned.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from irc.problem import Activity, Arc, Problem, Ranks
 def known_ranks(
     problem: Problem, history: History, activity: Activity, past: ExecutedActivity
 ) -> Ranks | None:
-    """The ranks that an occurrence has had; None where there is no state, or none is known.
+    """The ranks of an executed occurrence; None without state, or where no rank is known.
 
-    What was seen to happen at another time than planned gets its rank anew.
+    A happening that was observed at another time than planned gets a new rank.
     """
     planned = history.plan.get(key_of(past.entry))
     if planned is None or not problem.variables:
@@ -31,7 +31,7 @@ def known_ranks(
         return None if start is None else Ranks(start, None, at_least=activity.is_fixed)
     end = past.end_rank if planned.end == past.entry.end else None
     if end is None and (activity.is_fixed or past.cancelled):
-        # Start and end have one rank, which is that of an end nobody has planned.
+        # Start and end have one rank, which is that of an end that was not planned.
         return None
     return None if start is None and end is None else Ranks(start, end)
 
@@ -39,9 +39,9 @@ def known_ranks(
 def past_first(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> tuple[Problem, dict[int, ExecutedActivity]]:
-    """The problem in which nothing open comes before what has been at this instant.
+    """The problem in which no open happening of this instant comes before the history.
 
-    Changes of the world get the least rank that has them come behind what ended.
+    World changes get the least rank at which they come after all ends.
     """
     changes = [
         i for i in executed if executed[i].by_itself and problem.activities[i].details.ranks is None
@@ -73,7 +73,7 @@ def _at_instant(
         details = replace(activities[i].details, ranks=Ranks(own, own))
         activities[i] = replace(activities[i], details=details)
         ranked[i] = replace(executed[i], rank=own, end_rank=own)
-    # (Some changes of the world have their ranks from an earlier plan.)
+    # (Some world changes have their ranks from an earlier plan.)
     had = [f.rank for f in executed.values() if f.by_itself and f.start == time]
     rank = max([known, *had, *ranks.values()])
     later = [
@@ -97,7 +97,7 @@ def _at_instant(
 
 
 def _begins(past: ExecutedActivity | None, time: int, now: int) -> bool:
-    """Whether something may begin at an instant, or has, that is now or before."""
+    """Whether an activity has begun, or may begin, at an instant that is now or earlier."""
     return time == now if past is None else past.start == time and not past.by_itself
 
 
@@ -107,7 +107,7 @@ def _is_concerned(problem: Problem, i: int) -> bool:
 
 
 def _end_rank(problem: Problem, i: int) -> int | None:
-    """The rank of an end that has been, where it is known."""
+    """The rank of an executed end, where it is known."""
     ranks = problem.activities[i].details.ranks
     if ranks is None:
         return None
@@ -115,8 +115,9 @@ def _end_rank(problem: Problem, i: int) -> int | None:
 
 
 def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bool]]:
-    """The least rank at which a variable may be read (True) or changed without interfering with
-    what ended. (Also where its condition did not hold, and binds nobody any more.)"""
+    """The least rank at which a variable may be read (True) or changed after the ends.
+
+    At that rank no end interferes, not even one whose condition did not hold and binds no more."""
     free: Counter[tuple[int, bool]] = Counter()
     for i in ended:
         rank = 1 + (_end_rank(problem, i) or 0)
@@ -129,8 +130,9 @@ def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bo
 
 
 def _touched(activity: Activity, *, at_end: bool) -> tuple[set[int], set[int]]:
-    """The variables that a start (with all that an activity of no duration does), or an end, reads
-    and changes."""
+    """The variables that a start, or an end, reads and changes.
+
+    The start of an activity of no duration has all reads and changes of its end too."""
     details = activity.details
     both = not activity.duration_min
     reads = {
@@ -145,8 +147,7 @@ def _touched(activity: Activity, *, at_end: bool) -> tuple[set[int], set[int]]:
 def _change_ranks(
     problem: Problem, changes: Sequence[int], free: Counter[tuple[int, bool]], rank: int
 ) -> dict[int, int]:
-    """Changes of the world behind all ranks that what ended has, and those of one variable in
-    their order."""
+    """Ranks of world changes: after the ranks of all ends, and in order for each variable."""
     ranks = {
         i: max([rank, *(free[e.var, False] for e in problem.activities[i].details.effects)])
         for i in changes

@@ -1,20 +1,19 @@
-"""One step of repair: what has begun stays, what is open is solved anew, on either target."""
+"""One step of repair: keeps the history and plans the open part again, on either target."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.driver.compile import refusals_told
+from irc.driver.compile import reporting_refusals
 from irc.driver.judge import finish
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
 from irc.execution.continuation import Remainder
-from irc.execution.freeze import Frozen, freeze
+from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History, ids
 from irc.execution.infeasibility import what_is_in_the_way
-from irc.execution.step import Means, Step, moved
+from irc.execution.step import Step, moved
 from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.model.quantities import Number
@@ -23,44 +22,48 @@ from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, get_backend, require_support
+from irc.targets import Budget, EngineFailed, SolveOptions, get_backend, require_support
 
-__all__ = ["Means", "Step", "solve_step"]
+__all__ = ["Step", "solve_step"]
 
 CHOICES_APART = 400
-"""With more alternatives than this in all, pools are merged though what moves within one counts:
-the members are then told apart after solving, each action with its own of before if it is free."""
+"""With more alternatives than this in all, pools are merged though moves within a pool count.
+Members are then assigned after solving; each action gets its previous member if that is free."""
 
 
 def solve_step(
-    task: Task, history: History, at: Number, means: Means, events: tuple[Event, ...] = ()
+    task: Task,
+    history: History,
+    at: Number,
+    options: SolveOptions,
+    events: tuple[Event, ...] = (),
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
     Raises `InputError` (the target refuses the task, or the history does not fit it),
     `UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
-    began = time.perf_counter()
+    budget = Budget(options.time_limit)
     state = history.state(at)
-    backend = get_backend(means.target)
-    engine = backend.engine(means.engine)
+    backend = get_backend(options.target)
+    engine = backend.engine(options.engine)
     require_support(task, backend)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     problem = lower(task, instants)
-    previous = replace(problem.previous, stability=means.stability)
+    previous = replace(problem.previous, stability=options.share)
     problem = replace(problem, previous=previous)
     if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
         problem = merge_pools(problem, overloaded(problem, state.running))
     frozen = _frozen(task, problem, history, at)
-    remainder = Remainder(task, frozen, history, at, backend, engine, means)
-    with refusals_told(task):
+    remainder = Remainder(task, frozen, history, at, backend, engine, options, budget)
+    with reporting_refusals(task):
         outcome, whole, given_up = best_continuation(remainder)
     if outcome.status is Status.INFEASIBLE:
         outcome = replace(outcome, notes=what_is_in_the_way(remainder) or outcome.notes)
     if outcome.schedule is not None:
-        told = remainder.with_status(outcome.schedule, given_up)
-        outcome = replace(outcome, schedule=told)
-    schedule = finish(task, whole, outcome, means.target, time.perf_counter() - began)
+        marked = remainder.with_status(outcome.schedule, given_up)
+        outcome = replace(outcome, schedule=marked)
+    schedule = finish(task, whole, outcome, backend.name, budget.elapsed)
     notes = outcome.notes
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))
@@ -78,16 +81,16 @@ def solve_step(
 
 
 def _choices(problem: Problem) -> int:
-    """Among how many alternatives uses choose, all together."""
+    """The number of alternatives of all uses together."""
     return sum(
-        len(claim.alternatives)
+        len(demand.alternatives)
         for activity in problem.activities
-        for claim in activity.open_demands
-        if len(claim.alternatives) > 1
+        for demand in activity.open_demands
+        if len(demand.alternatives) > 1
     )
 
 
-def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Frozen:
+def _frozen(task: Task, problem: Problem, history: History, at: Number) -> FrozenProblem:
     try:
         changes = {a.id for a in task.actions if is_world_change(a, task.clock)}
         return freeze(problem, history, at, problem.whole_ticks(at), changes)
@@ -97,16 +100,16 @@ def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Froze
         held = ", ".join(sorted(entry.resources)) or "nothing"
         findings.add(
             Code.BAD_SCHEDULE,
-            f"{entry.id!r} has begun, and the schedule says that it holds {held}"
+            f"{entry.id!r} has begun, but the schedule says that it holds {held}"
             + (f" in mode {entry.mode!r}" if entry.mode is not None else "")
             + ", which the task does not allow",
-            hint="give the schedule that is being carried out, as `irc solve` wrote it",
+            hint="give the schedule that is being carried out, as written by `irc solve`",
         )
         raise InputError(Report(tuple(findings.items), task.source)) from None
 
 
 def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
-    """The conflicts that only history causes. Raises `EngineFailed` where there are others."""
+    """The conflicts that the history alone causes. Raises `EngineFailed` for any others."""
     from irc.validation import validate
 
     verdict = validate(task, schedule, at)
@@ -117,7 +120,7 @@ def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
         Diagnostic(
             Code.CARRIED,
             violation.message,
-            hint="it has begun already, so it is carried on with; nothing else may add to it",
+            hint="it has begun already, so it continues; no open action may make it worse",
         )
         for violation in verdict.carried
     ]

@@ -1,10 +1,11 @@
-"""What is left of a frozen problem, with the present as time 0: what planners are given.
+"""The residual problem: the rest of a frozen problem, with the present as time 0, for planners.
 
-A planner begins at 0 and would have to live through the whole history again. Here what has ended is
-gone: its effects are in the initial state and the initial stock, lags to it are releases, deadlines
-or lags to an instant of its own, what runs is an activity that starts at once and takes the rest of
-its time. What has ended just now is over too, and the world has changed: the past comes first. The
-way back leads through the frozen problem, which is re-timed as a whole.
+A planner begins at 0 and would have to plan the whole history again. In the residual problem, ended
+activities are gone: their effects are in the initial state and the initial stock, and lags to them
+are releases, deadlines or lags to an instant of their own. A running activity starts at once and
+takes the rest of its duration. Activities that end right now have ended, and the world changes of
+this instant have happened: the past comes first. The way back leads through the frozen problem,
+which is re-timed as a whole.
 """
 
 from __future__ import annotations
@@ -40,12 +41,12 @@ from irc.schedule import Entry, Schedule
 
 
 class PastError(IrcError):
-    """Something that must still happen would have had to happen before; the text says what."""
+    """An activity that is still required had to happen earlier; the text names it."""
 
 
 @dataclass(frozen=True)
 class ResidualProblem:
-    """What is left of `whole`: `places` says where each of its activities stands in `problem`."""
+    """The residual problem of `whole`: `places` maps its activities to indexes in `problem`."""
 
     whole: Problem
     executed: Mapping[int, ExecutedActivity]
@@ -54,7 +55,7 @@ class ResidualProblem:
     places: Mapping[int, int]
 
     def merged(self, whole: Problem, schedule: Schedule) -> Schedule:
-        """A schedule of what is left, with the history before it: one of the `whole` problem.
+        """The schedule of the `whole` problem: the history and a schedule of the residual problem.
 
         (`whole` has the activities of the frozen problem, after any passes.) Raises `AnswerError`.
         """
@@ -72,7 +73,7 @@ class ResidualProblem:
 
     @cached_property
     def _first(self) -> Mapping[str, int]:
-        """The number of the first occurrence of each action that has not begun."""
+        """The number of the first open occurrence of each action."""
         return {
             a.id: a.details.occurrence
             for i, a in enumerate(self.whole.activities)
@@ -108,9 +109,9 @@ class ResidualProblem:
 def residual_problem(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> ResidualProblem:
-    """What is left of a frozen problem, before the passes that say what need not be asked.
+    """The residual problem of a frozen problem, before the passes that simplify it.
 
-    Raises `PastError` where what is left had to happen before.
+    Raises `PastError` where a required activity had to happen earlier.
     """
     if problem.deadline is not None and problem.deadline < now:
         problem = _all_too_late(problem, executed)
@@ -149,13 +150,13 @@ def residual_problem(
 
 
 def _all_too_late(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
-    """The problem behind the task's deadline: nothing new can happen, and nothing may have to."""
+    """The problem after the task's deadline: no activity can start, and none may be required."""
     activities = list(problem.activities)
     for i, activity in enumerate(activities):
         if i in executed:
             continue
         if not _may_be_absent(activity):
-            raise PastError("the task's deadline has passed, and not everything is done")
+            raise PastError("the task's deadline has passed, but not all required actions are done")
         activities[i] = replace(activity, deadline=IMPOSSIBLE_DEADLINE)
     return replace(problem, activities=tuple(activities), deadline=None)
 
@@ -166,7 +167,7 @@ def _may_be_absent(activity: Activity) -> bool:
 
 
 def _previous_later(plan: PreviousPlan, size: int, now: int) -> PreviousPlan:
-    """The previous plan of `size` activities, those that were added last without a place."""
+    """The previous plan of `size` activities, seen from now; added activities have no place."""
     places = [None if p is None else p._replace(start=p.start - now) for p in plan.places]
     added = size - len(places) if places else 0
     return replace(
@@ -181,26 +182,26 @@ def _previous_later(plan: PreviousPlan, size: int, now: int) -> PreviousPlan:
 
 
 def _end_before(problem: Problem, i: int, executed: Mapping[int, ExecutedActivity]) -> int:
-    """When the occurrence before an activity has ended; 0 where there is none."""
+    """The end of the previous occurrence of an activity; 0 where there is none."""
     previous = problem.activities[i].details.previous_occurrence
     return 0 if previous is None else executed[previous].end
 
 
 def _is_over(past: ExecutedActivity, at_end: bool, now: int, left: bool) -> bool:
-    """Whether what an executed activity does at its start, or its end, has been done for good."""
+    """Whether the start, or the end, of an executed activity has happened for certain."""
     return not left or (not at_end and past.start < now)
 
 
 def _shifted(activity: Activity, now: int, after: int) -> Activity:
-    """An open activity: all its times are earlier by now, and it counts its occurrences anew.
+    """An open activity with all its times counted from now, and its occurrences from 1.
 
-    `after` is when the occurrence before it has ended.
+    `after` is the end of its previous occurrence.
     """
     if activity.start is not None and activity.start < now and not activity.details.optional:
-        raise PastError(f"{activity.id!r} has a fixed start that has passed, and has not begun")
+        raise PastError(f"{activity.id!r} has a fixed start that has passed, but has not begun")
     latest = activity.latest_start
     if latest is not None and latest < now and not _may_be_absent(activity):
-        raise PastError(f"{activity.id!r} has a latest start that has passed, and has not begun")
+        raise PastError(f"{activity.id!r} has a latest start that has passed, but has not begun")
     deadline = activity.deadline
     if any(limit is not None and limit < now for limit in (activity.start, latest)):
         deadline = IMPOSSIBLE_DEADLINE
@@ -224,13 +225,13 @@ def _shifted(activity: Activity, now: int, after: int) -> Activity:
 def _residual(
     activity: Activity, past: ExecutedActivity, now: int, names: Counter[str]
 ) -> Activity:
-    """The rest of what runs: it starts at once, and what it did at its start before is done."""
+    """The rest of a running activity: it starts at once, without the effects of its start."""
     elapsed = now - past.start
     shortest = max(0, activity.duration_min - elapsed)
     longest = max(0, activity.duration_max - elapsed)
     details = activity.details
     name = activity.id
-    if names[name] > 1:  # An occurrence of an action of which more may follow.
+    if names[name] > 1:  # An occurrence of an action that may have more.
         name = fresh_name(f"{name} ({details.occurrence})", names)
         names[name] += 1
         shortest = longest = max(0, past.end - now)
@@ -281,7 +282,7 @@ def _windows_later(windows: Iterable[Window], now: int) -> tuple[Window, ...]:
 def _stock_now(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int, places: Mapping[int, int]
 ) -> tuple[Reservoir, ...]:
-    """What the past has left of each reservoir."""
+    """The reservoirs with the levels that the history leaves."""
     levels = [r.initial for r in problem.reservoirs]
     for i, past in executed.items():
         for change in problem.activities[i].details.stock:
@@ -295,7 +296,7 @@ def _stock_now(
 def _state_now(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int, places: Mapping[int, int]
 ) -> tuple[Variable, ...]:
-    """What the past has made of each variable."""
+    """The variables with the values that the history leaves."""
     values = [v.initial for v in problem.variables]
     writes: list[tuple[int, int, bool, int, int]] = []
     for i, past in executed.items():
@@ -303,7 +304,7 @@ def _state_now(
             if not _is_over(past, effect.at_end, now, i in places):
                 continue
             time, rank = (past.end, past.end_rank) if effect.at_end else (past.start, past.rank)
-            # (What ended at an instant comes before what happened at it by itself.)
+            # (Ends at an instant come before world changes at it.)
             writes.append((time, rank, past.start == time, effect.var, effect.value))
     for _, _, _, var, value in sorted(writes):
         values[var] = value

@@ -1,4 +1,4 @@
-"""All events of a task, in the order of their times: a whole episode."""
+"""Simulates a whole episode: all events of a task, in the order of their times."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ class Simulation:
 
     @property
     def moved(self) -> int:
-        """How often a planned action was moved, over all steps."""
+        """The number of planned occurrences that moved, over all steps."""
         return sum(step.moved for step in self.steps)
 
     def to_dict(self) -> dict[str, Any]:
-        """The document that `irc simulate --format json` prints."""
+        """The document that `irc simulate --format json` writes."""
         final = self.final
         return {
             "irc_simulation": SIMULATION_VERSION,
@@ -64,20 +64,13 @@ def simulate(
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
-    Events of one instant make one step, in their order. The options are those of `SolveOptions`;
-    limits hold for each step. Raises what `irc.solve` and `Execution` raise, after `on_step` has
-    been called for all steps before.
+    Events of one instant are one step, in their order. The options are those of `SolveOptions`;
+    limits hold for each step. Raises what `irc.solve` and `Execution` raise, after it has called
+    `on_step` for all previous steps.
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
     if schedule is None:
-        answer = solve_task(
-            task,
-            chosen.target,
-            chosen.engine,
-            chosen.limits,
-            shortcut=chosen.shortcut,
-            on_progress=chosen.on_progress,
-        )
+        answer = solve_task(task, chosen)
         schedule, notes = answer.schedule, answer.notes
     else:
         notes = ()

@@ -1,14 +1,13 @@
-"""Moving fewer actions without a worse answer: for engines that do not count changes themselves.
+"""Stabilises an answer: fewer actions move, for engines that do not count changes themselves.
 
-Where the old plan is still valid and as good as the answer, it stays. Otherwise, starting from the
-answer, what can be where it was is put there, all at once if possible, else half by half. Nothing
-else changes its order or its choices, so this finds no optimum; it takes back what moved for no
-reason.
+Where the previous plan is still valid and as good as the answer, it stays. Otherwise, starting from
+the answer, moved activities are put back to their previous places, all at once if possible, else
+half by half. Order and choices of all others stay, so the result need not be optimal; it only takes
+back moves that have no benefit.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -22,9 +21,10 @@ from irc.problem.objective_values import costs
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Entry, Schedule
+from irc.targets import Budget
 
 PATIENCE = 1.0
-"""Seconds."""
+"""Seconds that are spent on it at most; all together is tried once in any case."""
 
 
 def stabilised(
@@ -33,12 +33,13 @@ def stabilised(
     old: Iterable[Entry],
     stability: Fraction,
     is_valid: Callable[[Schedule], bool],
+    budget: Budget,
 ) -> Schedule:
     """The schedule with as many activities as possible where they were in the `old` one.
 
-    No objective gets worse, but for the last one, by the part `stability` of it at most. The old
-    one as a whole is the best of all if `is_valid` finds nothing against it. With occurrences of
-    actions that repeat there is nothing between that and the schedule as it is.
+    No objective gets worse, except for the last one, by at most the fraction `stability` of it. The
+    `old` one as a whole is best if `is_valid` accepts it. For actions that repeat the result is
+    either the whole `old` schedule or the schedule as it is.
     """
     if not any(problem.previous.places):
         return schedule
@@ -57,7 +58,7 @@ def stabilised(
         and now[i].present
         and _place(before[i]) != _place(now[i])
     ]
-    search = _Stabilising(problem, before, now, limits, schedule)
+    search = _Stabilising(problem, before, now, limits, schedule, budget.at_most(PATIENCE))
     search.keep_most_of(sorted(can_stay, key=lambda i: before[i].start))
     return search.best if is_valid(search.best) else schedule
 
@@ -67,7 +68,7 @@ def _place(decision: Decision) -> tuple[object, ...]:
 
 
 def _decisions(problem: Problem, entries: Iterable[Entry]) -> list[Decision]:
-    """What a schedule decided about each activity; about what it cannot have said: absent."""
+    """The decision of a schedule about each activity; "absent" where its entry no longer fits."""
     known = {key_of(entry): entry for entry in entries}
     decisions = []
     for activity in problem.activities:
@@ -80,7 +81,7 @@ def _decisions(problem: Problem, entries: Iterable[Entry]) -> list[Decision]:
 
 
 def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[str, Number]:
-    """What each objective, as something to be small, may come to."""
+    """The greatest value that each objective, as one to minimise, may reach."""
     values = _costs(problem, schedule)
     if values and stability:
         last = [*values][-1]
@@ -90,7 +91,7 @@ def _limits(problem: Problem, schedule: Schedule, stability: Fraction) -> dict[s
 
 
 def _costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
-    """The objectives but for the changes, less is better."""
+    """The objective values except for the changes; less is better."""
     return {k: value for k, value in costs(problem, schedule).items() if k != "changes"}
 
 
@@ -105,21 +106,19 @@ class _Stabilising:
     now: Sequence[Decision]
     limits: dict[str, Number]
     best: Schedule
-
-    def __post_init__(self) -> None:
-        self.until = time.perf_counter() + PATIENCE
+    budget: Budget
 
     def keep_most_of(self, candidates: Sequence[int]) -> None:
-        """Puts activities back where they were, as many as can be."""
-        if not candidates or time.perf_counter() > self.until or self._keep(candidates):
+        """Puts as many activities as possible back where they were."""
+        if not candidates or self._keep(candidates) or len(candidates) == 1:
             return
-        if len(candidates) > 1:
-            half = len(candidates) // 2
-            self.keep_most_of(candidates[:half])
-            self.keep_most_of(candidates[half:])
+        half = len(candidates) // 2
+        for part in (candidates[:half], candidates[half:]):
+            if not self.budget.is_over:
+                self.keep_most_of(part)
 
     def _keep(self, candidates: Sequence[int]) -> bool:
-        """Whether these can be where they were: in the order of then, or in that of the answer."""
+        """Whether these can be where they were, in the previous order or in that of the answer."""
         activities = list(self.problem.activities)
         there = list(self.now)
         for i in candidates:
@@ -141,7 +140,7 @@ class _Stabilising:
         return False
 
     def _length(self, i: int) -> Moment:
-        """How long an activity was to take, as far as it still may."""
+        """The previous duration of an activity, as far as the task still allows it."""
         activity, before = self.problem.activities[i], self.before[i]
         least, most = activity.duration_min, activity.duration_max
         if activity.details.modes and before.mode is not None:

@@ -1,4 +1,4 @@
-"""What has happened of a schedule by some time."""
+"""The execution state: which entries of a schedule are completed, running and open at a time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Key = tuple[str, int]
 
 
 def key_of(entry: Entry) -> Key:
-    """Which occurrence an entry is about."""
+    """The key of an entry's occurrence."""
     return entry.id, entry.occurrence
 
 
@@ -21,8 +21,9 @@ def key_of(entry: Entry) -> Key:
 class ExecutionState:
     """The entries of a schedule at time `at` (docs/semantics.md, "While a task runs").
 
-    `completed` have started before and ended by then, `running` have started before and end
-    later; all others are `open`, also those that start just then, unless they were observed to.
+    `completed` entries have started before and ended by then, `running` entries have started before
+    and end later. All others are `open`, even those that start just then, unless that start was
+    observed.
     """
 
     at: Number
@@ -32,14 +33,14 @@ class ExecutionState:
 
     @property
     def frozen(self) -> tuple[Entry, ...]:
-        """What cannot be changed any more."""
+        """The entries that cannot be changed any more."""
         return (*self.completed, *self.running)
 
 
 def state_at(schedule: Schedule, at: Number, observed: Collection[Key] = ()) -> ExecutionState:
-    """What is completed, running and open at `at`, in the task's unit.
+    """The entries that are completed, running and open at `at`, in the task's unit.
 
-    `observed` have started, also where the schedule has them start just at `at`.
+    `observed` occurrences have started, even where the schedule has them start just at `at`.
     """
     completed: list[Entry] = []
     running: list[Entry] = []

@@ -1,4 +1,4 @@
-"""Conditions that history breaks: those of what has begun that no effect of it makes true."""
+"""Drops conditions that the history breaks: no effect of the history makes them true."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from irc.problem import Activity, Condition, Details, Problem
 from irc.schedule import Entry
 
 Write = tuple[int, int, int, int]
-"""(time, stage, value, activity). At an instant at which the past comes first, stage 0 is what
-ended then, 1 a change of the world, 2 what starts then; at any other instant all is one stage."""
+"""(time, stage, value, activity). At an instant at which the past comes first, stage 0 is an end,
+1 a world change, 2 a start; at any other instant there is one stage."""
 
 
 def without_broken_conditions(
@@ -81,7 +81,7 @@ def _held_until_broken(
 def _writes(
     problem: Problem, executed: Mapping[int, ExecutedActivity], staged: Collection[int]
 ) -> dict[int, list[Write]]:
-    """What executed activities, and world changes that are due, do to each variable, by time."""
+    """The changes of each variable by executed activities and due world changes, by time."""
     written: dict[int, list[Write]] = {}
     for i, activity in enumerate(problem.activities):
         past = executed.get(i)
@@ -131,7 +131,7 @@ def _can_hold(
 
 
 def _values_at(time: int, writes: list[Write], initial: int, stage: int = 2) -> set[int]:
-    """What a variable can be at a stage of an instant, in whichever order its writes come."""
+    """The possible values of a variable at a stage of an instant, in any order of its writes."""
     here = {v for t, s, v, _ in writes if (t, s) == (time, stage)}
     before = [w for w in writes if w[:2] < (time, stage)]
     if not before:

@@ -1,10 +1,9 @@
-"""What a step of repair is given, and what it came to."""
+"""What a step of repair came to."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from fractions import Fraction
+from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics import Diagnostic
@@ -14,34 +13,16 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.schedule import Entry, Schedule
-from irc.targets import Limits, OnProgress, SolveOptions
-
-
-@dataclass(frozen=True, slots=True)
-class Means:
-    """What a step is solved with. `stability` is a part of the objective, 0 to 1 and beyond."""
-
-    target: str = "cpsat"
-    engine: str = "auto"
-    limits: Limits = field(default_factory=Limits)
-    stability: Fraction = Fraction(0)
-    on_progress: OnProgress | None = None
-
-    @classmethod
-    def of(cls, options: SolveOptions) -> Means:
-        """Those that options name."""
-        return cls(
-            options.target, options.engine, options.limits, options.share, options.on_progress
-        )
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What one instant came to.
+    """The result of replanning at one instant.
 
-    `completed` and `running` are ids as of then, `moved` counts the planned actions whose start,
-    mode or resources differ from before (or that are gone), `abandoned` are half-done groups that
-    cannot be finished. `schedule` is the whole history with the new plan, an answer to `task`.
+    `completed` and `running` are ids as of then. `moved` counts the planned occurrences whose
+    start, mode or resources differ from the previous plan, or that are gone. `abandoned` are
+    half-done groups that cannot be finished. `schedule` is the whole history with the new plan, an
+    answer to `task`.
     """
 
     at: Number
@@ -55,7 +36,7 @@ class Step:
     abandoned: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """The step as `irc simulate --format json` has it."""
+        """The step as `irc simulate --format json` writes it."""
         return {
             "at": json_number(self.at),
             "event": [event.id for event in self.events],
@@ -69,7 +50,7 @@ class Step:
 
 
 def moved(planned: Sequence[Entry], schedule: Schedule, history: History) -> int:
-    """How many planned occurrences, still wanted, are elsewhere now, or not there any more."""
+    """The number of planned occurrences, not cancelled, that moved or are gone."""
     now: dict[Key, Entry] = {key_of(entry): entry for entry in schedule.entries}
     return sum(
         entry.id not in history.cancelled and not _same(entry, now.get(key_of(entry)))

@@ -1,8 +1,8 @@
-"""Stock that history has overdrawn, or overfilled: it is lent what it lacks until that is made up.
+"""Lends stock that the history has overdrawn, or overfilled, until the history restores it.
 
-Say flour was used before it was milled, and the level fell to -1, below its minimum of 0. What is
-open must not be hindered by that, nor may it make use of it: 1 is lent at that instant, and given
-back when history itself, such as the mill that still runs, makes up for it. With `H` the level that
+Say flour was used before it was milled, and the level fell to -1, below its minimum of 0. Open
+activities must neither suffer nor profit from that: 1 is lent at that instant, and given back when
+the history itself, such as a mill that still runs, restores it. With `H` the level that
 history alone gives, `lent(t) = max(0, min - H(t))` makes "the level with the loan is at least the
 minimum" say just "the level is at least the minimum, or no worse than history makes it".
 """
@@ -19,10 +19,10 @@ from irc.execution.fresh_names import fresh_name
 from irc.problem import Activity, Problem, StockChange
 
 _Loans = list[int]
-"""What is lent after each of the changes that executed activities make."""
+"""The amount lent after each of the changes that executed activities make."""
 
 _NO_LEAST = -(1 << 50)
-"""Where a reservoir has no least level: sums with it still fit 64 bits."""
+"""The bound of a reservoir without a least level: sums with it still fit 64 bits."""
 
 
 class _Happened(NamedTuple):
@@ -37,9 +37,9 @@ class _Happened(NamedTuple):
 def with_stock_lent(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> Problem:
-    """The problem in which history keeps the bounds of every reservoir.
+    """The problem in which the history keeps the bounds of every reservoir.
 
-    What it would break only after `now` is lent as far as nothing open can make it good.
+    For a bound that breaks only after `now`, it lends what open activities cannot supply.
     """
     for k in range(len(problem.reservoirs)):
         happened = sorted(_happened(problem, executed, k))
@@ -72,7 +72,7 @@ def _happened(
 def _open_changes(
     problem: Problem, executed: Mapping[int, ExecutedActivity], k: int
 ) -> tuple[int | None, int | None]:
-    """How much what is open can put in and take out at most; None: no limit."""
+    """The greatest amounts that open activities can put in and take out; None: no limit."""
     changes = [
         (change.amount, activity.details.repeats)
         for i, activity in enumerate(problem.activities)
@@ -103,7 +103,7 @@ def _is_too_late(activity: Activity) -> bool:
 
 
 def _loans(happened: Sequence[_Happened], room: int, now: int, supply: int | None) -> _Loans:
-    """What is lent after each change, given how far the level is above its bound at first.
+    """The amount lent after each change, given the room between the level and its bound at first.
 
     Only the last change of an instant lends, by the net of all.
     """
@@ -125,7 +125,7 @@ def _loans(happened: Sequence[_Happened], room: int, now: int, supply: int | Non
 
 
 def _with_twin(problem: Problem, k: int) -> tuple[Problem, int]:
-    """A reservoir's bounds as those of two, for each needs loans of its own; and the upper one."""
+    """The problem with a reservoir split in two, one for each bound; and the upper one."""
     reservoir, twin = problem.reservoirs[k], len(problem.reservoirs)
     name = fresh_name(f"{reservoir.id} at most", {r.id for r in problem.reservoirs})
 
@@ -148,7 +148,7 @@ def _lend(
     happened: Sequence[_Happened],
     loans: _Loans,
 ) -> Problem:
-    """The problem in which what has begun also lends of reservoir k, and takes back."""
+    """The problem in which executed activities also lend stock of reservoir k, and take it back."""
     activities = list(problem.activities)
     extra: dict[tuple[int, bool], int] = {}
     for change, before, after in zip(happened, (0, *loans), loans, strict=False):
@@ -166,7 +166,7 @@ def _lend(
 def _pay_back(
     activities: list[Activity], executed: Mapping[int, ExecutedActivity], k: int, loan: int
 ) -> None:
-    """What history never makes up for comes out of what the only open supplier brings."""
+    """The only open supplier pays back the loan that the history never restores."""
     suppliers = {
         i
         for i, activity in enumerate(activities)

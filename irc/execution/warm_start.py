@@ -1,8 +1,8 @@
-"""The schedule of before, shifted: where its order survives it is an answer to start from.
+"""The previous schedule, shifted: a warm start wherever its order is still possible.
 
-Who is there, modes and the order on every state variable stay; what is new and must be there comes
-behind all else. A list schedule finds the times, re-timing the ranks. It is no more than a start:
-where the old order does not survive there is none, and the engine begins from nothing.
+Presence, modes and the order on every state variable stay; new required activities come last.
+Serial schedule generation finds the times, re-timing finds the ranks. Where the previous order is
+not possible any more there is no warm start, and the engine begins without one.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from irc.problem.choices import UnexplainedError, decision_of, members_taken
 from irc.problem.decisions import ABSENT, AnswerError, Decision, Placed, as_decision
 from irc.retiming.retime import retime
 from irc.retiming.selection import Selection, select
-from irc.retiming.state import Order, state_orders
+from irc.retiming.state import HappeningOrder, state_orders
 from irc.schedule import Entry
 
 
 def warm_start(
     problem: Problem, executed: Mapping[int, ExecutedActivity], plan: Mapping[Key, Entry]
 ) -> tuple[Placed, ...]:
-    """A place for each activity of a frozen problem, after the passes; nothing where none is found.
+    """A place for each activity of a frozen problem, after the passes; empty where none is found.
 
-    `plan` are the entries as they were planned, before any event changed what has begun: in the
-    times of the plan one sees what came before what.
+    `plan` are the entries as they were planned, before any event changed the history: their times
+    give the order.
     """
     if any(a.details.repeats is not None for a in problem.activities):
         return ()
@@ -42,14 +42,18 @@ def warm_start(
         orders = state_orders(selection.problem, selection.decisions, 0)
         found = _list_scheduled(problem, selection, orders)
         return () if found is None else retime(replace(problem, previous=PreviousPlan()), found)
-    except (AnswerError, UnexplainedError, ValueError):  # The old order does not survive.
+    except (
+        AnswerError,
+        UnexplainedError,
+        ValueError,
+    ):  # The previous order is not possible any more.
         return ()
 
 
 def _before(
     problem: Problem, i: int, past: ExecutedActivity | None, plan: Mapping[Key, Entry]
 ) -> Decision:
-    """Where an activity was planned; what is new and must be there is last."""
+    """The planned times of an activity; new required activities come last."""
     activity = problem.activities[i]
     entry = plan.get((activity.id, activity.details.occurrence))
     if entry is None and past is not None:
@@ -75,7 +79,7 @@ def _before(
 
 
 def _keeps_groups(problem: Problem, decisions: Sequence[Decision]) -> bool:
-    """Whether each group is there as a whole or not at all, and what must be there is."""
+    """Whether each group is present in full or absent, and all required activities are present."""
     for group in problem.groups:
         there = [decisions[i].present for i in group.members]
         if not all(there) and (group.required or any(there)):
@@ -84,9 +88,9 @@ def _keeps_groups(problem: Problem, decisions: Sequence[Decision]) -> bool:
 
 
 def _list_scheduled(
-    problem: Problem, selection: Selection, orders: Sequence[Order]
+    problem: Problem, selection: Selection, orders: Sequence[HappeningOrder]
 ) -> list[Decision] | None:
-    """Decisions about the whole problem, from a list schedule of what is there."""
+    """Decisions about the whole problem, from a serial schedule of the present activities."""
     chosen = selection.problem
     activities = [replace(a, details=PLAIN) for a in chosen.activities]
     arcs = [
@@ -122,11 +126,11 @@ def _list_scheduled(
 def _spread(
     problem: Problem,
     selection: Selection,
-    orders: Sequence[Order],
+    orders: Sequence[HappeningOrder],
     decisions: Sequence[Decision],
     choices: Sequence[tuple[int, ...]],
 ) -> list[Decision]:
-    """A list schedule of what is there as decisions about all, with ranks where times are equal."""
+    """A serial schedule of the present activities as decisions, with ranks at equal times."""
     from irc.retiming.ranks import with_ranks
 
     placed = with_ranks(

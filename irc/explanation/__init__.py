@@ -1,7 +1,6 @@
-"""Why a task has no schedule, or why its schedule is as long as it is.
+"""Explanations: in, a `Task`; out, why it has no schedule, or why its schedule is not shorter.
 
-`statements` says what a statement of the IR is, `road` is the way from a task to an explanation.
-(The package is not called `explain`: that is the name of the function, `irc.explain`.)
+`explain` runs the stages. (The package is not called `explain`, the name of `irc.explain`.)
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The critical chain of a schedule: what, one after another, takes up all of its makespan.
+"""The critical chain of a schedule: links from t = 0 to the makespan, one after another.
 
-A link is a demand on time that the schedule meets with nothing to spare, or a hand-over: an
-action takes at once what another has just freed. From t = 0 to the makespan their lengths add up
-exactly. Of several chains one of the fewest hand-overs is shown, and of those one of the fewest
-links; a chain without hand-overs is a proof that no schedule is shorter.
+A link is a statement about time that the schedule meets exactly, or a hand-over: an action takes at
+once what another has just freed. The lengths of the links add up to the makespan. Of several chains
+this finds one with the fewest hand-overs, and of those one with the fewest links. A chain without
+hand-overs proves that no schedule is shorter.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from irc.schedule import Schedule
 class HandOver:
     """`after` starts when `before` frees the resource (all indexes).
 
-    `needed` says whether there was too little of the resource until then; otherwise the order of
-    the two was merely kept.
+    `needed` is whether `after` had to wait for the resource; otherwise the order of the two is
+    only that of the schedule.
     """
 
     before: int
@@ -48,9 +48,10 @@ class HandOver:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """One step of the chain, from one time (ticks) to another; what makes it so long.
+    """One step of the chain, from one time (ticks) to another, with its reason.
 
-    Without a statement and a hand-over it is how time is: from t = 0, or no time at all.
+    Without a statement and a hand-over, the reason is that nothing is before t = 0 or ends before
+    it starts.
     """
 
     start: int
@@ -60,7 +61,7 @@ class Link:
 
     @property
     def length(self) -> int:
-        """In ticks; a maximum lag can lead back in time."""
+        """The length in ticks; it is negative for a maximum lag, which leads back in time."""
         return self.end - self.start
 
 
@@ -70,13 +71,13 @@ class _Edge(NamedTuple):
 
 
 _Cost = tuple[int, int, int]
-"""Orders merely kept, hand-overs, links."""
+"""(orders that are not needed, hand-overs, links)."""
 
 
 def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | None:
-    """The links in order of time; None for a schedule that could end earlier as it stands.
+    """The links in order of time; None for a schedule that could end earlier in the same order.
 
-    `schedule` must be a valid one of exactly the problem's activities.
+    `schedule` must be a valid schedule of exactly the problem's activities.
     """
     if not schedule.entries:
         return ()
@@ -122,7 +123,7 @@ def _links(reached: dict[int, _Edge | None], point: int, times: Sequence[int]) -
 
 
 def _times(problem: Problem, schedule: Schedule) -> list[int] | None:
-    """The time of each point; None where some are not whole: then they wait for nothing."""
+    """The time of each point; None if some are not whole: those wait for nothing."""
     by_id = {entry.id: entry for entry in schedule.entries}
     times = [0]
     for activity in problem.activities:
@@ -145,7 +146,7 @@ def _tight_edges(problem: Problem, schedule: Schedule, times: Sequence[int]) -> 
 
 
 def _one_sided(problem: Problem) -> Iterator[Statement]:
-    """All statements, those with a least and a greatest value one limit at a time."""
+    """All statements, with one item for each limit of a statement that has two."""
     for statement in all_statements(problem):
         if KINDS[statement.kind].has_two_sides(problem, statement):
             yield statement._replace(side=Side.LEAST)
@@ -180,7 +181,7 @@ def _held(problem: Problem, schedule: Schedule) -> list[dict[int, int]]:
 
 
 class _Usage:
-    """How much of each resource is in use just before an activity starts."""
+    """The amount of each resource that is in use just before an activity starts."""
 
     def __init__(
         self, problem: Problem, held: Sequence[dict[int, int]], decisions: Sequence[Decision]
@@ -195,7 +196,7 @@ class _Usage:
         self.before = {r: dict(_levels_before(of)) for r, of in changes.items()}
 
     def is_short(self, resource: int, activity: int, amount: int) -> bool:
-        """Whether `amount` more would not have fitted just before the activity starts."""
+        """Whether `amount` more would exceed the capacity just before the activity starts."""
         level = self.before[resource][int(self.decisions[activity].start)]
         return level + amount > self.problem.resources[resource].capacity
 

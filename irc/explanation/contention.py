@@ -1,18 +1,17 @@
-"""Conflicts over resources: a solver's core, made minimal by leaving statements out.
+"""Finds conflicts over resources: a solver's core, made minimal by leaving statements out.
 
 The core comes from a model without an objective and with one assumption for each statement
-(google/or-tools#3943: only so is it exact). It is not believed (google/or-tools#5141): a set is
-called impossible where a bound or the solver, without assumptions, refutes it as a problem of its
-own, and possible where there is a schedule, by rule or by the solver and then re-timed exactly.
-What is left in the end is refuted once more by the solver alone.
+(google/or-tools#3943: otherwise it is not exact). It is checked (google/or-tools#5141): a set is
+impossible if a bound, or the solver without assumptions, refutes it as a problem of its own, and
+possible if there is a schedule, made by a rule or by the solver and re-timed exactly. At the end
+the solver alone refutes the remaining set once more.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
-from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
+from irc.explanation.minimise import Conflict, Possibility, Trial, minimise, narrow
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.energy import energy_bound
@@ -28,7 +27,7 @@ from irc.problem.statements import (
     problem_of,
 )
 from irc.schedule import Status
-from irc.targets import EngineFailed
+from irc.targets import Budget, EngineFailed
 from irc.targets.refuter import Assumptions, Refuter
 
 _ORDER = (
@@ -42,28 +41,25 @@ _ORDER = (
     Kind.TASK_DEADLINE,
     Kind.CAPACITY,
 )
-"""What is left out first: so deadlines and capacities, which authors set, are kept longest."""
+"""The order of leaving out: deadlines and capacities, which authors set, are kept longest."""
 
 _OF_ACTION = (
     *(Kind.DURATION, Kind.USE, Kind.RELEASE),
     *(Kind.DEADLINE, Kind.LATEST_START, Kind.START),
 )
 
-_LEAST_SECONDS = 0.05
-"""A solver that is asked at all is given at least this."""
 
+def resource_conflict(problem: Problem, refuter: Refuter, budget: Budget) -> Conflict | None:
+    """A minimal conflict of a problem that has no schedule, although time alone allows one.
 
-def resource_conflict(problem: Problem, refuter: Refuter, until: float) -> Conflict | None:
-    """A minimal conflict of a problem that has no schedule, though time alone allows one.
-
-    None where it is later than `until` (of `time.perf_counter`) at once; later on, what is found
-    may not be minimal. That the whole has no schedule must have been proven before.
+    None if the budget is over at the start; if it ends during the search, the conflict may not be
+    minimal. The caller must have proven that the problem has no schedule.
     """
-    return _Search(problem, refuter, until).conflict()
+    return _Search(problem, refuter, budget).conflict()
 
 
 def horizon_without_limits(problem: Problem) -> int:
-    """By then some schedule of any part of the statements has ended, if there is one."""
+    """An upper bound on the end of some schedule of each feasible subset of the statements."""
     return max(1, safe_horizon(replace(problem, deadline=None)))
 
 
@@ -71,7 +67,7 @@ def horizon_without_limits(problem: Problem) -> int:
 class _Search:
     problem: Problem
     refuter: Refuter
-    until: float
+    budget: Budget
     known: dict[frozenset[Statement], Trial] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -87,20 +83,20 @@ class _Search:
         return narrow(self.problem, self._rechecked(conflict), self.attempt)
 
     def _found(self) -> frozenset[Statement] | None:
-        """What is to be made minimal: the solver's core if it has one that stands, else all."""
-        if perf_counter() > self.until:
+        """The set to minimise: the solver's core if it is confirmed, else all statements."""
+        if self.budget.is_over:
             return None
         statements = frozenset(self._relevant())
         if not _refuted_by_energy(self._part(statements)):
-            core = self.refuter.core(self._assumptions(statements), self._seconds())
-            if core is not None and self.attempt(core).verdict is Verdict.IMPOSSIBLE:
+            core = self.refuter.core(self._assumptions(statements), self.budget)
+            if core is not None and self.attempt(core).result is Possibility.IMPOSSIBLE:
                 return core
         return statements
 
     def _rechecked(self, conflict: Conflict) -> Conflict:
-        """Called minimal only if the solver by itself, too, finds the whole impossible."""
+        """The conflict, minimal only if the solver alone also finds it impossible."""
         part = self._part(frozenset(conflict.statements))
-        status = self.refuter.decide(part, self.horizon, self._seconds())
+        status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.FEASIBLE:
             raise EngineFailed("a conflict turned out to have a schedule; this is a defect of irc")
         return replace(conflict, minimal=conflict.minimal and status is Status.INFEASIBLE)
@@ -109,44 +105,40 @@ class _Search:
         """Whether these statements can hold together, decided on a problem of their own."""
         trial = self.known.get(statements)
         if trial is None:
-            trial = self.known[statements] = Trial(self._verdict(statements))
+            trial = self.known[statements] = Trial(self._possibility(statements))
         return trial
 
     def _part(self, statements: frozenset[Statement]) -> Problem:
-        """The problem of some statements, without resources that have room for everything."""
+        """The problem of some statements, without resources that have no contention."""
         part = problem_of(self.problem, statements, self.horizon)
         return heads_and_tails(drop_uncontended(merge_pools(part)))
 
-    def _verdict(self, statements: frozenset[Statement]) -> Verdict:
-        """Bounds and schedules by rule first: most verdicts need no solver."""
-        if perf_counter() > self.until:
-            return Verdict.UNKNOWN
+    def _possibility(self, statements: frozenset[Statement]) -> Possibility:
+        """Decides by bounds and quick schedules first: most sets need no solver."""
+        if self.budget.is_over:
+            return Possibility.UNKNOWN
         part = self._part(statements)
         if not part.has_contention:
-            return Verdict.POSSIBLE  # All statements together have no conflict of time.
+            return Possibility.POSSIBLE  # All statements together have no conflict of time.
         if _refuted_by_energy(part):
-            return Verdict.IMPOSSIBLE
+            return Possibility.IMPOSSIBLE
         if list_schedule(part) is not None:
-            return Verdict.POSSIBLE
-        status = self.refuter.decide(part, self.horizon, self._seconds())
+            return Possibility.POSSIBLE
+        status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.UNKNOWN and _refuted_by_cases(part):
-            return Verdict.IMPOSSIBLE
-        return {Status.FEASIBLE: Verdict.POSSIBLE, Status.INFEASIBLE: Verdict.IMPOSSIBLE}.get(
-            status, Verdict.UNKNOWN
-        )
-
-    def _seconds(self) -> float:
-        return max(_LEAST_SECONDS, self.until - perf_counter())
+            return Possibility.IMPOSSIBLE
+        return {
+            Status.FEASIBLE: Possibility.POSSIBLE,
+            Status.INFEASIBLE: Possibility.IMPOSSIBLE,
+        }.get(status, Possibility.UNKNOWN)
 
     def _relevant(self) -> list[Statement]:
-        """Without what is said of resources that have room for everything at once.
+        """The statements without those about resources that have no contention.
 
-        A conflict of all statements is one of these too: such a resource never decides anything.
+        If all statements are in conflict, so are these: such a resource never restricts a schedule.
         """
-        settled = drop_uncontended(merge_pools(self.problem))
-        uses = {
-            (i, demand.use) for i, a in enumerate(settled.activities) for demand in a.open_demands
-        }
+        contended = drop_uncontended(merge_pools(self.problem))
+        uses = {(i, d.use) for i, a in enumerate(contended.activities) for d in a.open_demands}
         resources = {r for i, u in uses for r in self.problem.activities[i].uses[u].alternatives}
         return [
             s
@@ -179,7 +171,7 @@ class _Search:
         )
 
     def _dispensable(self, statement: Statement) -> tuple[int, int, Statement]:
-        """Short actions first: of what is left fewer statements make the conflict."""
+        """A sort key: statements about short actions first, so that fewer statements remain."""
         rank = _ORDER.index(statement.kind)
         if statement.kind in (Kind.DURATION, Kind.USE):
             return rank, self._length(statement.of), statement
@@ -189,10 +181,10 @@ class _Search:
         return self.problem.activities[activity].duration_min
 
     def _implied(self, found: frozenset[Statement]) -> dict[Statement, Statement]:
-        """Uses, each with a duration that is needed where the use is.
+        """Uses, each with the duration that is needed if the use is needed.
 
-        Take a schedule that is possible without the use, and let the action take no time: it uses
-        nothing then, and nobody minds its earlier end, unless some statement keeps the end late.
+        Take a schedule that is possible without the use, and let the action take no time: then it
+        uses nothing, and its earlier end breaks no statement, unless one keeps the end late.
         """
         kept_late = {
             d.dst
@@ -208,9 +200,9 @@ class _Search:
         }
 
     def _families(self, found: frozenset[Statement]) -> list[list[frozenset[Statement]]]:
-        """What is likely to go together: by resource, precedences, and by action, short ones first.
+        """Groups that can often be left out together: by resource, precedences, and by action.
 
-        (A dictionary keeps its order; sets of statements do not, so `found` is sorted.)
+        (Sets of statements have no fixed order, so `found` is sorted.)
         """
         of_resource: dict[int, set[Statement]] = {}
         of_action: dict[int, set[Statement]] = {}
@@ -238,7 +230,7 @@ def _refuted_by_energy(part: Problem) -> bool:
 
 
 def _refuted_by_cases(part: Problem) -> bool:
-    """What a solver left open the destructive bound may settle; it takes longer than energy."""
+    """Whether the destructive bound refutes a problem; it takes longer than the energy bound."""
     if part.deadline is None:
         return False
     from irc.passes.destructive import destructive_bound

@@ -1,4 +1,4 @@
-"""Demands that no capacity can meet, whatever the times: seen without a solver."""
+"""Finds demands above capacity, which no schedule can meet, without a solver."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from irc.problem.statements import Kind, Side, Statement
 
 
 def demand_conflict(problem: Problem) -> Conflict | None:
-    """A smallest action's demand above capacity, with that capacity; None where there is none.
+    """The conflict of an action's demand and the capacities below it; None if there is none.
 
-    It is minimal as it is: each use is needed for the sum, and each alternative that were larger,
-    or an action without length, would do.
+    It is minimal: each use is needed for the sum, and a larger capacity of any alternative, or a
+    duration of 0, would remove the conflict.
     """
     for i, activity in enumerate(problem.activities):
         if not activity.duration_min:
@@ -33,7 +33,7 @@ def demand_conflict(problem: Problem) -> Conflict | None:
 def _above_capacity(
     problem: Problem, activity: Activity
 ) -> Iterator[tuple[list[int], tuple[int, ...]]]:
-    """Uses that cannot be met together, and the resources that are too small for them."""
+    """(uses that cannot be met together, the resources that are too small for them)."""
     for u, use in enumerate(activity.uses):
         if all(use.amount > problem.resources[r].capacity for r in use.alternatives):
             yield [u], use.alternatives

@@ -1,21 +1,20 @@
-"""The road from a task to an explanation."""
+"""Explains a task: a conflict if it has no schedule, otherwise the critical chain."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from time import perf_counter
 
 from irc.checks import run_checks
 from irc.diagnostics import Code, InputError
 from irc.diagnostics.source import Pointer
-from irc.driver.compile import refusals_told
+from irc.driver.compile import reporting_refusals
 from irc.driver.judge import Answer
 from irc.driver.solve import solve_task
 from irc.explanation.chain import HandOver, Link, critical_chain
 from irc.explanation.contention import horizon_without_limits, resource_conflict
 from irc.explanation.demand import demand_conflict
 from irc.explanation.minimise import Conflict
-from irc.explanation.result import Explanation, Step, Told, located
+from irc.explanation.result import ChainStep, Explanation, RenderedStatement, located
 from irc.explanation.temporal import temporal_conflict
 from irc.explanation.wording import in_words
 from irc.model import Task
@@ -32,59 +31,57 @@ from irc.problem.statements import (
 )
 from irc.retiming.slack import slacks
 from irc.schedule import Schedule, Status
-from irc.targets import Limits, get_backend
+from irc.targets import Budget, SolveOptions, get_backend
 from irc.targets.refuter import Refuter
 
 TARGET = "cpsat"
-"""The target whose solver decides what time alone does not."""
+"""The target whose solver decides conflicts that time alone does not."""
 
 _INFEASIBLE = frozenset((Code.CYCLE, Code.WINDOW, Code.TOO_LATE, Code.DEMAND, Code.LAGS))
-"""Faults of a task that say that it has no schedule: they are explained, not refused."""
+"""Faults that mean that the task has no schedule: they are explained, not refused."""
 
 
 def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
-    """Why a task has no schedule, or what makes its schedule as long as it is.
+    """The explanation of a task: why it has no schedule, or why its schedule is not shorter.
 
-    `time_limit` in seconds of wall-clock time for all of it. Raises `InputError` where the task
-    has faults of another kind than that it cannot be scheduled, or says what the solver's target
-    cannot take; `EngineMissing` or `EngineFailed` as solving does.
+    `time_limit` is in seconds of wall-clock time for the whole explanation. Raises `InputError` if
+    the task has faults other than that it has no schedule, or an element that the solver's target
+    does not support; `EngineMissing` or `EngineFailed` as solving does.
     """
-    began = perf_counter()
-    until = began + (float("inf") if time_limit is None else time_limit)
+    budget = Budget(time_limit)
     checked = run_checks(task, lint=False)
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
-    # (What cannot hold of the part that every schedule contains cannot hold at all.)
+    # (If the part that every schedule contains is infeasible, so is the whole task.)
     problem, _ = mandatory_part(checked.problem)
     if not checked.report.ok:
-        explanation = _without_solver(task, problem, until)
+        explanation = _without_solver(task, problem, budget)
         if explanation is None:
             raise InputError(checked.report)
     else:
-        explanation = _with_solver(task, problem, until, whole=problem is checked.problem)
-    return replace(explanation, source=task.source, seconds=round(perf_counter() - began, 3))
+        explanation = _with_solver(task, problem, budget, whole=problem is checked.problem)
+    return replace(explanation, source=task.source, seconds=round(budget.elapsed, 3))
 
 
-def _without_solver(task: Task, problem: Problem, until: float) -> Explanation | None:
-    """What the checks found, as a minimal conflict; None where it is not in the lowered task."""
-    conflict = temporal_conflict(problem, until)
+def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation | None:
+    """A minimal conflict for the faults that the checks found; None if the problem has none."""
+    conflict = temporal_conflict(problem, budget)
     if conflict is not None:
         return _infeasible(task, problem, conflict, "time")
     conflict = demand_conflict(problem)
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
-def _with_solver(task: Task, problem: Problem, until: float, *, whole: bool) -> Explanation:
-    """`whole`: the problem is all of the task, not only its mandatory part."""
+def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -> Explanation:
+    """The explanation with a solver; `whole`: the problem is the whole task, not only a part."""
     # One worker and one seed: the same task gets the same explanation.
-    limits = Limits(_left(until), workers=1, seed=0)
-    answer = solve_task(task, TARGET, limits=limits)
+    answer = solve_task(task, SolveOptions(TARGET, time_limit=None, workers=1, seed=0), budget)
     if answer.schedule.answered:
         return _feasible(task, problem, answer) if whole else _solved(task, answer)
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = get_backend(TARGET).refuter()
-    if not whole and not _is_refuted(problem, refuter, until):
+    if not whole and not _is_refuted(problem, refuter, budget):
         return Explanation(
             Status.INFEASIBLE,
             task.name,
@@ -93,26 +90,26 @@ def _with_solver(task: Task, problem: Problem, until: float, *, whole: bool) -> 
             by="solver",
             reason=_RICH,
         )
-    with refusals_told(task):
-        conflict = None if refuter is None else resource_conflict(problem, refuter, until)
+    with reporting_refusals(task):
+        conflict = None if refuter is None else resource_conflict(problem, refuter, budget)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
 
 
 _RICH = (
-    "state, stock, calendars or choices play a part in it; which statements is told only of "
-    "durations, precedence, dates and resources"
+    "state, stock, calendars or choices play a part in it; conflicting statements are named only "
+    "for durations, precedence, dates and resources"
 )
 
 
-def _is_refuted(problem: Problem, refuter: Refuter | None, until: float) -> bool:
+def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bool:
     """Whether the mandatory part alone has no schedule."""
     if refuter is None:
         return False
-    seconds = min(_left(until) or _REFUTING_SECONDS, _REFUTING_SECONDS)
     horizon = horizon_without_limits(problem)
-    return refuter.decide(problem, horizon, seconds) is Status.INFEASIBLE
+    part = budget.at_most(_REFUTING_SECONDS)
+    return refuter.decide(problem, horizon, part) is Status.INFEASIBLE
 
 
 _OF_THE_CLOCK = frozenset(
@@ -124,47 +121,43 @@ _REFUTING_SECONDS = 60.0
 
 
 def _solved(task: Task, answer: Answer) -> Explanation:
-    """Of a task with state, stock or choices: what it came to, and how far that is proven."""
+    """The explanation of a schedule with state, stock or choices: its value and its proof."""
     schedule = answer.schedule
     first = schedule.objective[0]
     if schedule.status is Status.OPTIMAL:
-        proof = f"nothing is better: proved by {schedule.engine}"
+        proof = f"no schedule is better: proved by {schedule.engine}"
     else:
-        proof = "something better may exist"
+        proof = "a better schedule may exist"
     return Explanation(
         schedule.status,
         task.name,
         task.time_unit,
         schedule=schedule,
         bound=first.bound,
-        proof=f"{proof}; a chain is told only of tasks without state, stock, calendars and choices",
+        proof=f"{proof}; the critical chain is shown only for tasks without state, stock, "
+        "calendars and choices",
     )
-
-
-def _left(until: float) -> float | None:
-    left = until - perf_counter()
-    return None if left == float("inf") else max(0.01, left)
 
 
 def _infeasible(task: Task, problem: Problem, conflict: Conflict, by: str) -> Explanation:
     statements = conflict.statements
     if conflict.excess is None:
         statements = tuple(in_canonical_order(statements))
-    told = [_told(problem, statement) for statement in statements]
+    rendered = [_rendered(problem, statement) for statement in statements]
     return Explanation(
         Status.INFEASIBLE,
         task.name,
         task.time_unit,
-        conflict=located(told, task.source),
+        conflict=located(rendered, task.source),
         minimal=conflict.minimal,
         by=by,
         reason=_reason(problem, conflict),
     )
 
 
-def _told(problem: Problem, statement: Statement) -> Told:
+def _rendered(problem: Problem, statement: Statement) -> RenderedStatement:
     side = None if statement.side is Side.BOTH else str(statement.side)
-    return Told(
+    return RenderedStatement(
         str(statement.kind),
         in_words(problem, statement),
         pointer_of(problem, statement),
@@ -173,9 +166,9 @@ def _told(problem: Problem, statement: Statement) -> Told:
 
 
 def _reason(problem: Problem, conflict: Conflict) -> str | None:
-    """By how much time is short, or which bound says it all; None where there is no such number."""
+    """The missing time, or the bound that shows the conflict; None if there is no such number."""
     if conflict.excess is not None:
-        return _way_round(problem, conflict)
+        return _cycle_in_words(problem, conflict)
     part = problem_of(problem, conflict.statements, horizon_without_limits(problem))
     if part.deadline is None:
         return None
@@ -185,14 +178,14 @@ def _reason(problem: Problem, conflict: Conflict) -> str | None:
     return f"at least {problem.time_text(bound.value)} are needed: {bound.reason}"
 
 
-def _way_round(problem: Problem, conflict: Conflict) -> str:
-    """What a cycle of demands on time comes to."""
+def _cycle_in_words(problem: Problem, conflict: Conflict) -> str:
+    """The reason for a conflict of time alone, a cycle in the temporal network."""
     excess = problem.time_text(conflict.excess or 0)
     kinds = {statement.kind for statement in conflict.statements}
     if not kinds & _OF_THE_CLOCK:
         if any(s.side is Side.MOST for s in conflict.statements):
             return f"their limits are {excess} apart"
-        return "they go round: each waits for the one before it, and the first for the last"
+        return "they form a cycle: each waits for the previous one, and the first for the last"
     return f"one after another they need {excess} more than there is"
 
 
@@ -214,38 +207,39 @@ def _feasible(task: Task, problem: Problem, answer: Answer) -> Explanation:
     )
 
 
-def _steps(task: Task, problem: Problem, links: tuple[Link, ...]) -> tuple[Step, ...]:
-    told = located([_link_told(problem, link) for link in links], task.source)
+def _steps(task: Task, problem: Problem, links: tuple[Link, ...]) -> tuple[ChainStep, ...]:
+    rendered = located([_rendered_link(problem, link) for link in links], task.source)
     return tuple(
-        Step(t, problem.to_units(link.start), problem.to_units(link.end))
-        for t, link in zip(told, links, strict=True)
+        ChainStep(statement, problem.to_units(link.start), problem.to_units(link.end))
+        for statement, link in zip(rendered, links, strict=True)
     )
 
 
-def _link_told(problem: Problem, link: Link) -> Told:
+def _rendered_link(problem: Problem, link: Link) -> RenderedStatement:
     if link.hand_over is not None:
-        return _hand_over_told(problem, link.hand_over)
+        return _rendered_hand_over(problem, link.hand_over)
     statement = link.difference.statement
     if statement is not None:
-        return _told(problem, statement)
+        return _rendered(problem, statement)
     name = problem.activities[(link.difference.dst - 1) // 2].id
     origin = problem.activities[(link.difference.dst - 1) // 2].origin
-    return Told("time", f"{name!r} can start at once", origin)
+    return RenderedStatement("time", f"{name!r} can start at once", origin)
 
 
-def _hand_over_told(problem: Problem, hand_over: HandOver) -> Told:
+def _rendered_hand_over(problem: Problem, hand_over: HandOver) -> RenderedStatement:
     before, after = (problem.activities[i].id for i in (hand_over.before, hand_over.after))
     resource = problem.resources[hand_over.resource]
     pointer: Pointer = (*resource.origin, "capacity")
     if hand_over.needed:
-        return Told("hand_over", f"{resource.id!r}: {before!r} → {after!r}", pointer)
-    return Told("order", f"{resource.id!r}: {before!r} before {after!r}, as it was kept", pointer)
+        return RenderedStatement("hand_over", f"{resource.id!r}: {before!r} → {after!r}", pointer)
+    order = f"{resource.id!r}: {before!r} before {after!r}, in the order of the schedule"
+    return RenderedStatement("order", order, pointer)
 
 
 def _proof(answer: Answer, links: tuple[Link, ...] | None) -> str:
     schedule, problem = answer.schedule, answer.problem
     if links is not None and not any(link.hand_over for link in links):
-        return "nothing is shorter: the chain needs no resource, so every schedule has to keep it"
+        return "no schedule is shorter: the chain needs no resource, so every schedule contains it"
     least = problem.time_text(problem.bounds.makespan.value)
     if _reaches(schedule, problem):
         return f"no other order is better: {problem.bounds.makespan.reason}"

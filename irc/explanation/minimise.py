@@ -1,8 +1,8 @@
-"""Deletion: from statements that cannot hold together to a minimal set of them.
+"""Deletion: finds a minimal set among statements that cannot hold together.
 
-Each statement is left out in turn; where the others still cannot hold together it stays out, else
-it is needed. What is weaker holds more often, so a statement that was needed once is needed in
-the smaller set too, and one pass is enough. (Chinneck, Dravnieks, "Locating minimal infeasible
+Each statement is left out in turn. If the others still cannot hold together, it stays out, else it
+is needed. A smaller set holds more easily, so a statement that is needed once is needed in every
+smaller set too, and one pass is enough. (Chinneck, Dravnieks, "Locating minimal infeasible
 constraint sets in linear programs", 1991.)
 """
 
@@ -16,13 +16,13 @@ from irc.problem import Problem
 from irc.problem.statements import KINDS, Side, Statement
 
 _PARTS = 4
-"""Groups that cannot all be left out are tried again in so many parts."""
+"""The number of parts in which groups that cannot all be left out are tried again."""
 
 _FEW = 8
-"""So many groups are few to be left out together, and so many trials are enough."""
+"""If this many trials, each with at most as many groups, leave nothing out, the trials end."""
 
 
-class Verdict(Enum):
+class Possibility(Enum):
     """Whether some statements can hold together."""
 
     POSSIBLE = auto()
@@ -32,9 +32,9 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """The verdict on a set of statements; `core` are those that already cannot hold together."""
+    """The result for a set of statements; `core` is a subset that cannot hold together."""
 
-    verdict: Verdict
+    result: Possibility
     core: frozenset[Statement] | None = None
 
 
@@ -45,7 +45,7 @@ Try = Callable[[frozenset[Statement]], Trial]
 class Conflict:
     """Statements that cannot hold together, and whether each was proven to be needed.
 
-    `excess` (ticks) is by how much, where they go round in time: they are then in that order.
+    `excess` (ticks) is the missing time, if the statements form a cycle in time, in their order.
     """
 
     statements: tuple[Statement, ...]
@@ -55,28 +55,28 @@ class Conflict:
 
 @dataclass
 class _Deletion:
-    """The statements still kept, and those of them that are known to be needed."""
+    """The remaining statements, and those of them that are known to be needed."""
 
     kept: frozenset[Statement]
     attempt: Try
     implied: Mapping[Statement, Statement]
     needed: set[Statement] = field(default_factory=set)
 
-    def leave_out(self, statements: frozenset[Statement]) -> Verdict:
-        """Leaves statements out for good where the others still cannot hold together."""
+    def leave_out(self, statements: frozenset[Statement]) -> Possibility:
+        """Leaves statements out for good if the others still cannot hold together."""
         rest = self.kept - statements
-        trial = self.attempt(rest) if rest else Trial(Verdict.POSSIBLE)
-        if trial.verdict is Verdict.IMPOSSIBLE:
+        trial = self.attempt(rest) if rest else Trial(Possibility.POSSIBLE)
+        if trial.result is Possibility.IMPOSSIBLE:
             self.kept = rest if trial.core is None else rest & trial.core
-        elif trial.verdict is Verdict.POSSIBLE and len(statements) == 1:
+        elif trial.result is Possibility.POSSIBLE and len(statements) == 1:
             (statement,) = statements
             self.needed |= {statement, self.implied.get(statement, statement)}
-        return trial.verdict
+        return trial.result
 
     def leave_out_groups(self, groups: Sequence[frozenset[Statement]]) -> None:
-        """Leaves out whole groups: many together, and where that is too much, fewer.
+        """Leaves out whole groups: many together, and if that fails, fewer.
 
-        Where few together never go either, nearly all are needed, and one by one is next.
+        If even few together always fail, nearly all are needed, and single statements come next.
         """
         parts = [groups]
         size = len(groups)
@@ -93,7 +93,7 @@ class _Deletion:
             return True
         if statements & self.needed:
             return False
-        return self.leave_out(statements) is Verdict.IMPOSSIBLE
+        return self.leave_out(statements) is Possibility.IMPOSSIBLE
 
 
 def minimise(
@@ -105,9 +105,9 @@ def minimise(
 ) -> Conflict:
     """A minimal subset of `found`, which cannot hold together.
 
-    `order` says what is left out first, so what an author would rather not hear of comes first.
-    Two things save trials: `families` are groups of statements that are left out before that, as
-    many at a time as possible; and where a statement is needed, so is the one `implied` by it.
+    `order` is the order of leaving out: statements that help an author least come first. Two things
+    save trials: groups in `families` are left out before that, as many at a time as possible; and
+    if a statement is needed, so is the one `implied` by it.
     """
     deletion = _Deletion(frozenset(found), attempt, implied or {})
     for groups in families:
@@ -115,25 +115,25 @@ def minimise(
     minimal = True
     for statement in order:
         if statement in deletion.kept and statement not in deletion.needed:
-            verdict = deletion.leave_out(frozenset((statement,)))
-            minimal = minimal and verdict is not Verdict.UNKNOWN
+            result = deletion.leave_out(frozenset((statement,)))
+            minimal = minimal and result is not Possibility.UNKNOWN
     return Conflict(tuple(s for s in order if s in deletion.kept), minimal)
 
 
 def narrow(problem: Problem, conflict: Conflict, attempt: Try) -> Conflict:
-    """The same conflict, saying which limit of a statement binds where only one of the two does."""
+    """The same conflict, with the side of each statement of which only one limit binds."""
     statements = list(conflict.statements)
     two_sided = [k for k, s in enumerate(statements) if KINDS[s.kind].has_two_sides(problem, s)]
     for side in (Side.LEAST, Side.MOST):
         all_at_once = list(statements)
         for k in two_sided:
             all_at_once[k] = statements[k]._replace(side=side)
-        if attempt(frozenset(all_at_once)).verdict is Verdict.IMPOSSIBLE:
+        if attempt(frozenset(all_at_once)).result is Possibility.IMPOSSIBLE:
             return replace(conflict, statements=tuple(all_at_once))
     for k in two_sided:
         for side in (Side.LEAST, Side.MOST):
             narrowed = [*statements[:k], statements[k]._replace(side=side), *statements[k + 1 :]]
-            if attempt(frozenset(narrowed)).verdict is Verdict.IMPOSSIBLE:
+            if attempt(frozenset(narrowed)).result is Possibility.IMPOSSIBLE:
                 statements = narrowed
                 break
     return replace(conflict, statements=tuple(statements))

@@ -1,4 +1,4 @@
-"""An explanation: why there is no schedule, or why the schedule is as long as it is."""
+"""An explanation: why there is no schedule, or why the schedule is not shorter."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ EXPLANATION_VERSION = "1"
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """A statement of the task in words, with its place in the document and in its text.
+class RenderedStatement:
+    """A statement in the words of the task, with its place in the document and in its text.
 
-    `kind` is that of the statement, `side` ("min" or "max") the limit that binds where the
-    statement has two and only one does.
+    `kind` is that of the statement. `side` ("min" or "max") is the limit that binds, if the
+    statement has two limits and only one binds.
     """
 
     kind: str
@@ -43,21 +43,22 @@ class Told:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class ChainStep:
     """A link of the critical chain, in the task's time unit.
 
-    Its `told.kind` is that of a statement, "hand_over" (something is freed and taken at once),
-    "order" (an order of two that was kept, though there was room) or "time" (t = 0).
+    Its `statement.kind` is that of a statement, "hand_over" (an action takes at once what another
+    frees), "order" (the order of two actions in the schedule, although there is room for both) or
+    "time" (t = 0).
     """
 
-    told: Told
+    statement: RenderedStatement
     start: Number
     end: Number
 
     def to_dict(self) -> dict[str, Any]:
         """The object in `chain`."""
         return {
-            **self.told.to_dict(),
+            **self.statement.to_dict(),
             "from": json_number(self.start),
             "to": json_number(self.end),
             "length": json_number(self.end - self.start),
@@ -66,25 +67,25 @@ class Step:
 
 @dataclass(frozen=True)
 class Explanation:
-    """What `irc.explain` finds.
+    """The result of `irc.explain`.
 
-    - No schedule exists: `conflict` are statements that cannot hold together; where `minimal`,
-      without any one of them the others can. `reason` is a bound in words, if one says it all.
-    - A schedule exists: `chain` says what takes up its makespan (None: it could end earlier as it
-      stands), `slack` how much later each action could start, and `proof` why nothing is shorter,
-      or how far that is known.
+    - No schedule exists: `conflict` has statements that cannot hold together; if `minimal`, the
+      others can hold without any one of them. `reason` is a bound in words, if there is one.
+    - A schedule exists: `chain` is its critical chain (None: it could end earlier in the same
+      order), `slack` is how much later each action could start, and `proof` says whether a shorter
+      schedule may exist.
     - Neither is known within the limits: `status` is "unknown".
     """
 
     status: Status
     task: str | None
     time_unit: str
-    conflict: tuple[Told, ...] = ()
+    conflict: tuple[RenderedStatement, ...] = ()
     minimal: bool = True
     by: str | None = None
     reason: str | None = None
     schedule: Schedule | None = None
-    chain: tuple[Step, ...] | None = ()
+    chain: tuple[ChainStep, ...] | None = ()
     slack: dict[str, Number] = field(default_factory=dict)
     bound: Number | None = None
     proof: str | None = None
@@ -93,7 +94,7 @@ class Explanation:
 
     @property
     def feasible(self) -> bool | None:
-        """Whether the task has a schedule; None where that is not known."""
+        """Whether the task has a schedule; None if that is not known."""
         if self.status is Status.UNKNOWN:
             return None
         return self.status is not Status.INFEASIBLE
@@ -108,7 +109,7 @@ class Explanation:
         }
         if self.status is Status.INFEASIBLE:
             shown |= {
-                "conflict": [told.to_dict() for told in self.conflict],
+                "conflict": [statement.to_dict() for statement in self.conflict],
                 "minimal": self.minimal,
                 "by": self.by,
                 "reason": self.reason,
@@ -133,8 +134,8 @@ class Explanation:
     def __str__(self) -> str:
         """The headline and one line for each statement or link."""
         if self.status is Status.INFEASIBLE:
-            head = f"{self.task or 'task'}: infeasible, these cannot hold together"
-            return "\n".join([head, *(f"  {told.text}" for told in self.conflict)])
+            head = f"{self.task or 'task'}: infeasible, these statements cannot hold together"
+            return "\n".join([head, *(f"  {statement.text}" for statement in self.conflict)])
         if self.schedule is None:
             return f"{self.task or 'task'}: unknown"
         makespan = format_number(self.schedule.makespan)
@@ -143,16 +144,18 @@ class Explanation:
             [
                 head,
                 *(
-                    f"  {format_number(s.start)} {self.time_unit}  {s.told.text}"
+                    f"  {format_number(s.start)} {self.time_unit}  {s.statement.text}"
                     for s in self.chain or ()
                 ),
             ]
         )
 
 
-def located(told: Iterable[Told], source: Source | None) -> tuple[Told, ...]:
-    """The same with line and column, where there is a text; in the order given."""
-    listed = tuple(told)
+def located(
+    statements: Iterable[RenderedStatement], source: Source | None
+) -> tuple[RenderedStatement, ...]:
+    """The same statements in the same order, with line and column if there is a text."""
+    listed = tuple(statements)
     if source is None:
         return listed
     places = source.locate([t.pointer for t in listed])

@@ -1,17 +1,16 @@
-"""Conflicts of time alone: positive cycles of the temporal network, found without a solver.
+"""Finds conflicts of time alone: positive cycles of the temporal network, without a solver.
 
-Every demand on time is a difference of two time points (`irc.problem.statements`); they can
-hold together unless some of them form a cycle of positive length. Source: Dechter, Meiri, Pearl,
-"Temporal constraint networks", AIJ 49 (1991).
+Every statement about time is a difference of two time points (`irc.problem.statements`). Statements
+can hold together unless some of them form a cycle of positive length. Source: Dechter, Meiri,
+Pearl, "Temporal constraint networks", AIJ 49 (1991).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
-from irc.explanation.minimise import Conflict, Trial, Verdict, minimise, narrow
+from irc.explanation.minimise import Conflict, Possibility, Trial, minimise, narrow
 from irc.problem import Problem
 from irc.problem.statements import (
     ORIGIN,
@@ -23,19 +22,20 @@ from irc.problem.statements import (
     how_time_is,
 )
 from irc.problem.temporal_network import Network, earliest
+from irc.targets import Budget
 
 STEPS = 6_000_000
-"""So many constraints are looked at in search of a cycle of few statements."""
+"""Limit on the constraints visited in the search for a cycle of few statements."""
 
 ROOTS = 40
-"""A cycle is started at so many of its points."""
+"""Limit on the points of a cycle from which the search starts."""
 
 
-def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
-    """A minimal set of statements that time alone rules out; None where there is none.
+def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
+    """A minimal set of statements that cannot hold together in time; None if there is none.
 
-    Of several it is one of few statements, as far as `STEPS` go. After `until` (of
-    `time.perf_counter`) nothing more is left out, and what is found may not be minimal.
+    Of several it is one with few statements, within the limit `STEPS`. After the end of the budget
+    nothing more is left out, and the conflict may not be minimal.
     """
     differences = _graph(problem, all_statements(problem))
     cycles = _cycles(differences)
@@ -45,12 +45,12 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
     statements = found.statements
 
     def attempt(statements: frozenset[Statement]) -> Trial:
-        if perf_counter() > until:
-            return Trial(Verdict.UNKNOWN)
+        if budget.is_over:
+            return Trial(Possibility.UNKNOWN)
         cycles = _cycles(_graph(problem, statements))
         if not cycles:
-            return Trial(Verdict.POSSIBLE)
-        return Trial(Verdict.IMPOSSIBLE, frozenset(_stated(cycles[0])))
+            return Trial(Possibility.POSSIBLE)
+        return Trial(Possibility.IMPOSSIBLE, frozenset(_stated(cycles[0])))
 
     if _is_minimal(problem, found):
         conflict = Conflict(tuple(sorted(statements)), minimal=True)
@@ -62,7 +62,7 @@ def temporal_conflict(problem: Problem, until: float) -> Conflict | None:
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """A positive cycle; with a root, no positive way round from there has fewer statements."""
+    """A positive cycle; if it has a root, no positive cycle through it has fewer statements."""
 
     cycle: list[Difference]
     root: int | None = None
@@ -78,9 +78,9 @@ class _Candidate:
 def _is_minimal(problem: Problem, found: _Candidate) -> bool:
     """Whether the search for few statements has already proven that each of them is needed.
 
-    A positive cycle that avoids one of them would be simple, lead through the root, and use each
-    of the others at most once: of two demands of one statement that a simple cycle could use both
-    of, one is the other turned round. So it would have fewer statements.
+    A positive cycle without one of them would be simple, lead through the root, and use each of the
+    others at most once: two constraints of one statement in a simple cycle would be each other's
+    reverse. So it would have fewer statements.
     """
     statements = found.statements
     if found.root is None or len(list(_stated(found.cycle))) > len(statements):
@@ -90,7 +90,7 @@ def _is_minimal(problem: Problem, found: _Candidate) -> bool:
 
 
 def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
-    """The statements as they follow each other, from t = 0 where they lead through it."""
+    """The conflict with its statements in the order of the cycle, from t = 0 if it is on it."""
     cycle = _cycles(_graph(problem, conflict.statements))[0]
     first = next((k for k, d in enumerate(cycle) if d.src == ORIGIN), 0)
     ordered = tuple(dict.fromkeys(_stated([*cycle[first:], *cycle[:first]])))
@@ -100,7 +100,7 @@ def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
 
 
 def _dispensable(problem: Problem, statement: Statement) -> tuple[int, int, Statement]:
-    """Short durations first: of what is left fewer statements make the conflict."""
+    """A sort key: short durations first, so that fewer statements remain."""
     if statement.kind is Kind.DURATION:
         return 0, problem.activities[statement.of].duration_min, statement
     return 1, 0, statement
@@ -130,7 +130,7 @@ def _stated(cycle: Iterable[Difference]) -> Iterator[Statement]:
 def _candidates(
     differences: Sequence[Difference], cycles: list[list[Difference]]
 ) -> Iterator[_Candidate]:
-    """The cycles, and for points on them the positive way round with the fewest statements."""
+    """The cycles, and for points on them the positive cycle with the fewest statements."""
     search = _FewestStatements(differences)
     for cycle in cycles:
         yield _Candidate(cycle)
@@ -144,7 +144,7 @@ def _candidates(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Reached:
-    """A longest way to a point with so many statements: its length and its last step."""
+    """A longest path to a point with a given number of statements: its length and last step."""
 
     length: int
     point: int
@@ -154,7 +154,10 @@ class _Reached:
 
 @dataclass
 class _FewestStatements:
-    """Longest ways in rounds, each of one statement more (Bellman 1958); what is free is free."""
+    """Longest paths in rounds, each with one statement more (Bellman 1958).
+
+    Differences without a statement, such as that no duration is negative, do not count.
+    """
 
     differences: Sequence[Difference]
     steps: int = STEPS
@@ -167,7 +170,7 @@ class _FewestStatements:
             where.setdefault(d.src, []).append(d)
 
     def cycle(self, root: int) -> list[Difference] | None:
-        """The positive closed way from `root` with the fewest statements; None if none is found."""
+        """The positive cycle through `root` with the fewest statements; None if none is found."""
         best = {root: _Reached(0, root)}
         latest = self._freely(dict(best), best)
         while latest and self.steps > 0:

@@ -1,4 +1,4 @@
-"""Statements and links in the task's words."""
+"""Statements in the words of the task."""
 
 from __future__ import annotations
 

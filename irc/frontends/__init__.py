@@ -1,1 +1,1 @@
-"""From the outside to a `Task`: JSON text and importers of other people's formats."""
+"""Front ends: in, a text in JSON, the DSL, English or another format; out, a `Task`."""

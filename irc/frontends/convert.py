@@ -1,4 +1,4 @@
-"""Conversion between formats: other people's tasks in, IR JSON or the DSL out."""
+"""Converts between formats: in, tasks of other formats; out, IR JSON or the DSL."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ IMPORTERS: Mapping[str, str] = {
     "robo-online": "irc.frontends.importers.robo_online:import_robo_online",
     "robotouille": "irc.frontends.importers.robotouille:import_robotouille",
 }
-"""Formats with many instances in a file, and where their `Importer` is; loaded when asked for."""
+"""Formats with many instances in a file, and their `Importer`s, which are loaded when needed."""
 
 PDDL = "pddl"
-"""The format that is two files, a domain and a problem, and one task."""
+"""The format with two files, a domain and a problem, for one task."""
 
 FORMATS = ("irc", *IMPORTERS, PDDL)
 
 DSL_SUFFIX = ".irc"
-"""What a file in the DSL is called; everything else is written as JSON."""
+"""The suffix of a file in the DSL; every other file is written as JSON."""
 
 _UNSAFE = re.compile(r"[^\w.-]+")
 
 
 class ConversionUseError(IrcError):
-    """The options do not fit the format; the text says what to do."""
+    """The options do not fit the format; the message says what to do."""
 
 
 def written_as(output: Path, task: Task) -> str:
@@ -52,13 +52,13 @@ def written_as(output: Path, task: Task) -> str:
 
 
 def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
-    """Writes the task (or one task per instance) and returns the files written.
+    """Writes the task (or one task for each instance) and returns the written files.
 
-    A task is written in the DSL where `output` ends in `.irc`, else as JSON.
+    A task is written in the DSL if `output` ends in `.irc`, else as JSON.
 
-    An importer of instances also takes a folder, whose `.json` files it reads in order of name.
-    Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` where an importer
-    needs an extra that is not installed, or `UnknownTarget` for an unknown format.
+    An importer of instances also accepts a folder, whose `.json` files it reads in order of name.
+    Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` if an importer needs an
+    extra that is not installed, or `UnknownTarget` for an unknown format.
     """
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
@@ -97,14 +97,14 @@ def _files(file: str) -> list[str]:
         return [file]
     found = sorted(str(path) for path in folder.iterdir() if path.suffix == ".json")
     if not found:
-        message = f"the folder {file!r} holds no .json files"
+        message = f"the folder {file!r} has no .json files"
         raise InputError(Report((Diagnostic(Code.UNREADABLE, message),)))
     return found
 
 
 def _read_pddl(domain: str, problem: str | None) -> Task:
     if problem is None:
-        raise ConversionUseError(f"--from {PDDL} needs the problem as well: --problem FILE")
+        raise ConversionUseError(f"--from {PDDL} also needs the problem: --problem FILE")
     from irc.frontends.importers.pddl import import_pddl
 
     return import_pddl(read_text(domain), read_text(problem))

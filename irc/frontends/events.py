@@ -1,4 +1,4 @@
-"""Event documents → events: one event or a list of them, beside the task that they revise."""
+"""Reads event documents: one event or a list of events, for a task that they revise."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from irc.model import Event
 from irc.model.from_document import to_task
 
 _DSL = re.compile(r"\ufeff?(?:[ \t]*(?:#[^\n]*)?\r?\n)*event\b")
-"""How a text begins that is events in the DSL, whatever its file is called."""
+"""The beginning of a text with events in the DSL, whatever the name of its file."""
 
 _HINT = "write `event rush order at 12:`, and its changes indented below"
 
 _OWN = {"events"}
-"""The parts of a document of the DSL that belong into a file of events."""
+"""The parts of a DSL document that may be in a file of events."""
 
 _EXPECTED = 'an event such as {"changes": [{"op": "cancel_actions", "actions": ["a"]}]}, or a list'
 
 
 @dataclass(frozen=True)
 class PlacedEvent:
-    """An event, and where it stands in the text that it was read from."""
+    """An event and its place in its text."""
 
     event: Event
     pointer: Pointer = ()
     source: Source | None = None
 
     def anchored(self, report: Report) -> Report:
-        """A report on the event alone, placed in the text that the event stands in."""
+        """A report on the event alone, with places in the text of the event."""
         if report.source is not None or self.source is None:
             return report
         moved = (
@@ -49,7 +49,7 @@ def read_events(
 ) -> tuple[list[PlacedEvent], tuple[Diagnostic, ...], Source]:
     """The events in a file ("-": standard input), notes on its text, and the text.
 
-    The text is JSON, or `event` statements of the DSL. Events without a time come at `at`. Raises
+    The text is JSON, or `event` statements of the DSL. Events without a time are at `at`. Raises
     `InputError` with every fault of syntax and shape.
     """
     text, name = read_text(path)
@@ -80,7 +80,7 @@ def _from_dsl(
     if not reading.faults and (not events or any(document[key] for key in document.keys() - _OWN)):
         findings.add(
             Code.DSL_SYNTAX,
-            "these statements are not all events, and only events belong here",
+            "only `event` statements may stand here",
             _first_other(document),
             hint=_HINT,
         )
@@ -96,7 +96,7 @@ def _from_dsl(
 
 
 def _first_other(document: Mapping[str, Any]) -> Pointer:
-    """The first part of a document that is no event."""
+    """The first part of a document that is not an event."""
     other = next((key for key in document if key not in _OWN and document[key]), None)
     if other is None:
         return ()
@@ -109,7 +109,7 @@ def to_events(
     at: int | float | str,
     source: Source | None,
 ) -> tuple[Event, ...]:
-    """Typed events; those without a time come at `at`. `place` says where the i-th one stands.
+    """Typed events; those without a time are at `at`. `place` gives the pointer of the i-th one.
 
     Raises `InputError` with every fault of shape.
     """
@@ -117,7 +117,7 @@ def to_events(
         {"at": at, **element} if isinstance(element, dict) else element for element in elements
     ]
     findings = Findings()
-    # The words for faults of shape are those for a whole task.
+    # Read them as part of a task, so that faults of shape have the usual messages.
     task = to_task({"actions": (), "events": timed}, findings)
     if task is not None:
         return task.events
@@ -126,7 +126,7 @@ def to_events(
 
 
 def _moved(finding: Diagnostic, place: Callable[[int], Pointer]) -> Diagnostic:
-    """A finding about the events of a task, as one about the document they stand in."""
+    """A finding about the events of a task, as a finding about the document of the events."""
 
     def there(pointer: Pointer) -> Pointer:
         if len(pointer) < 2 or not isinstance(pointer[1], int):
@@ -141,6 +141,6 @@ def _moved(finding: Diagnostic, place: Callable[[int], Pointer]) -> Diagnostic:
 
 
 def wrong_time(placed: PlacedEvent, message: str, hint: str) -> InputError:
-    """An event whose time does not fit."""
+    """The error for an event whose time does not fit."""
     finding = Diagnostic(Code.EVENT_TIME, message, (*placed.pointer, "at"), hint)
     return InputError(Report((finding,), placed.source))

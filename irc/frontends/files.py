@@ -1,4 +1,4 @@
-"""Reading tasks from files, standard input or text, whatever they are written in."""
+"""Reads tasks in any language from files, standard input or text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STANDARD_INPUT = "-"
 
 @dataclass(frozen=True)
 class Reading:
-    """A task as read, with what there is to note about its text."""
+    """A task that was read, with the notes on its text."""
 
     task: Task
     notes: tuple[Diagnostic, ...]
@@ -44,11 +44,11 @@ def read_text(path: str | Path) -> tuple[str, str]:
 
 
 def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Reading:
-    """A task from text: JSON (or a language model's answer around it), the DSL, or English.
+    """The task of a text: JSON (or a language model's answer around it), the DSL, or English.
 
-    `path` is the file that it stands in, if it does: what a DSL text includes is looked for
-    beside it. Raises `InputError` with every fault of syntax; with faults of shape also what the
-    checks find in the rest of the document.
+    `path` is the file of the text, if it has one; included DSL files are relative to it. Raises
+    `InputError` with every fault of syntax; with faults of shape, also with the findings of the
+    checks in the rest of the document.
     """
     language = language_of(text, name)
     if language == "dsl":
@@ -74,6 +74,6 @@ def _typed(document: RawDocument) -> Reading:
 
 
 def read_task(path: str | Path) -> Reading:
-    """A task from a file. Raises `InputError`."""
+    """The task of a file. Raises `InputError`."""
     text, name = read_text(path)
     return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))

@@ -1,4 +1,4 @@
-"""Which language a text is in: by its file's name, else by what stands in it."""
+"""Finds the language of a text: by its file's name, else by its contents."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _SNIFFED_STATEMENTS = 20
 
 
 def language_of(text: str, name: str) -> Language:
-    """The language of a text; the first rule that knows it decides.
+    """The language of a text; the first rule that applies decides.
 
     1. The suffix of its name: `.irc` or `.json`.
-    2. It begins like a JSON document, or has one inside, chatter around it or not: JSON.
-    3. All of its first statements can be read as ones of the DSL: DSL.
+    2. It begins like a JSON document, or contains one: JSON.
+    3. All of its first statements can be read as statements of the DSL: DSL.
     4. It is a text file (`.txt`, `.md`), or it lists steps: English.
-    5. One of its first statements can be read as one of the DSL: DSL.
-    6. Else JSON, whose reader says what it expected.
+    5. One of its first statements can be read as a statement of the DSL: DSL.
+    6. Else JSON, whose reader reports what it expects.
     """
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     if suffix in _BY_SUFFIX:
@@ -39,7 +39,7 @@ def language_of(text: str, name: str) -> Language:
 
 
 def _like_dsl(text: str) -> tuple[int, int]:
-    """How many of the first statements can be read, and how many lines begin one."""
+    """(the number of first statements that can be read, the number of lines that begin one)."""
     from irc.frontends.dsl.reader import readable_statements
 
     begun = [line for line in text.splitlines() if line.strip() and line[0] not in " \t#"]

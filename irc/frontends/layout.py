@@ -1,4 +1,4 @@
-"""`irc fmt`: a task file in the one layout of its language, saying what it said."""
+"""`irc fmt`: rewrites a task file in the standard layout of its language, with the same meaning."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from irc.frontends.language import language_of
 
 @dataclass(frozen=True)
 class Layout:
-    """A text and what it looks like in the one layout."""
+    """A text, and the same text in the standard layout."""
 
     text: str
     laid_out: str
 
     @property
     def changed(self) -> bool:
-        """Whether it looked otherwise."""
+        """Whether the two differ."""
         return self.text != self.laid_out
 
 
 def lay_out(text: str, name: str) -> Layout:
-    """The layout of a text, whatever language it is in.
+    """The layout of a text in any language.
 
     Raises `InputError` for a text that cannot be read, or that is JSON with other text around it.
     """
@@ -41,8 +41,8 @@ def lay_out(text: str, name: str) -> Layout:
     if around:
         refused = Diagnostic(
             Code.SYNTAX,
-            "there is other text around the JSON document, which a layout would lose",
-            hint="take it away, or write the task with `irc convert`",
+            "there is other text around the JSON document, which formatting would lose",
+            hint="remove it, or write the task with `irc convert`",
             offset=around[0].offset,
         )
         raise InputError(Report((refused,), document.source))
@@ -50,9 +50,9 @@ def lay_out(text: str, name: str) -> Layout:
 
 
 def lay_out_file(file: str, *, check: bool = False) -> Layout:
-    """Lays out a file in place, whole or not at all; with `check` only looks at it.
+    """Formats a file in place, as a whole or not at all; with `check` only reads it.
 
-    "-" is standard input, which is only looked at. Raises `InputError` or `WriteError`.
+    "-" is standard input, which is only read. Raises `InputError` or `WriteError`.
     """
     text, name = read_text(file)
     found = lay_out(text, name)

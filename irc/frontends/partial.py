@@ -1,7 +1,7 @@
-"""What else is wrong with a document that has faults of shape: all findings in one run.
+"""Checks the rest of a document that has faults of shape, so that one run has all findings.
 
-The faulty elements are patched so that the rest can be typed and checked; what the checks then
-say about a patched element, or because of it, is not told.
+The faulty elements are patched, so that the rest can be typed and checked. Findings about a patched
+element, or because of it, are left out.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from irc.diagnostics.source import Pointer
 from irc.model.from_document import to_task
 
 _ROUNDS = 3
-"""Taking a fault away can uncover another one in the same element."""
+"""Limit on rounds: removing a fault can reveal another one in the same element."""
 
 _STAND_IN = "\x00"
-"""What the ids of nameless elements begin with; no real id does."""
+"""The beginning of the ids of elements without a name; no real id begins so."""
 
 _NAMED = {
     "actions": "action",
@@ -60,7 +60,7 @@ def _patch(document: Any, fault: Diagnostic, faulty: set[Pointer]) -> None:
         if isinstance(target, dict):
             _fill(target, pointer)
     elif isinstance(parent, dict) and name in parent:
-        # A wrong value goes; what the field's absence leaves open is filled in the next round.
+        # Remove a wrong value; the next round fills a required field.
         del parent[name]
     elif isinstance(parent, list) and isinstance(name, int) and name < len(parent):
         parent[name] = {}
@@ -76,7 +76,7 @@ def _parent(document: Any, pointer: Pointer) -> tuple[Any, Any]:
 
 
 def _fill(element: dict[str, Any], pointer: Pointer) -> None:
-    """Gives a patched element the fields without which it has no type at all."""
+    """Gives a patched element its required fields."""
     if not pointer:
         element.setdefault("actions", [])
         return
@@ -99,7 +99,7 @@ def _has_stand_in(elements: Any) -> bool:
 
 
 def _follows(finding: Diagnostic, faulty: set[Pointer], nameless: set[str]) -> bool:
-    """Whether a finding may only be there because something was patched."""
+    """Whether the only reason for a finding may be a patch."""
     if finding.pointer[:_ELEMENT] in faulty or finding.pointer[:1] in faulty:
         return True
     if _STAND_IN in finding.message:

@@ -1,1 +1,1 @@
-"""Lowering: in, a checked `Task`; out, the same as integers, a `Problem`."""
+"""Lowering: in, a checked `Task`; out, a `Problem`, which has integers only."""

@@ -1,4 +1,4 @@
-"""Lowering what most tasks do without: choices, state, stock, groups, goals, what it is worth.
+"""Lowers the elements that most tasks do not have: choices, state, stock, groups, goals, rewards.
 
 Loaded only for tasks that have one of these.
 """
@@ -44,7 +44,7 @@ _OBJECTIVES = {
 
 
 def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: ToTicks) -> Problem:
-    """The problem with all that `task` says besides times, resources and precedence."""
+    """The problem with all elements of `task` besides times, resources and precedence."""
     lowering = _Lowering(problem, task, index, to_ticks)
     activities = tuple(lowering.activity(a) for a in problem.activities)
     return replace(
@@ -207,7 +207,7 @@ class _Lowering:
 
 
 def _key(value: bool | str) -> Hashable:
-    """True and "true" are two values, as are False and 0."""
+    """A key under which true and "true" differ, as do false and 0."""
     return type(value), value
 
 
@@ -235,7 +235,7 @@ def _variables(task: Task) -> tuple[Variable, ...]:
 
 
 def _first_of_each(named: Iterable[tuple[str, int]]) -> list[int]:
-    """The first place of each name, by name."""
+    """The first index of each name, ordered by name."""
     places: dict[str, int] = {}
     for name, i in named:
         places.setdefault(name, i)

@@ -1,4 +1,4 @@
-"""The parts of a task as integers: times, demands for resources, the order of names."""
+"""Lowers parts of a task to integers: times, demands for resources, the order of names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ToTicks = Callable[[Instant], int]
 
 
 def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
-    """Sorts names as people do: "job2" before "job10"."""
+    """A sort key that orders names as people do: "job2" before "job10"."""
     parts = _DIGITS.split(name)
     if len(parts) == 3:
         return [(-1, parts[0]), (int(parts[1]), ""), (-1, parts[2])], name
@@ -24,7 +24,7 @@ def natural_order(name: str) -> tuple[list[tuple[int, str]], str]:
 
 
 def pool_of(resource: Renewable, k: int) -> ContendedPool:
-    """What encoders see of a resource (the k-th) that is no part of a pool."""
+    """The contended pool of one resource (the k-th) that is interchangeable with no other."""
     if not resource.windows:
         return ContendedPool(resource.id, resource.capacity, (k,))
     greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
@@ -32,7 +32,7 @@ def pool_of(resource: Renewable, k: int) -> ContendedPool:
 
 
 def ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
-    """None for a date-time without meaning here or a time before 0; the checks have told of it."""
+    """A time in ticks; None for one without meaning or before 0, which the checks report."""
     try:
         ticks = to_ticks(value)
     except KeyError:
@@ -57,5 +57,8 @@ def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple
 
 
 def open_demands_of(uses: tuple[Requirement, ...]) -> tuple[OpenDemand, ...]:
-    """Every use is open at first. (A zero duration uses nothing, so it demands nothing.)"""
+    """The open demands of an activity before any pass: all of its uses.
+
+    (Callers leave out activities of duration 0, which use nothing.)
+    """
     return tuple(OpenDemand(k, use.alternatives, use.amount) for k, use in enumerate(uses))

@@ -1,4 +1,4 @@
-"""`Task` → `Problem`: exact times become ticks, names become indexes, arrays a canonical order."""
+"""Lowers a `Task` to a `Problem`: times become ticks, names become indexes, in canonical order."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _TO_END = {"finish-finish", "start-finish"}
 def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
     """The whole task as integers, in a tick that also divides the `instants` (in its unit).
 
-    Elements that refer to nothing, and actions whose durations make no sense, are left out: the
-    structural checks have told of them.
+    Elements with unknown names and actions with faulty durations are left out: the structural
+    checks report them.
     """
     clock = task.clock
     simple = [action.is_simple for action in task.actions]
@@ -69,7 +69,7 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
 
 
 def _is_rich(task: Task, simple: Sequence[bool]) -> bool:
-    """Whether a task has more than activities that occur once, resources and precedence."""
+    """Whether a task has more than actions that occur once, resources and precedence."""
     return bool(
         task.state
         or task.groups
@@ -106,7 +106,7 @@ def _renewable(task: Task, index: int, to_ticks: ToTicks) -> Renewable:
 
 
 def _has_sense(action: Action, clock: Clock) -> bool:
-    """Whether the action has durations, none negative, no range empty."""
+    """Whether the action has durations, with no negative one and no empty range."""
     if action.duration is None and not action.modes:
         return False
     try:
@@ -132,7 +132,7 @@ def _tick(
     clock: Clock,
     instants: Iterable[Number],
 ) -> tuple[ToTicks, Fraction]:
-    """The largest tick that divides every time of the task, and how to count in it."""
+    """(a function from times to ticks, the largest tick that divides every time of the task)."""
     numbers: dict[Instant, Number] = {instant: instant for instant in instants}
     for value in _times(task, kept, simple):
         if value not in numbers:
@@ -142,7 +142,7 @@ def _tick(
                 continue
     if all(type(n) is int for n in numbers.values()):
         whole = gcd(*(int(n) for n in numbers.values())) or 1
-        # Whole numbers all the way: dividing fractions would cost more than all the rest.
+        # Only whole numbers: dividing fractions would take longer than everything else.
         return {value: int(number) // whole for value, number in numbers.items()}.__getitem__, (
             Fraction(whole)
         )
@@ -151,7 +151,7 @@ def _tick(
 
 
 def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[Instant]:
-    """Every time of what is kept, as it was written."""
+    """Every time of the kept elements, as it was written."""
     if task.deadline is not None:
         yield task.deadline
     for i in kept:
@@ -222,7 +222,7 @@ def _activity(
 
 
 def _arcs(task: Task, index: dict[str, int], to_ticks: ToTicks) -> tuple[Arc, ...]:
-    """Plain precedences first, then the others, each in canonical order and once."""
+    """The arcs of a task: plain precedences first, then the others, in canonical order, once."""
     plain: dict[tuple[int, int], int] = {}
     others: dict[tuple[int, ...], Arc] = {}
     for k, edge in enumerate(task.precedence):
@@ -233,7 +233,7 @@ def _arcs(task: Task, index: dict[str, int], to_ticks: ToTicks) -> tuple[Arc, ..
             plain.setdefault((before, after), k)
         else:
             arc = _arc(edge, k, index, to_ticks)
-            if arc._replace(origin=0) == Arc(before, after):  # Its lag of 0 is written in units.
+            if arc._replace(origin=0) == Arc(before, after):  # A lag of 0 written with a unit.
                 plain.setdefault((before, after), k)
             else:
                 others.setdefault(_arc_order(arc), arc)

@@ -1,5 +1,5 @@
-"""The language server: what `irc check`, `irc fmt` and `irc explain-code` say, in an editor.
+"""The language server: `irc check`, `irc fmt` and `irc explain-code` in an editor.
 
-`irc.lsp.server` speaks the protocol (through pygls, which nothing else here imports); the other
-modules know texts and offsets only.
+`irc.lsp.server` speaks the protocol through pygls, which no other module here imports. The other
+modules know only texts and offsets.
 """

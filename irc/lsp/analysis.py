@@ -1,4 +1,4 @@
-"""What irc makes of one state of a text: the findings of `irc check`, and all that was read."""
+"""Analyses one state of a text: the findings of `irc check`, and the task that was read."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from irc.model.from_document import to_task
 from irc.problem import Problem
 
 MOST_CHARACTERS = 8_000_000
-"""A longer text is not checked while it is typed."""
+"""Longer texts are not checked while they are typed."""
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """The findings about a text, located, and what of it could be read.
+    """The located findings about a text, and the parts of it that could be read.
 
-    `content` is the document as the IR's JSON has it, whatever language it was written in; it may
-    have faults of shape. `task` and `problem` are there if it has none. Offsets of `source` are
-    those of the text without its byte-order mark, which is `lead` characters long.
+    `content` is the document in the form of the IR's JSON, whatever its language; it may have
+    faults of shape. If it has none, there are `task` and `problem`. Offsets of `source` are those
+    of the text without its byte-order mark, which is `lead` characters long.
     """
 
     language: Language
@@ -45,7 +45,7 @@ class Analysis:
 
 
 def analyse(text: str, name: str, path: Path | None) -> Analysis:
-    """Reads and checks a text as `irc check` does. Never raises for what stands in it."""
+    """Reads and checks a text as `irc check` does. Never raises for its contents."""
     if len(text) > MOST_CHARACTERS:
         return Analysis("json", Report(), too_long=True)
     language = language_of(text, name)

@@ -1,4 +1,4 @@
-"""Completion in the DSL: the grammar says which words can follow, the task which names.
+"""Completion in the DSL: words that the grammar allows, and names that the task declares.
 
 What stands before the cursor is given to the parser of statements, so that what is offered is
 what can be read there; the rest of the text may be broken as it likes.
@@ -37,14 +37,14 @@ KEYWORDS = {
 """Every word of the grammar, by the kind of its token."""
 
 _LONGEST_NAME = 8
-"""So many words before the cursor can be the beginning of what is being typed."""
+"""At most this many words before the cursor can be the beginning of a typed name."""
 
 _UNITS = tuple(unit for unit in ("s", "min", "h", "day", "week", "month") if unit in UNIT_SECONDS)
 
 
 @dataclass(frozen=True, slots=True)
 class _Wanted:
-    """Which names can stand somewhere."""
+    """The kinds of names that can stand at a place."""
 
     kinds: tuple[Kind, ...] = ()
     owner: str | None = None
@@ -68,18 +68,18 @@ _OPENING = {
     **dict.fromkeys(("GOAL", "SET_GOALS"), _GOALS),
     "UNIT": _Wanted(words=_UNITS),
 }
-"""What is named behind a word."""
+"""The kinds of names that follow a word."""
 
 _FACTS = frozenset(("NEEDS", "SETS", "SET_STATE", "GOAL", "SET_GOALS"))
 _PASSED = frozenset(
     ("WORD", "INT", "STRING", "TIME", "TIMES", "OPEN", "OR", "PLUS", "MINUS", "DOTS")
 ) | {"AT_START", "AT_END", "THROUGHOUT"}
-"""What may stand between a word and the names it governs."""
+"""The tokens that may stand between a word and its names."""
 
 
 @dataclass(slots=True)
 class _Offers:
-    """Suggestions, each text once: the one that replaces most of what was typed."""
+    """Collects suggestions, each text once: the one that replaces most of the typed text."""
 
     end: int
     found: dict[tuple[str, str], Suggestion] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class _Offers:
 
 
 def complete_dsl(text: str, offset: int, names: Names, path: Path | None) -> list[Suggestion]:
-    """What can stand at a place of a text whose names are known."""
+    """The suggestions at a place of a text with known names."""
     cursor = cursor_at(text, offset)
     if cursor is None:
         return []
@@ -135,7 +135,7 @@ def _classified(cursor: Cursor, tokens: Sequence[Lexeme]) -> list[Lexeme]:
 
 
 def _wanted(tokens: list[Lexeme]) -> _Wanted:
-    """Which names can stand behind these tokens, where a name can."""
+    """The kinds of names that can follow these tokens."""
     comma = False
     for i in range(len(tokens) - 1, -1, -1):
         kind = tokens[i].type
@@ -157,7 +157,7 @@ def _wanted(tokens: list[Lexeme]) -> _Wanted:
 
 
 def _behind_equals(tokens: list[Lexeme], i: int, comma: bool) -> _Wanted | None:
-    """What is named behind `=`; None where a comma has begun something new."""
+    """The kind of the names that follow `=`; None after a comma that begins something new."""
     head = tokens[0].type
     if head == "GROUP":
         return _ACTIONS
@@ -200,7 +200,7 @@ def _values_said(tokens: list[Lexeme]) -> Iterator[str]:
 
 
 def _names(wanted: _Wanted, names: Names, text: str) -> Iterator[tuple[str, str]]:
-    """(kind, name) of what is wanted."""
+    """The (kind, name) pairs of the wanted names."""
     for kind in wanted.kinds:
         owner = wanted.owner if kind is Kind.VALUE else None
         known = names.known(kind, owner)
@@ -218,7 +218,7 @@ _MOST_FILES = 1000
 
 
 def _files(path: Path | None) -> list[str]:
-    """The files beside this one that it could include."""
+    """The files beside this one that it can include."""
     if path is None:
         return []
     try:

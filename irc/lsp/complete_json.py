@@ -1,4 +1,4 @@
-"""Completion in JSON: the IR's schema says which keys and words can stand, the task which names."""
+"""Completion in JSON: keys and words that the schema allows, and names that the task declares."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _NAMED = {
     "var": Kind.VARIABLE,
     "group": Kind.GROUP,
 }
-"""What the value of a key names, wherever the key stands."""
+"""The kind of the name in the value of a key, wherever the key stands."""
 
 _LISTED = {"one_of": Kind.RESOURCE, "goals": Kind.ACTION}
-"""What the texts in the array of a key name."""
+"""The kind of the names in the array of a key."""
 
 _ALIASES = {"dependencies": "precedence"}
 
 
 def complete_json(text: str, offset: int) -> list[Suggestion]:
-    """What can stand at a place of a text, broken or not."""
+    """The suggestions at a place of a text, which may be unfinished."""
     document, cursor = read_leniently(text, offset)
     offered: dict[str, Suggestion] = {}
     for label, kind in _offered(document, cursor):
@@ -46,7 +46,7 @@ def _suggestion(cursor: JsonCursor, label: str, text: str, kind: str, typed: str
 
 
 def _offered(document: Mapping[str, Any], cursor: JsonCursor) -> Iterator[tuple[str, str]]:
-    """(text, kind) of what can stand where the cursor is."""
+    """The (text, kind) pairs that can stand at the cursor."""
     if cursor.key:
         for node in _nodes(cursor.path):
             for key in node.get("properties", {}):
@@ -78,7 +78,7 @@ def _names(document: Mapping[str, Any], cursor: JsonCursor) -> Iterator[tuple[st
 
 
 def _kind(cursor: JsonCursor) -> tuple[Kind | None, str | None]:
-    """What is named at the cursor; of a value also its state variable."""
+    """(the kind of name at the cursor, for a value also its state variable)."""
     path = cursor.path
     last = path[-1]
     keys = [part for part in path if isinstance(part, str)]
@@ -107,7 +107,7 @@ def _schema() -> dict[str, Any]:
 
 
 def _nodes(path: Pointer) -> list[dict[str, Any]]:
-    """Every schema that the value at a path may follow."""
+    """Every schema that applies to the value at a path."""
     nodes = list(_spread([_schema()]))
     for part in path:
         nodes = list(_spread(_inside(nodes, part)))
@@ -123,7 +123,7 @@ def _inside(nodes: list[dict[str, Any]], part: str | int) -> Iterator[Any]:
 
 
 def _spread(nodes: Any) -> Iterator[dict[str, Any]]:
-    """The schemas themselves, references followed and alternatives taken apart."""
+    """The schemas after following references and splitting alternatives."""
     waiting, seen = list(nodes), set()
     while waiting:
         node = waiting.pop(0)

@@ -1,4 +1,4 @@
-"""What the other modules found, in the protocol's own types."""
+"""Converts the results of the other modules to the protocol's own types."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from irc.lsp.documents import Document
 from irc.lsp.findings import SEVERITIES, Shown
 from irc.lsp.mentions import Kind
 from irc.lsp.names import Spot
-from irc.lsp.outline import Entry
+from irc.lsp.outline import OutlineEntry
 from irc.lsp.positions import Lines
 from irc.lsp.repairs import Repair
 from irc.lsp.suggestions import Suggestion
@@ -39,19 +39,19 @@ _ITEMS = {
 
 
 def stretch(lines: Lines, start: int, end: int) -> types.Range:
-    """A stretch of a text."""
+    """The range of a span of a text."""
     return types.Range(
         types.Position(*lines.place(start)), types.Position(*lines.place(max(start, end)))
     )
 
 
 def edit(lines: Lines, made: TextEdit) -> types.TextEdit:
-    """An edit."""
+    """An edit in the protocol's type."""
     return types.TextEdit(stretch(lines, made.start, made.end), made.text)
 
 
 def location(spot: Spot, document: Document, lead: int) -> types.Location:
-    """A place in the document, or in what it includes."""
+    """The location of a place in the document, or in a file that it includes."""
     if spot.within is None:
         place = stretch(document.lines, spot.start + lead, spot.end + lead)
         return types.Location(document.uri, place)
@@ -61,7 +61,7 @@ def location(spot: Spot, document: Document, lead: int) -> types.Location:
 
 
 def diagnostic(shown: Shown, document: Document) -> types.Diagnostic:
-    """A finding."""
+    """A finding in the protocol's type."""
     d = shown.of
     related = None
     if shown.elsewhere is not None and d is not None:
@@ -78,7 +78,7 @@ def diagnostic(shown: Shown, document: Document) -> types.Diagnostic:
 
 
 def action(repair: Repair, document: Document, of: list[types.Diagnostic]) -> types.CodeAction:
-    """A repair."""
+    """A repair as a code action."""
     edits = [edit(document.lines, made) for made in repair.edits]
     whole = repair.of is None
     return types.CodeAction(
@@ -91,7 +91,7 @@ def action(repair: Repair, document: Document, of: list[types.Diagnostic]) -> ty
 
 
 def item(suggestion: Suggestion, lines: Lines) -> types.CompletionItem:
-    """A suggestion."""
+    """A suggestion as a completion item."""
     kind = suggestion.kind
     return types.CompletionItem(
         suggestion.label,
@@ -104,8 +104,8 @@ def item(suggestion: Suggestion, lines: Lines) -> types.CompletionItem:
     )
 
 
-def symbol(entry: Entry, lines: Lines, lead: int) -> types.DocumentSymbol:
-    """A declaration."""
+def symbol(entry: OutlineEntry, lines: Lines, lead: int) -> types.DocumentSymbol:
+    """A declaration as a document symbol."""
     return types.DocumentSymbol(
         entry.name,
         _SYMBOLS[entry.kind],
@@ -116,5 +116,5 @@ def symbol(entry: Entry, lines: Lines, lead: int) -> types.DocumentSymbol:
 
 
 def hover(paragraphs: list[str], place: types.Range, kind: types.MarkupKind) -> types.Hover:
-    """What is shown over a place."""
+    """The text that is shown over a place."""
     return types.Hover(types.MarkupContent(kind, "\n\n".join(paragraphs)), place)

@@ -1,8 +1,8 @@
-"""What time alone says of each action, without a solver: its earliest start, and its slack.
+"""The critical-path times of each action, without a solver: its earliest start and its slack.
 
-Durations, lags, releases, fixed starts, deadlines and what state orders count; who waits for a
-resource does not: where resources make the whole longer than the critical path, the slack of a
-schedule (`irc.retiming.slack`) is another.
+Durations, lags, releases, fixed starts, deadlines and state precedences count, resources do not. If
+resources make the makespan longer than the critical path, the slack of a schedule
+(`irc.retiming.slack`) is different.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from irc.problem.time_points import latest_times, timing_network
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
-    """In ticks: no start is earlier than `earliest`; a start later than `latest` makes the whole
-    take longer than the critical path, or misses a deadline."""
+class StartTimes:
+    """The earliest and latest start of an action, in ticks. After a start later than `latest`, the
+    makespan is longer than the critical path, or a deadline is missed."""
 
     earliest: int
     latest: int
 
     @property
     def slack(self) -> int:
-        """How far the two are apart."""
+        """The time between the two."""
         return self.latest - self.earliest
 
 
 @dataclass(frozen=True)
-class Outlook:
-    """The critical path's length and, by action id, the times of what every schedule contains."""
+class CriticalTimes:
+    """The length of the critical path, and the times of all actions in every schedule."""
 
     length: int
-    times: Mapping[str, Times]
+    times: Mapping[str, StartTimes]
 
 
-def outlook(problem: Problem) -> Outlook | None:
-    """The outlook of a problem without errors; None where its times contradict each other."""
+def critical_times(problem: Problem) -> CriticalTimes | None:
+    """The critical-path times of a problem; None if its times contradict each other."""
     core, way = mandatory_part(order_from_state(problem))
     timing = timing_network(core)
     points = timing.points
@@ -55,8 +55,8 @@ def outlook(problem: Problem) -> Outlook | None:
     times = {}
     for i, place in way.activities.new.items():
         point = points.start[place]
-        found = Times(forward.t[point], latest[point])
+        found = StartTimes(forward.t[point], latest[point])
         if found.slack < 0:
             return None
         times[problem.activities[i].id] = found
-    return Outlook(length, times)
+    return CriticalTimes(length, times)

@@ -1,4 +1,4 @@
-"""From a name to where it is declared, in the text itself or in what it includes."""
+"""Finds the declarations of a name, in the text itself or in files that it includes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irc.lsp.names import Names, Spot
 
 
 def definitions(analysis: Analysis, names: Names, offset: int, path: Path | None) -> list[Spot]:
-    """Where what stands at an offset of the source is declared."""
+    """The declarations of the name at an offset of the source."""
     source = analysis.source
     if source is None:
         return []
@@ -27,7 +27,7 @@ def definitions(analysis: Analysis, names: Names, offset: int, path: Path | None
 def pool_at(
     source: Source, offset: int, path: Path | None
 ) -> tuple[PoolStatement, Source | None] | None:
-    """The pool that is named at an offset, and the included text that declares it, if one does."""
+    """(the pool that is named at an offset, the included text that declares it, if any)."""
     texts: list[tuple[str, Source | None]] = [(source.text, None)]
     if path is not None:
         texts += [(i.source.text, i.source) for i in included(source.text, path)]
@@ -42,13 +42,13 @@ def pool_at(
 
 
 def _of_the_dsl(source: Source, names: Names, offset: int, path: Path | None) -> list[Spot]:
-    """What only the syntax of the DSL names: files, pools, and the members of pools."""
-    for said, start, end in includes(source.text):
+    """The declarations of names that only the DSL has: files, pools, and members of pools."""
+    for name, start, end in includes(source.text):
         if start <= offset <= end and path is not None:
             return [
                 Spot(0, 0, i.source)
                 for i in included(source.text, path)
-                if i.path == (path.parent / said).resolve()
+                if i.path == (path.parent / name).resolve()
             ]
     member = _member_at(source.text, offset)
     if member is not None:
@@ -73,6 +73,6 @@ def _member_at(text: str, offset: int) -> Word | None:
 
 
 def _stands_at(text: str, name: str, offset: int) -> bool:
-    """Whether a name stands around an offset."""
+    """Whether a name contains an offset."""
     begin = text.find(name, max(0, offset - len(name)), offset + len(name))
     return 0 <= begin <= offset <= begin + len(name)

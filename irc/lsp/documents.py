@@ -1,4 +1,4 @@
-"""The texts that the editor has open, as they are now."""
+"""The present texts of the documents that are open in the editor."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from pathlib import Path
 from irc.lsp.positions import Encoding, Lines, whole_characters
 
 _SUFFIXES = {"irc": ".irc", "json": ".json", "jsonc": ".json", "plaintext": ".txt", "text": ".txt"}
-"""What a text that has no file yet would be called, by the language the editor takes it for."""
+"""The suffix for the name of a text without a file, by its language in the editor."""
 
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """One state of an open text. Every change makes another one, so identity tells what is new."""
+    """One state of an open text. Every change makes another object, so identity shows a change."""
 
     uri: str
     version: int
     lines: Lines
     name: str
     path: Path | None
-    """Its file, where it has one: what it includes is looked for beside it."""
+    """Its file, if it has one; included files are relative to it."""
 
     @property
     def text(self) -> str:
@@ -31,7 +31,7 @@ class Document:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What stands between two positions becomes `text`; without positions, all of it does."""
+    """A change: `text` replaces the text between two positions, or the whole text without them."""
 
     text: str
     start: tuple[int, int] | None = None
@@ -49,24 +49,24 @@ class Documents:
         return iter(list(self._open.values()))
 
     def get(self, uri: str) -> Document | None:
-        """The document as it is now, if it is open."""
+        """The present state of a document, if it is open."""
         return self._open.get(uri)
 
     def is_current(self, document: Document) -> bool:
-        """Whether it has not been changed or closed since."""
+        """Whether a document has not been changed or closed since."""
         return self._open.get(document.uri) is document
 
     def open(
         self, uri: str, version: int, text: str, path: Path | None, language: str = ""
     ) -> Document:
-        """Takes a text in."""
+        """Adds a text that was opened."""
         name = f"untitled{_SUFFIXES.get(language, '')}" if path is None else str(path)
         found = Document(uri, version, self._lines(text), name, path)
         self._open[uri] = found
         return found
 
     def change(self, uri: str, version: int, changes: Iterable[Change]) -> Document | None:
-        """Applies changes, one after the other; None where no such text is open."""
+        """The document after changes, applied one after the other; None if it is not open."""
         known = self._open.get(uri)
         if known is None:
             return None
@@ -78,7 +78,7 @@ class Documents:
         return found
 
     def close(self, uri: str) -> None:
-        """Forgets a text."""
+        """Removes a text that was closed."""
         self._open.pop(uri, None)
 
     def _lines(self, text: str) -> Lines:

@@ -1,4 +1,4 @@
-"""What only the DSL's own syntax tells: includes, pools, and the statement that a cursor is in."""
+"""Reads parts of the DSL's own syntax: includes, pools, and the statement at a cursor."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from irc.frontends.dsl.lexer import Lexeme, lexemes
 from irc.frontends.dsl.lines import Statement, outline
 
 MOST_TOKENS = 20_000
-"""A statement with more tokens (one long line, say) is not looked into by the editor's features."""
+"""The editor's features skip a statement with more tokens, such as one very long line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A name where it is written: what it says, and where it stands."""
+    """A name as it is written, with its place."""
 
     name: str
     start: int
@@ -26,7 +26,7 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class PoolStatement:
-    """`pool robots = r1, r2`."""
+    """A pool in the text: `pool robots = r1, r2`."""
 
     pool: Word
     members: tuple[Word, ...]
@@ -47,7 +47,7 @@ class Cursor:
 
 
 def includes(text: str) -> Iterator[tuple[str, int, int]]:
-    """Each `include` of a text: the file it names, and where that name stands."""
+    """Each `include` of a text: (the name of the file, start and end of that name)."""
     for statement in _statements(text, "include"):
         tokens = _tokens(text, statement)
         if len(tokens) == 2 and tokens[1].type == "STRING":
@@ -55,7 +55,7 @@ def includes(text: str) -> Iterator[tuple[str, int, int]]:
 
 
 def included(text: str, path: Path) -> Iterator[Included]:
-    """All that a file includes, directly or not; what cannot be read is passed over."""
+    """All files that a file includes, directly or not; unreadable ones are skipped."""
     library = Library(path.parent)
     seen = {path.resolve()}
     waiting = [(text, path.parent)]
@@ -65,7 +65,7 @@ def included(text: str, path: Path) -> Iterator[Included]:
             try:
                 found = library.open(name, beside, start, end)
             except Fault:
-                continue  # Its own finding tells of it.
+                continue  # A finding reports it.
             if found.path not in seen:
                 seen.add(found.path)
                 waiting.append((found.source.text, found.path.parent))
@@ -83,7 +83,7 @@ def pools(text: str) -> Iterator[PoolStatement]:
 
 
 def _words(tokens: Sequence[Lexeme]) -> list[Word]:
-    """The names of a list: what stands between commas, up to anything else."""
+    """The names of a list that is separated by commas, up to the first other token."""
     found: list[Word] = []
     run: list[Lexeme] = []
     for token in (*tokens, Lexeme("COMMA", ",", 0, 0)):
@@ -100,7 +100,7 @@ def _words(tokens: Sequence[Lexeme]) -> list[Word]:
 
 
 def _statements(text: str, word: str) -> Iterator[Statement]:
-    """The statements, in bodies too, that begin with a word."""
+    """The statements that begin with a word, also in bodies."""
     try:
         waiting = list(outline(text).statements)
     except Fault:
@@ -117,7 +117,7 @@ def _statements(text: str, word: str) -> Iterator[Statement]:
 
 
 def _tokens(text: str, statement: Statement) -> list[Lexeme]:
-    """The tokens of a statement up to the first place that is none."""
+    """The tokens of a statement up to the first place without a token."""
     found: list[Lexeme] = []
     for begin, end in statement.spans:
         for token in lexemes(text, begin, end):
@@ -129,12 +129,12 @@ def _tokens(text: str, statement: Statement) -> list[Lexeme]:
 
 
 _TYPED = "x"
-"""Stands in for what will be typed, so that there is a statement to find."""
+"""A word in place of the text that will be typed, so that there is a statement to find."""
 
 
 def cursor_at(text: str, offset: int) -> Cursor | None:
-    """The statement that a cursor is in, by what stands before it; None in a comment, and where
-    something before it cannot be read."""
+    """The statement at a cursor, read from the text before it; None in a comment, and if the text
+    before it cannot be read."""
     before = text[:offset] + _TYPED
     try:
         statements = outline(before).statements
@@ -151,7 +151,7 @@ def cursor_at(text: str, offset: int) -> Cursor | None:
 
 
 def _holds_changes(statement: Statement, change: bool) -> bool:
-    """Whether the body of a statement holds changes; that of `for` what is around it does."""
+    """Whether the body of a statement has changes; the body of a `for` has what is around it."""
     if statement.body is None:
         return change
     return statement.first == "event" or (change and statement.first == "for")
@@ -183,11 +183,11 @@ def _in_statement(before: str, statement: Statement, change: bool) -> Cursor | N
 
 
 def _after_colon(tokens: list[Lexeme], start: int, quoted: bool, change: bool) -> Cursor:
-    """What follows the colon of a `for` or an `event` on its line is a statement of its own."""
+    """The tokens after the colon of a `for` or an `event` on its line, a statement of its own."""
     while tokens and tokens[0].value in ("for", "event", "add", "remove"):
         colon = next((i for i, t in enumerate(tokens) if t.type == "COLON"), None)
         if colon is None:
-            # The head of an event is no change itself.
+            # The head of an event is not a change itself.
             change = change and tokens[0].value != "event"
             break
         change = change and tokens[0].value in ("for", "event")

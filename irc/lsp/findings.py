@@ -1,4 +1,4 @@
-"""The findings of a report as an editor shows them: stretches of the open text, with words."""
+"""The findings of a report as an editor shows them: spans of the open text, with messages."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from irc.lsp.analysis import MOST_CHARACTERS, Analysis
 from irc.lsp.names import Spot
 
 MOST_SHOWN = 1000
-"""More findings than this are counted, not shown: no editor shows them well."""
+"""At most this many findings are shown; then comes the number of the others."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A finding at a stretch of the text, in offsets of the text as the editor has it.
+    """A finding at a span of the text, in offsets of the editor's text.
 
-    `elsewhere` is where it stands in a file that the text includes. `of` is None for what the
-    server itself has to say.
+    `elsewhere` is its place in a file that the text includes, if it is there. `of` is None for a
+    message of the server itself.
     """
 
     start: int
@@ -28,18 +28,19 @@ class Shown:
 
 
 def shown(analysis: Analysis, text: str) -> list[Shown]:
-    """What is to be shown of a text."""
+    """The findings to show for a text."""
     if analysis.too_long:
         message = (
-            f"the text has more than {MOST_CHARACTERS:,} characters: it is not checked while it "
-            "is typed; `irc check` reads it"
+            f"the text has more than {MOST_CHARACTERS:,} characters, so it is not checked while "
+            "it is typed; run `irc check`"
         )
         return [Shown(0, 0, message)]
     found = list(analysis.report)
     listed = [_shown(d, analysis, text) for d in found[:MOST_SHOWN]]
     if len(found) > MOST_SHOWN:
         more = len(found) - MOST_SHOWN
-        listed.append(Shown(0, 0, f"{more:,} more findings are not shown; `irc check` tells them"))
+        message = f"{more:,} more findings are not shown; run `irc check` to see them"
+        listed.append(Shown(0, 0, message))
     return listed
 
 
@@ -59,13 +60,13 @@ def _shown(d: Diagnostic, analysis: Analysis, text: str) -> Shown:
 
 
 def _including(text: str, d: Diagnostic) -> tuple[int, int]:
-    """The statement that includes the file a finding is in; the text's first line if none does
-    so itself."""
+    """The span of the statement that includes the file of a finding; the text's first line if the
+    text does not include it directly."""
     from irc.lsp.dsl import includes
 
     assert d.within is not None
-    for said, start, end in includes(text):
-        if d.within.name.endswith(said.removeprefix("./")):
+    for name, start, end in includes(text):
+        if d.within.name.endswith(name.removeprefix("./")):
             return start, end
     return 0, _line_end(text, 0)
 
@@ -74,8 +75,7 @@ _LONGEST_WORD = 200
 
 
 def _word_end(text: str, start: int) -> int:
-    """Where what begins at a place ends, as far as can be told without its language: a text in
-    quotes, a word, or one character."""
+    """The end of the text in quotes, the word or the character that begins at a place."""
     end = min(_line_end(text, start), start + _LONGEST_WORD)
     if start >= end:
         return start
@@ -98,4 +98,4 @@ def _line_end(text: str, start: int) -> int:
 
 
 SEVERITIES = {Severity.ERROR: 1, Severity.WARNING: 2, Severity.NOTE: 3}
-"""The protocol's numbers; what the server itself has to say is information too."""
+"""The protocol's numbers of severities; messages of the server itself are information."""

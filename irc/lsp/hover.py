@@ -1,4 +1,6 @@
-"""What the editor shows over a name: an action's times and slack, who uses a resource."""
+"""The descriptions that the editor shows over a name: the times of an action, the users of a
+resource.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from irc.diagnostics import Code
 from irc.diagnostics.catalogue import load_catalogue
 from irc.diagnostics.listing import and_more
 from irc.lsp.analysis import Analysis
-from irc.lsp.critical_times import Outlook, outlook
+from irc.lsp.critical_times import CriticalTimes, critical_times
 from irc.lsp.mentions import Kind, Mention
 from irc.lsp.names import Names
 from irc.model.parts import Action, Resource, Use
@@ -22,7 +24,7 @@ _MOST_LISTED = 12
 _TICKS = re.compile("`+")
 
 Mark = Callable[[str], str]
-"""How a name is set off from the words around it."""
+"""A function that marks a name in a sentence."""
 
 
 def plain(name: str) -> str:
@@ -31,15 +33,15 @@ def plain(name: str) -> str:
 
 
 def code(name: str) -> str:
-    """A name as Markdown code, whatever is in it."""
+    """A name as Markdown code, whatever characters it has."""
     name = " ".join(name.split()) or " "
     fence = "`" * (1 + max(map(len, _TICKS.findall(name)), default=0))
     pad = " " if name.startswith("`") or name.endswith("`") else ""
     return f"{fence}{pad}{name}{pad}{fence}"
 
 
-class Facts:
-    """What there is to say about the names of one analysis."""
+class Descriptions:
+    """The descriptions of the names of one analysis."""
 
     def __init__(self, analysis: Analysis, names: Names) -> None:
         self.analysis = analysis
@@ -47,7 +49,7 @@ class Facts:
 
     @cached_property
     def actions(self) -> dict[str, Action]:
-        """The task's actions by id; none where the text has faults of shape."""
+        """The task's actions by id; none if the text has faults of shape."""
         task = self.analysis.task
         return {} if task is None else {a.id: a for a in task.actions}
 
@@ -67,13 +69,13 @@ class Facts:
         return {resource: list(ids) for resource, ids in found.items()}
 
     @cached_property
-    def outlook(self) -> Outlook | None:
-        """What time alone says, if no error was found."""
+    def critical_times(self) -> CriticalTimes | None:
+        """The critical-path times of the actions, if no error was found."""
         problem = self.analysis.sound
-        return None if problem is None else outlook(problem)
+        return None if problem is None else critical_times(problem)
 
     def about(self, mention: Mention, mark: Mark) -> list[str]:
-        """The paragraphs about what is named."""
+        """The paragraphs about the element that a mention names."""
         if mention.kind is Kind.ACTION and mention.name in self.actions:
             return list(self._action(self.actions[mention.name], mark))
         if mention.kind is Kind.RESOURCE and mention.name in self.resources:
@@ -101,17 +103,17 @@ class Facts:
             return f"one of the modes {lengths}"
         return self._time(action.duration)
 
-    def _time(self, said: Any) -> str:
-        """A time in words: as it was written, with the task's unit where it has none."""
-        if said is None:
+    def _time(self, time: Any) -> str:
+        """The text of a time as it was written, with the task's unit if it has no unit."""
+        if time is None:
             return "no duration"
-        if hasattr(said, "min"):
-            return f"{self._time(said.min)} to {self._time(said.max)}"
-        if isinstance(said, Quantity):
-            return said.text
-        if hasattr(said, "isoformat"):
-            return str(said.isoformat())
-        return self._number(said)
+        if hasattr(time, "min"):
+            return f"{self._time(time.min)} to {self._time(time.max)}"
+        if isinstance(time, Quantity):
+            return time.text
+        if hasattr(time, "isoformat"):
+            return str(time.isoformat())
+        return self._number(time)
 
     def _number(self, number: Any) -> str:
         task = self.analysis.task
@@ -119,35 +121,35 @@ class Facts:
         return f"{format_number(number)} {unit}"
 
     def _limits(self, action: Action) -> Iterator[str]:
-        said = []
+        limits = []
         if action.occurs != "once":
             least, most = action.occurrence_bounds
             times = f"{least} to {most} times" if most is not None else f"at least {least} times"
-            said.append(f"occurs {times}")
+            limits.append(f"occurs {times}")
         if action.release != 0:
-            said.append(f"not before {self._time(action.release)}")
+            limits.append(f"not before {self._time(action.release)}")
         if action.start is not None:
-            said.append(f"fixed to start at {self._time(action.start)}")
+            limits.append(f"fixed to start at {self._time(action.start)}")
         if action.latest_start is not None:
-            said.append(f"to start by {self._time(action.latest_start)}")
+            limits.append(f"to start by {self._time(action.latest_start)}")
         if action.deadline is not None:
-            said.append(f"to end by {self._time(action.deadline)}")
+            limits.append(f"to end by {self._time(action.deadline)}")
         if action.due is not None:
-            said.append(f"due at {self._time(action.due)}")
-        if said:
-            yield ", ".join(said)
+            limits.append(f"due at {self._time(action.due)}")
+        if limits:
+            yield ", ".join(limits)
 
     def _when(self, id: str) -> Iterator[str]:
-        problem, found = self.analysis.sound, self.outlook
+        problem, found = self.analysis.sound, self.critical_times
         if problem is None or found is None:
             return
         times = found.times.get(id)
         if times is None:
-            yield "not in every schedule, so time alone says nothing of it"
+            yield "not in every schedule, so it is not on the critical path"
             return
         first, last = (self._number(problem.to_units(t)) for t in (times.earliest, times.latest))
         length = self._number(problem.to_units(found.length))
-        shared = ", resources not counted" if problem.has_contention else ""
+        shared = ", without resources" if problem.has_contention else ""
         if times.slack:
             slack = self._number(problem.to_units(times.slack))
             yield (
@@ -162,8 +164,8 @@ class Facts:
     def _resource(self, resource: Resource, mark: Mark) -> Iterator[str]:
         if resource.kind == "reservoir":
             most = "" if resource.max is None else f", at most {resource.max}"
-            said = f"initially {resource.initial}, at least {resource.min}{most}"
-            yield f"stock {mark(resource.id)}: {said}"
+            limits = f"initially {resource.initial}, at least {resource.min}{most}"
+            yield f"stock {mark(resource.id)}: {limits}"
         else:
             yield f"resource {mark(resource.id)}: capacity {resource.capacity}"
         for window in resource.availability:
@@ -217,7 +219,7 @@ def about_pool(name: str, members: list[str], mark: Mark) -> list[str]:
 
 
 def about_code(code: Code) -> list[str]:
-    """What `irc explain-code` says of a diagnostic, without its examples."""
+    """The text of `irc explain-code` about a diagnostic, without its examples."""
     entry = load_catalogue().get(code.id)
     head = f"{code.id}: {code.summary}"
     if entry is None:

@@ -1,4 +1,4 @@
-"""The edit that lays a text out as `irc fmt` does."""
+"""The edit that formats a text as `irc fmt` does."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from irc.frontends.layout import lay_out
 
 
 def layout_edit(text: str, name: str) -> TextEdit | None:
-    """The smallest stretch of whole lines that changes; None where nothing does, or where the
-    text cannot be read, which its findings tell."""
+    """The edit of the fewest lines that formats a text; None if nothing changes, or if the text
+    cannot be read (its findings report that)."""
     try:
         found = lay_out(text, name)
     except InputError:
@@ -25,7 +25,7 @@ def layout_edit(text: str, name: str) -> TextEdit | None:
 
 
 def _common(one: list[str], other: list[str]) -> int:
-    """How many lines at the beginning are the same."""
+    """The number of equal lines at the beginning."""
     count = 0
     for a, b in zip(one, other, strict=False):
         if a != b:

@@ -1,4 +1,4 @@
-"""JSON that is being written: read as far as it makes sense, whatever is missing or too much.
+"""Reads unfinished JSON as far as possible, whatever is missing or too much.
 
 Only completion uses it. It is iterative and reads each character once.
 """
@@ -20,11 +20,11 @@ _MOST_DEPTH = 64
 
 @dataclass(frozen=True)
 class JsonCursor:
-    """Where a cursor is: the path of the value or the object that it is in.
+    """The place of a cursor: the path of the value or the object that contains it.
 
-    As a key is typed, `path` is that of its object and `key` is set. [start, end) is the text in
-    quotes (or the bare word) around the cursor; both are the cursor where there is none.
-    `siblings` is the object around it, as far as it is written.
+    If a key is typed, `path` is that of its object and `key` is set. [start, end) is the text in
+    quotes (or the bare word) around the cursor; without one, both are the cursor. `siblings` is
+    the object around it, as far as it is written.
     """
 
     path: Pointer
@@ -38,7 +38,7 @@ class JsonCursor:
 class _Level:
     value: Any
     step: Any = None
-    """The key or index of the element that is read next."""
+    """The key or index of the next element."""
     behind_colon: bool = False
 
 
@@ -95,7 +95,7 @@ class _Reader:
             self.levels.append(_Level(opened))
         elif mark in "}]":
             kind = dict if mark == "}" else list
-            # A bracket that closes nothing is passed over; one that closes more than one does.
+            # Skip a bracket that closes nothing; one may close several levels.
             if any(isinstance(level.value, kind) for level in self.levels):
                 while not isinstance(self.levels.pop().value, kind):
                     pass
@@ -135,7 +135,7 @@ def _value(token: re.Match[str]) -> Any:
 
 
 def read_leniently(text: str, cursor: int) -> tuple[dict[str, Any], JsonCursor]:
-    """The first object of a text, as far as it is written, and where the cursor is in it."""
+    """(the first object of a text, as far as it is written, the place of the cursor in it)."""
     reader = _Reader(text, cursor)
     reader.run()
     return reader.document, reader.found or JsonCursor((), False, cursor, cursor, {})

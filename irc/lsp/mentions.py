@@ -1,7 +1,7 @@
-"""Every place of a document where something is declared or referred to, by pointer.
+"""Finds every place of a document where an element is declared or named, by pointer.
 
-Works on the plain document of any language, whatever shape it is in: what is not of the IR's shape
-is passed over, for the checks tell of it.
+Works on the plain document of any language. Parts that do not have the IR's shape are skipped; the
+checks report them.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from irc.diagnostics.source import Pointer
 
 
 class Kind(StrEnum):
-    """What a name names."""
+    """The kind of the element that a name names."""
 
     ACTION = "action"
     RESOURCE = "resource"
@@ -26,7 +26,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Mention:
-    """A name in a document. Of a value, `owner` is its state variable."""
+    """A name in a document. For a value, `owner` is its state variable."""
 
     kind: Kind
     name: str
@@ -45,7 +45,7 @@ def mentions(document: Mapping[str, Any]) -> Iterator[Mention]:
 
 
 def _parts(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
-    """The arrays that a task and the changes of an event both may hold."""
+    """The mentions in the arrays that both a task and the changes of an event may have."""
     for pointer, resource in _objects(holder, "resources", at):
         yield from _name(resource, "id", pointer, Kind.RESOURCE, declares=True)
     for pointer, variable in _objects(holder, "state", at):
@@ -118,7 +118,7 @@ def _arc(arc: Any, at: Pointer) -> Iterator[Mention]:
 
 
 def _change(change: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
-    """What the typed operations of events refer to beside the parts they add."""
+    """The mentions in a change of an event, except in the elements that it adds."""
     if change.get("op") == "cancel_actions":
         yield from _names(change, "actions", at, Kind.ACTION)
     if change.get("op") == "cancel_groups":
@@ -147,9 +147,9 @@ def _objects(
 def _name(
     holder: Mapping[str, Any], key: str, at: Pointer, kind: Kind, *, declares: bool = False
 ) -> Iterator[Mention]:
-    said = holder.get(key)
-    if isinstance(said, str):
-        yield Mention(kind, said, (*at, key), declares)
+    name = holder.get(key)
+    if isinstance(name, str):
+        yield Mention(kind, name, (*at, key), declares)
 
 
 def _names(holder: Mapping[str, Any], key: str, at: Pointer, kind: Kind) -> Iterator[Mention]:

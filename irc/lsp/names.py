@@ -1,4 +1,4 @@
-"""Which name stands at a place of a text, and where it is declared."""
+"""Finds the name at a place of a text, and its declarations."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from irc.lsp.analysis import Analysis
 from irc.lsp.mentions import Kind, Mention, mentions
 
 Key = tuple[Kind, str, str | None]
-"""What is named: the kind, the name and, of a value, its state variable."""
+"""The key of a named element: its kind, its name and, for a value, its state variable."""
 
 
 class Spot(NamedTuple):
-    """A stretch of a text; `within` is an included one, None the document's own."""
+    """A span of a text; `within` is an included text, or None for the document's own."""
 
     start: int
     end: int
@@ -24,7 +24,7 @@ class Spot(NamedTuple):
 
 
 class Found(NamedTuple):
-    """A mention and where it stands."""
+    """A mention and its place."""
 
     mention: Mention
     spot: Spot
@@ -46,13 +46,13 @@ class Names:
         around = [place for place in self._own if place[0] <= offset <= place[1]]
         if not around:
             return None
-        # Where two places touch, the one that begins there is meant.
+        # If two places touch at the offset, take the one that begins there.
         best = min(around, key=lambda p: (p[1] == offset, p[1] - p[0]))
         found = sorted(self._own[best], key=lambda m: not m.declares)
         return tuple(found), Spot(*best, None)
 
     def declarations(self, found: Iterable[Mention]) -> list[Spot]:
-        """Where the named things are declared, each place once."""
+        """The places where the named elements are declared, each place once."""
         spots: dict[Spot, None] = {}
         for mention in found:
             for spot in self.declared.get(key_of(mention), ()):
@@ -65,7 +65,7 @@ class Names:
 
 
 def key_of(mention: Mention) -> Key:
-    """What a mention names."""
+    """The key of the element that a mention names."""
     return mention.kind, mention.name, mention.owner
 
 
@@ -73,12 +73,12 @@ def names_of(analysis: Analysis) -> Names:
     """The names of a text, as far as it could be read."""
     if analysis.content is None or analysis.source is None:
         return Names()
-    said = list(mentions(analysis.content))
-    places = analysis.source.locate(m.pointer for m in said)
+    mentioned = list(mentions(analysis.content))
+    places = analysis.source.locate(m.pointer for m in mentioned)
     found: list[Found] = []
     own: dict[tuple[int, int], list[Mention]] = defaultdict(list)
     declared: dict[Key, dict[Spot, None]] = defaultdict(dict)
-    for mention in said:
+    for mention in mentioned:
         spot = _spot(mention.pointer, places)
         if spot is None:
             continue

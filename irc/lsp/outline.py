@@ -1,4 +1,4 @@
-"""What a text declares, as an outline for the editor."""
+"""The declarations of a text as an outline for the editor."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from irc.lsp.names import Names
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """A declaration: where all of it stands, and its name in there."""
+class OutlineEntry:
+    """A declaration: its span, and the span of its name in it."""
 
     kind: Kind
     name: str
@@ -22,7 +22,7 @@ class Entry:
     name_end: int
 
 
-def outline(analysis: Analysis, names: Names) -> list[Entry]:
+def outline(analysis: Analysis, names: Names) -> list[OutlineEntry]:
     """The declarations of the text itself, in its order; each place once."""
     source = analysis.source
     if source is None:
@@ -37,14 +37,14 @@ def outline(analysis: Analysis, names: Names) -> list[Entry]:
         mention = listed[0]
         whole = wholes.get(_element(mention.pointer))
         begin, stop = (start, end) if whole is None else (whole.start, whole.end)
-        # Several names at one place are those of a repeated statement: its own words name it.
+        # Several names at one place come from a repeated statement: show its own text.
         name = mention.name if len(listed) == 1 else source.text[start:end]
         entries.append(
-            Entry(mention.kind, name or "…", min(begin, start), max(stop, end), start, end)
+            OutlineEntry(mention.kind, name or "…", min(begin, start), max(stop, end), start, end)
         )
     return sorted(entries, key=lambda entry: entry.start)
 
 
 def _element(pointer: Pointer) -> Pointer:
-    """The pointer of what an id stands in."""
+    """The pointer of the element to which an id belongs."""
     return pointer[:-1]

@@ -1,7 +1,7 @@
-"""Offsets of a text ↔ the positions of the Language Server Protocol (3.17, "Position").
+"""Converts offsets of a text to positions of the Language Server Protocol (3.17), and back.
 
-A line of the protocol ends in "\\n", "\\r\\n" or "\\r" and in nothing else; columns are counted in
-code units of the encoding that was agreed on.
+A line of the protocol ends only in "\\n", "\\r\\n" or "\\r"; columns are counted in code units of
+the agreed encoding.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 class Encoding(StrEnum):
-    """What columns are counted in."""
+    """The encoding whose code units are the columns."""
 
     UTF_8 = "utf-8"
     UTF_16 = "utf-16"
@@ -31,7 +31,7 @@ class Place(NamedTuple):
 
 
 def units(text: str, encoding: Encoding) -> int:
-    """How many code units a text has."""
+    """The number of code units of a text."""
     if encoding is Encoding.UTF_32 or text.isascii():
         return len(text)
     if encoding is Encoding.UTF_8:
@@ -40,14 +40,14 @@ def units(text: str, encoding: Encoding) -> int:
 
 
 def whole_characters(text: str) -> str:
-    """The text with both halves of a character, where edits brought them together, as one."""
+    """The text with pairs of surrogates joined to one character."""
     if not _SURROGATE.search(text):
         return text
     return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "surrogatepass")
 
 
 class Lines:
-    """Where the lines of a text begin, for looking up positions."""
+    """The starts of the lines of a text, for looking up positions."""
 
     __slots__ = ("encoding", "starts", "text")
 
@@ -57,9 +57,9 @@ class Lines:
         self.starts = [0, *(end.end() for end in _LINE_END.finditer(text))]
 
     def offset(self, line: int, character: int) -> int:
-        """The offset of a position; one beyond its line, or the text, means the end of that.
+        """The offset of a position; one beyond its line or the text means its end.
 
-        A column inside of a character means the beginning of that character.
+        A column inside a character means the beginning of that character.
         """
         if line < 0:
             return 0
@@ -77,15 +77,15 @@ class Lines:
         return at
 
     def place(self, offset: int) -> Place:
-        """The position of an offset; one outside of the text means its nearest end."""
+        """The position of an offset; one outside the text means its nearest end."""
         offset = min(max(offset, 0), len(self.text))
         line = bisect_right(self.starts, offset) - 1
-        # Behind the text of a line and before its end there is no position but the end.
+        # An offset inside the line end means the end of the line's text.
         offset = max(min(offset, self._end(line)), self.starts[line])
         return Place(line, units(self.text[self.starts[line] : offset], self.encoding))
 
     def _end(self, line: int) -> int:
-        """Where the text of a line ends, without what ends the line."""
+        """The offset of the end of a line's text, without the line end."""
         if line + 1 == len(self.starts):
             return len(self.text)
         end = self.starts[line + 1] - 1

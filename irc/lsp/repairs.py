@@ -14,7 +14,7 @@ from irc.lsp.names import Names
 
 @dataclass(frozen=True)
 class Repair:
-    """Edits of the text, as the editor has it, that repair one finding; or all, with `of` None."""
+    """Edits of the editor's text that repair one finding, or all findings if `of` is None."""
 
     title: str
     edits: tuple[TextEdit, ...]
@@ -36,11 +36,11 @@ def repairs(analysis: Analysis, names: Names, found: Sequence[Diagnostic]) -> li
 
 
 def all_certain(analysis: Analysis) -> Repair | None:
-    """Everything that is certain, at once."""
+    """One repair for all findings that have a certain one."""
     if analysis.source is None:
         return None
     edits = _moved(text_edits(analysis.report, analysis.source), analysis.lead)
-    return Repair("repair all that is certain", edits, True) if edits else None
+    return Repair("make all certain repairs", edits, True) if edits else None
 
 
 def _moved(edits: Sequence[TextEdit], by: int) -> tuple[TextEdit, ...]:
@@ -48,7 +48,7 @@ def _moved(edits: Sequence[TextEdit], by: int) -> tuple[TextEdit, ...]:
 
 
 def _renamed(d: Diagnostic, analysis: Analysis, names: Names) -> list[Repair]:
-    """The nearest known name in the place of an unknown one: likely, not certain."""
+    """The repair that writes the nearest known name for an unknown one: likely, not certain."""
     if d.offset is None or d.within is not None:
         return []
     there = names.at(d.offset)
@@ -58,7 +58,7 @@ def _renamed(d: Diagnostic, analysis: Analysis, names: Names) -> list[Repair]:
         m for m in there[0] if not m.declares and (m.kind, m.name, m.owner) not in names.declared
     ]
     if len({m.name for m in unknown}) != 1 or len(unknown) != len(there[0]):
-        return []  # A place of a repeated statement that stands for several names.
+        return []  # The place is in a repeated statement and stands for several names.
     mention, spot = unknown[0], there[1]
     near = closest(mention.name, names.known(mention.kind, mention.owner))
     if near is None:

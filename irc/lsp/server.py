@@ -20,38 +20,38 @@ from irc._version import __version__
 from irc.lsp.documents import Change, Documents
 from irc.lsp.positions import Encoding
 from irc.lsp.service import Service
-from irc.lsp.worker import Desk
+from irc.lsp.worker import AnalysisWorker
 
 PAUSE_SECONDS = 0.02
-"""How long further changes are waited for before a text is checked: keys may come in bursts."""
+"""The pause after a change before a text is checked, because keys may come in bursts."""
 
 
 class Protocol(LanguageServerProtocol):
-    """pygls' protocol, with the texts kept by `Documents` instead of its own workspace.
+    """The protocol of pygls, but `Documents` keeps the texts instead of its own workspace.
 
-    (That one splits lines at characters that end no line of the protocol.)
+    (The workspace splits lines at characters that are no line ends in the protocol.)
     """
 
     @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
     def lsp_text_document__did_open(self, params: types.DidOpenTextDocumentParams) -> Any:
-        """Hands a text on."""
+        """Passes an opened text to irc's feature."""
         yield from self._to_ours(types.TEXT_DOCUMENT_DID_OPEN, params)
 
     @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
     def lsp_text_document__did_change(self, params: types.DidChangeTextDocumentParams) -> Any:
-        """Hands changes on."""
+        """Passes changes to irc's feature."""
         yield from self._to_ours(types.TEXT_DOCUMENT_DID_CHANGE, params)
 
     @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
     def lsp_text_document__did_close(self, params: types.DidCloseTextDocumentParams) -> Any:
-        """Hands on that a text was closed."""
+        """Passes the closing of a text to irc's feature."""
         yield from self._to_ours(types.TEXT_DOCUMENT_DID_CLOSE, params)
 
     def _to_ours(self, method: str, params: Any) -> Iterator[Any]:
         yield self.fm.features[method], (params,), None
 
     def structure_message(self, data: dict[str, Any]) -> Any:
-        """A message in its type; a request that has none is answered, not left open."""
+        """A message in its type; a request without a known type is answered with an error."""
         try:
             return super().structure_message(data)
         except JsonRpcException as error:
@@ -62,7 +62,7 @@ class Protocol(LanguageServerProtocol):
 
 
 class Publisher:
-    """Checks changed texts after a short pause and publishes what is found, unless outdated."""
+    """Checks changed texts after a short pause and publishes the findings, unless outdated."""
 
     def __init__(self, server: LanguageServer, service: Service) -> None:
         self.server = server
@@ -71,8 +71,8 @@ class Publisher:
         self._tasks: set[asyncio.Task[None]] = set()
 
     def changed(self, uri: str) -> None:
-        """A text was opened or changed. Changes within the pause are checked together; they never
-        put the check off, so a text is checked at least so often while somebody types."""
+        """Plans a check of a text that was opened or changed. Changes within the pause are checked
+        together; they do not delay the check, so it comes regularly while the user types."""
         if uri in self._due:
             return
         self._due.add(uri)
@@ -84,7 +84,7 @@ class Publisher:
         await asyncio.sleep(PAUSE_SECONDS)
         self._due.discard(uri)
         found = await self.service.diagnostics(uri)
-        document = self.service.desk.documents.get(uri)
+        document = self.service.worker.documents.get(uri)
         if found is not None and document is not None and document.version == found.version:
             self.server.text_document_publish_diagnostics(found)
 
@@ -96,7 +96,7 @@ class Publisher:
 
 
 class Ending:
-    """Whether the client said that it will go before it did."""
+    """The end of the session, and whether the client announced it."""
 
     def __init__(self) -> None:
         self.status = 0
@@ -104,9 +104,9 @@ class Ending:
 
 
 def build_server(ending: Ending) -> LanguageServer:
-    """The server with all it can do."""
+    """The server with all of its features."""
     documents = Documents()
-    service = Service(Desk(documents))
+    service = Service(AnalysisWorker(documents))
     server = LanguageServer("irc", __version__, protocol_cls=Protocol)
     publisher = Publisher(server, service)
     _follow_the_session(server, service, ending)
@@ -119,7 +119,7 @@ def _follow_the_session(server: LanguageServer, service: Service, ending: Ending
     @server.feature(types.INITIALIZE)
     def initialize(params: types.InitializeParams) -> None:
         encoding = server.workspace.position_encoding or types.PositionEncodingKind.Utf16
-        service.desk.documents.encoding = Encoding(
+        service.worker.documents.encoding = Encoding(
             encoding.value if isinstance(encoding, types.PositionEncodingKind) else encoding
         )
         text = params.capabilities.text_document
@@ -154,15 +154,15 @@ def _follow_texts(
     def closed(params: types.DidCloseTextDocumentParams) -> None:
         uri = params.text_document.uri
         documents.close(uri)
-        service.desk.forget(uri)
+        service.worker.forget(uri)
         server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
     def saved(params: types.DidSaveTextDocumentParams) -> None:
-        # Included files are read as they are saved, so any other text may say something else now.
+        # Included files are read from disk, so every other text may have other findings now.
         for document in documents:
             if document.uri != params.text_document.uri:
-                service.desk.forget(document.uri)
+                service.worker.forget(document.uri)
                 publisher.changed(document.uri)
 
 
@@ -218,7 +218,7 @@ def _change(event: types.TextDocumentContentChangeEvent) -> Change:
 
 
 def serve(stdin: BinaryIO, stdout: BinaryIO) -> int:
-    """Serves until the client goes; returns the exit status that the protocol asks for."""
+    """Serves until the client ends the session; returns the exit status of the protocol."""
     ending = Ending()
     build_server(ending).start_io(stdin, stdout)
     return ending.status
@@ -227,8 +227,8 @@ def serve(stdin: BinaryIO, stdout: BinaryIO) -> int:
 def serve_standard_streams() -> None:
     """Serves over standard input and output, and ends the process.
 
-    Whatever else is printed goes to standard error, for standard output is the protocol's alone.
-    A check that still runs when the client has gone is of no use to anybody: it is not waited for.
+    Standard output is only for the protocol, so all other output goes to standard error. When the
+    client has ended the session, a check that still runs is dropped.
     """
     out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())

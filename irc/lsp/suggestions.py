@@ -1,17 +1,17 @@
-"""What completion offers, whatever the language."""
+"""The suggestions of completion, for every language."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 MOST_OFFERED = 2_000
-"""No more are offered at once; typing on narrows them down."""
+"""At most this many suggestions are offered at once; further typing reduces them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """`text` in the place of [start, end). `label` is what the list shows; `typed` what the
-    editor compares with what was typed."""
+    """A suggestion: `text` replaces [start, end). The list shows `label`; the editor compares
+    `typed` with the typed text."""
 
     label: str
     start: int

@@ -1,7 +1,7 @@
-"""The one worker that reads and checks texts, so that the protocol is never kept waiting.
+"""The analysis worker: one thread that reads and checks texts, so that the protocol never waits.
 
-A text is analysed once for each of its states, whoever asks; what is outdated before its turn
-comes is not analysed at all. Only the worker runs the compiler's code.
+Each state of a text is analysed once for all requests. A state that is outdated before its turn is
+not analysed. Only the worker runs the compiler's code.
 """
 
 from __future__ import annotations
@@ -14,59 +14,59 @@ from typing import TypeVar
 
 from irc.lsp.analysis import Analysis, analyse
 from irc.lsp.documents import Document, Documents
-from irc.lsp.hover import Facts
+from irc.lsp.hover import Descriptions
 from irc.lsp.names import Names, names_of
 
 T = TypeVar("T")
 
 
-class Known:
-    """A state of a text and what is known of it: made by the worker, when first asked for."""
+class AnalysedDocument:
+    """A state of a text with its analysis, which the worker makes on the first request."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
 
     @cached_property
     def analysis(self) -> Analysis:
-        """What was read and found."""
+        """The analysis of the text."""
         document = self.document
         return analyse(document.text, document.name, document.path)
 
     @cached_property
     def names(self) -> Names:
-        """Its names and where they stand."""
+        """The names in the text, with their places."""
         return names_of(self.analysis)
 
     @cached_property
-    def facts(self) -> Facts:
-        """What there is to say about them."""
-        return Facts(self.analysis, self.names)
+    def descriptions(self) -> Descriptions:
+        """The descriptions of the names."""
+        return Descriptions(self.analysis, self.names)
 
 
-class Desk:
+class AnalysisWorker:
     """Answers questions about documents, one at a time."""
 
     def __init__(self, documents: Documents) -> None:
         self.documents = documents
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="irc-check")
-        self._known: dict[str, Known] = {}
+        self._analysed: dict[str, AnalysedDocument] = {}
 
-    async def ask(self, uri: str, question: Callable[[Known], T]) -> T | None:
-        """The answer about a document as it is now; None if it is not open, or changed or was
-        closed before its turn came."""
+    async def ask(self, uri: str, question: Callable[[AnalysedDocument], T]) -> T | None:
+        """The answer about the present state of a document; None if it is not open, or if it was
+        changed or closed before its turn."""
         document = self.documents.get(uri)
         if document is None:
             return None
-        known = self._known.get(uri)
-        if known is None or known.document is not document:
-            known = self._known[uri] = Known(document)
+        analysed = self._analysed.get(uri)
+        if analysed is None or analysed.document is not document:
+            analysed = self._analysed[uri] = AnalysedDocument(document)
 
-        def work(known: Known = known) -> T | None:
-            return question(known) if self.documents.is_current(known.document) else None
+        def work(of: AnalysedDocument = analysed) -> T | None:
+            return question(of) if self.documents.is_current(of.document) else None
 
         # A request that is cancelled leaves the queue if it is still in it.
         return await asyncio.get_running_loop().run_in_executor(self._worker, work)
 
     def forget(self, uri: str) -> None:
-        """Lets go of what is known: the text was closed, or a file it includes was changed."""
-        self._known.pop(uri, None)
+        """Drops the analysis of a text that was closed, or that may include a changed file."""
+        self._analysed.pop(uri, None)

@@ -1,12 +1,12 @@
-"""The IR as pydantic models: what the user wrote, checked for shape only."""
+"""The IR as pydantic models: in, a raw document; out, a typed task, checked for shape only.
+
+Each model is loaded when it is first used: a caller that needs only times does not load pydantic.
+"""
 
 from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
-
-from irc.model.parts import Action, DurationRange, Precedence, Resource, Use
-from irc.model.task import Task
 
 if TYPE_CHECKING:
     from irc.model.details import (
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
         Window,
     )
     from irc.model.events import Change, Event
+    from irc.model.parts import Action, DurationRange, Precedence, Resource, Use
+    from irc.model.task import Task
 
 __all__ = [
     "Action",
@@ -45,17 +47,20 @@ __all__ = [
 ]
 
 
-_LATER = {
+_HOMES = {
     "details": (
         "Condition Effect Goal Group Mode OccurrenceRange "
         "StateGoal StateVariable StockChange Window"
     ),
     "events": "Change Event",
+    "parts": "Action DurationRange Precedence Resource Use",
+    "task": "Task",
 }
+"""The module of each model."""
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _LATER.items():
+    for module, names in _HOMES.items():
         if name in names.split():
             return getattr(import_module(f"irc.model.{module}"), name)
     raise AttributeError(f"module 'irc.model' has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""What all parts of the IR share: strict parsing, names, times."""
+"""The base of all parts of the IR: strict parsing, names, times."""
 
 from __future__ import annotations
 

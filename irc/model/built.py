@@ -1,4 +1,4 @@
-"""What was built in code stands for a part of the IR: its `ir`."""
+"""The base of objects built in code: each stands for a part of the IR, its `ir`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _Part = TypeVar("_Part", covariant=True)
 
 
 class Built(Protocol[_Part]):
-    """Something built in code, such as `irc.Task`, that stands for a part of the IR."""
+    """An object built in code, such as `irc.Task`, that stands for a part of the IR."""
 
     @property
     def ir(self) -> _Part:
@@ -22,12 +22,12 @@ class Built(Protocol[_Part]):
 
 
 def task_of(task: Task | Built[Task]) -> Task:
-    """The task itself, or the one that was built."""
+    """The immutable task: the argument itself, or the `ir` of a task built in code."""
     return task if isinstance(task, Task) else task.ir
 
 
 def event_of(event: Event | Built[Event]) -> Event:
-    """The event itself, or the one that was built."""
+    """The immutable event: the argument itself, or the `ir` of an event built in code."""
     from irc.model.events import Event
 
     return event if isinstance(event, Event) else event.ir

@@ -1,8 +1,8 @@
-"""Actions that an event ends: how a task says that they may not happen any more.
+"""Cancelled actions: how the task in force represents them.
 
-What was cancelled may already have run, so its action stays in the task, or the history could not
-be judged by it. It becomes optional with a deadline at the event: what ended by then is still
-valid, and nothing of it can happen later.
+A cancelled action may already have run, so it stays in the task; otherwise the history could not be
+validated. It becomes optional with a deadline at the event: occurrences that ended by then stay
+valid, and none can happen later.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from irc.model.times import Clock
 
 
 def ended(action: Action, at: Number, clock: Clock) -> Action:
-    """The action as it is once it has been cancelled at `at`, in the task's unit."""
+    """The action after it was cancelled at `at`, in the task's unit."""
     deadline = at if action.deadline is None else min(at, clock.number(action.deadline))
     greatest = action.occurrence_bounds[1]
     occurs = "optional" if greatest == 1 else {"min": 0, "max": greatest}
@@ -22,7 +22,7 @@ def ended(action: Action, at: Number, clock: Clock) -> Action:
 
 
 def is_over(action: Action, at: Number, clock: Clock) -> bool:
-    """Whether the action was cancelled, or need not happen and its deadline has passed."""
+    """Whether the action was cancelled, or is optional and its deadline has passed."""
     least, _ = action.occurrence_bounds
     if least > 0 or action.deadline is None:
         return False

@@ -1,8 +1,8 @@
 """The canonical form of a task, and its hash.
 
-Array order means something only in `objective` and among events of one instant, equal times can
-be written in many ways, and exact repetitions count once: two tasks that mean the same have the
-same canonical form.
+Array order matters only in `objective` and among events of one instant, equal times can be written
+in many ways, and exact repetitions count once: two tasks with the same meaning have the same
+canonical form.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, json_number
 
 _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
-"""Arrays whose order means nothing and where a repetition counts once."""
+"""Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
     "uses one_of modes consumes produces conditions effects values availability".split()  # noqa: SIM905
 )
-"""Arrays whose order means nothing but where a repetition counts again."""
+"""Arrays whose order does not matter but where a repetition counts again."""
 
 
 def canonical_task(task: Task) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def task_sha256(task: Task) -> str:
 
 
 def canonical_sha256(canonical: dict[str, Any]) -> str:
-    """The SHA-256 of a canonical form that is already at hand."""
+    """The SHA-256 of a given canonical form."""
     text = json.dumps(canonical, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -125,7 +125,7 @@ def _value(name: str, value: Any, clock: Clock) -> Any:
 
 
 def _moment(value: Any, clock: Clock) -> Number:
-    """For sorting only: a date-time without meaning here comes first."""
+    """A sort key for moments: a date-time that the task cannot place comes first."""
     try:
         return clock.number(value)
     except TimeError:

@@ -1,4 +1,4 @@
-"""The parts of a task that most tasks do without: state, stock, modes, calendars, groups.
+"""The parts that most tasks do not have: state, stock, modes, calendars, groups.
 
 Loaded when a task has one of them (see `irc.model.lazy`).
 """
@@ -50,7 +50,7 @@ class Effect(Node):
 
 
 class Mode(Node):
-    """One way to carry out an action: its duration, and what it uses besides the action's own."""
+    """One way to carry out an action: its duration, and its uses besides the action's own."""
 
     id: Name
     label: str | None = None
@@ -59,14 +59,14 @@ class Mode(Node):
 
 
 class OccurrenceRange(Node):
-    """How often an action may occur; without `max`, as often as the planner likes."""
+    """The number of times that an action may occur; without `max`, the solver chooses freely."""
 
     min: Count = 0
     max: Count | None = None
 
 
 class StateVariable(Node):
-    """A multi-valued fact of the world; without `values` a boolean that starts false."""
+    """A variable with several values; without `values`, a boolean that is false at first."""
 
     id: Name
     values: tuple[StateValue, ...] = (False, True)
@@ -94,7 +94,7 @@ class Group(Node):
 
 
 class StateGoal(Node):
-    """`var` has `value` when everything has ended."""
+    """A goal: `var` has `value` after the last end."""
 
     var: Name
     value: StateValue = True

@@ -19,21 +19,21 @@ from irc.model.parts import (
 
 
 class AddActions(Node):
-    """New work."""
+    """Adds actions."""
 
     op: Literal["add_actions"]
     actions: tuple[Action, ...]
 
 
 class CancelActions(Node):
-    """Work no longer wanted; what is running ends at the event."""
+    """Cancels actions; running ones end at the event."""
 
     op: Literal["cancel_actions"]
     actions: tuple[Name, ...]
 
 
 class SetDuration(Node):
-    """An action takes another time than was thought."""
+    """Sets another duration of an action."""
 
     op: Literal["set_duration"]
     action: Name
@@ -41,7 +41,7 @@ class SetDuration(Node):
 
 
 class AddPrecedence(Node):
-    """New orderings."""
+    """Adds precedences."""
 
     op: Literal["add_precedence"]
     precedence: tuple[Precedence, ...]
@@ -55,21 +55,21 @@ class PrecedenceKey(Node):
 
 
 class RemovePrecedence(Node):
-    """Orderings that no longer bind."""
+    """Removes precedences."""
 
     op: Literal["remove_precedence"]
     precedence: tuple[PrecedenceKey, ...]
 
 
 class AddResources(Node):
-    """New stations, robots, stocks."""
+    """Adds resources: stations, robots, stocks."""
 
     op: Literal["add_resources"]
     resources: tuple[Resource, ...]
 
 
 class SetCapacity(Node):
-    """Another capacity, from the event on or within a window (a failure)."""
+    """Sets another capacity, from the event on or within a window (a failure)."""
 
     op: Literal["set_capacity"]
     resource: Name
@@ -79,7 +79,7 @@ class SetCapacity(Node):
 
 
 class SetDeadline(Node):
-    """Another deadline of the task, of one action or of one group; null takes it away."""
+    """Sets another deadline of the task, of one action or of one group; null removes it."""
 
     op: Literal["set_deadline"]
     deadline: Instant | None
@@ -88,7 +88,7 @@ class SetDeadline(Node):
 
 
 class SetRelease(Node):
-    """An action may start from another time on."""
+    """Sets another release of an action."""
 
     op: Literal["set_release"]
     action: Name
@@ -96,28 +96,28 @@ class SetRelease(Node):
 
 
 class AddGroups(Node):
-    """New orders."""
+    """Adds groups: new orders."""
 
     op: Literal["add_groups"]
     groups: tuple[Group, ...]
 
 
 class CancelGroups(Node):
-    """Orders taken back."""
+    """Cancels groups: orders that are no longer wanted."""
 
     op: Literal["cancel_groups"]
     groups: tuple[Name, ...]
 
 
 class SetGoals(Node):
-    """Other goals in place of all the old ones."""
+    """Replaces all goals."""
 
     op: Literal["set_goals"]
     goals: tuple[Goal, ...]
 
 
 class SetState(Node):
-    """The world changed by itself."""
+    """Sets the value of a state variable: a world change."""
 
     op: Literal["set_state"]
     var: Name
@@ -125,14 +125,14 @@ class SetState(Node):
 
 
 class AddState(Node):
-    """New state variables."""
+    """Adds state variables."""
 
     op: Literal["add_state"]
     state: tuple[StateVariable, ...]
 
 
 class SetObjective(Node):
-    """Another objective."""
+    """Sets another objective."""
 
     op: Literal["set_objective"]
     objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)]
@@ -141,7 +141,7 @@ class SetObjective(Node):
 
 
 class Observe(Node):
-    """What really happened: an action started or finished at a time."""
+    """An observation: an action really started or finished at a time."""
 
     op: Literal["observe"]
     action: Name

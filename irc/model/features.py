@@ -1,8 +1,8 @@
-"""The ledger: which features of the IR a task uses, and where, so that a target can say no.
+"""The ledger: the features of the IR that a task uses, with places, so that a target can refuse.
 
-Each element of a task is encoded by a backend or the compilation is refused; nothing is dropped
-in silence. Events are no part of it: they revise the task while it runs, and a backend is given
-what the task is at one moment.
+A backend encodes each element of a task, or it refuses the compilation; it never drops an element
+silently. Events are not part of the ledger: they revise the task while it runs, and a backend gets
+the task in force.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Feature(Enum):
-    """What a task can ask of a backend. The value is the phrase for messages."""
+    """A feature that a backend supports or refuses. Its value is the phrase in messages."""
 
     DURATION_RANGE = "durations the solver chooses"
     ZERO_DURATION = "zero durations"
@@ -60,7 +60,7 @@ class Feature(Enum):
 
 @dataclass(frozen=True, slots=True)
 class FeatureUse:
-    """One place where a task uses a feature, and the element's name for people."""
+    """One place where a task uses a feature, and the element's name for messages."""
 
     feature: Feature
     pointer: Pointer

@@ -1,4 +1,4 @@
-"""The raw document → `Task`: pydantic judges the shape, `shape_faults` says it in words."""
+"""Turns a raw document into a `Task`: pydantic checks it, `shape_faults` words the faults."""
 
 from __future__ import annotations
 

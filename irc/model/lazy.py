@@ -1,7 +1,7 @@
 """Fields whose types are loaded and built only for tasks that use them.
 
 pydantic builds a validator for every model it can reach. Most tasks have no events, no state, no
-groups; a command line that starts for each of them should not wait for those forty models.
+groups, and a start of the command line should not wait for those forty models.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def adapter(module: str, name: str) -> TypeAdapter[Any]:
 
 
 class Lazy:
-    """Marks a field of a type that is loaded when a value other than `known` comes by."""
+    """Marks a field whose type is loaded at the first value other than `known`."""
 
     def __init__(self, module: str, name: str, known: tuple[Any, ...] = ((),)) -> None:
         self.module, self.name, self.known = f"irc.model.{module}", name, known

@@ -24,7 +24,7 @@ def _range_or_time(raw: Any) -> str:
 
 
 class DurationRange(Node):
-    """A duration the solver chooses, both ends included."""
+    """A range of durations from which the solver chooses, both ends included."""
 
     min: Span
     max: Span
@@ -75,7 +75,7 @@ _SIMPLE = frozenset(["id", "label", "description", "duration"])
 
 
 class Action(Node):
-    """Something that takes time."""
+    """An action: something that takes time."""
 
     id: Name
     label: str | None = None
@@ -99,9 +99,9 @@ class Action(Node):
 
     @property
     def is_simple(self) -> bool:
-        """Whether it says no more than that it takes a whole number of time units above 0.
+        """Whether its only content is a whole number of time units above 0 as its duration.
 
-        Most actions of large tasks do, and whoever looks at all of them can be quick about these.
+        Most actions of large tasks are like this, so code that visits all actions can skip work.
         """
         return self.model_fields_set <= _SIMPLE and type(self.duration) is int and self.duration > 0
 
@@ -122,7 +122,7 @@ PRECEDENCE_ALIASES = {"predecessor": "before", "successor": "after", "lag": "min
 
 
 class Precedence(Node):
-    """`after` is bound to `before` at two of their end points, with a lag between min and max."""
+    """A precedence: a bound on the lag between a happening of `before` and one of `after`."""
 
     before: Name
     after: Name
@@ -152,5 +152,5 @@ def without_aliases(raw: dict[str, Any], aliases: dict[str, str]) -> dict[str, A
 
 
 def objective_names(raw: Any) -> Any:
-    """One objective is a list of one."""
+    """The names of the objectives; a single name becomes a list."""
     return (raw,) if isinstance(raw, str) else raw

@@ -13,7 +13,7 @@ Number = int | Fraction
 
 
 MAX_DIGITS = 40
-"""Numbers with more digits (before or behind the point) are refused: no schedule needs them."""
+"""Numbers with more digits (before or after the point) are refused: no schedule needs them."""
 
 
 DAY = 86_400
@@ -42,7 +42,7 @@ UNIT_EXAMPLES = "ms, s, min, h, day, week, month, year"
 
 
 class TimeError(IrcError, ValueError):
-    """A time that cannot be read, or has no exact value here; the text says what was expected."""
+    """A time cannot be read, or has no exact value here; the text says what is expected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def exact(value: Fraction) -> Number:
 
 
 def shown(text: str) -> str:
-    """A text as messages quote it."""
+    """A text in quotes, for messages."""
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 

@@ -1,4 +1,4 @@
-"""What pydantic found wrong with the shape of a document, said in people's words."""
+"""Turns pydantic's errors about the shape of a document into plain messages."""
 
 from __future__ import annotations
 
@@ -49,18 +49,18 @@ _EXPECTED = {
 
 def faults_in_words(error: ValidationError, raw: Mapping[str, Any]) -> list[Diagnostic]:
     """Every fault of shape of the document `raw` as a finding."""
-    told = Findings()
+    reported = Findings()
     for fault in error.errors(include_url=False):
-        _add(fault, raw, told)
+        _add(fault, raw, reported)
     misspelt = {
         (d.pointer[:-1], _field_close_to(str(d.pointer[-1]), _names_at(d.pointer[:-1], raw)))
-        for d in told.items
+        for d in reported.items
         if d.code is Code.UNKNOWN_FIELD
     }
-    return [d for d in told.items if not _is_told_as_misspelt(d, misspelt)]
+    return [d for d in reported.items if not _is_reported_as_misspelt(d, misspelt)]
 
 
-def _is_told_as_misspelt(d: Diagnostic, misspelt: set[tuple[Pointer, str | None]]) -> bool:
+def _is_reported_as_misspelt(d: Diagnostic, misspelt: set[tuple[Pointer, str | None]]) -> bool:
     """Whether a field is missing only because its name is misspelt."""
     if d.code is not Code.MISSING_FIELD:
         return False
@@ -107,7 +107,7 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         return
     value = _value_at(pointer, raw)
     if kind == "too_short" and value:
-        return  # It has entries; what is wrong with them is told of each.
+        return  # Each of its entries has its own fault.
     if isinstance(cause, TimeError):
         findings.add(
             Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer, hint=_time_hint(str(cause))
@@ -127,7 +127,7 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
 
 
 def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> None:
-    """A value that must be one of a few words, or an object whose tag must."""
+    """Adds a fault of a value, or of the tag of an object, that must be one of a few words."""
     expected = fault["ctx"].get("expected") or fault["ctx"].get("expected_tags", "")
     if fault["type"] == "union_tag_invalid":
         tag = fault["ctx"]["discriminator"].strip("'")
@@ -144,12 +144,12 @@ def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> N
 
 
 def _known_fields(known: Sequence[str]) -> str:
-    return f"known fields are {', '.join(known)}; other data belongs into the task's `metadata`"
+    return f"known fields are {', '.join(known)}; other data belongs in the task's `metadata`"
 
 
 def _time_hint(message: str) -> str | None:
     if "1 h 30 min" in message:
-        return None  # It says so itself.
+        return None  # The message says what to write.
     if "'origin'" in message:
         return 'add "origin": "2026-03-01T08:00:00Z", or count from t = 0'
     if "date-time" in message:
@@ -163,7 +163,7 @@ def _listed(words: Sequence[str]) -> str:
 
 
 def _renaming(pointer: Pointer, raw: Any) -> Fix:
-    """The repair of an unknown field whose name is certain, if its place is free."""
+    """The fix of an unknown field whose right name is certain, if that name is free."""
     *parents, name = pointer
     names = _names_at(tuple(parents), raw)
     meant = certain_keyword(str(name), names)
@@ -180,7 +180,7 @@ def _renaming(pointer: Pointer, raw: Any) -> Fix:
 
 
 def _as_meant(kind: str, pointer: Pointer, value: Any) -> Fix:
-    """The repair of a number or truth value that was written as text."""
+    """The fix of a number or truth value that was written as text."""
     if kind == "int_type" and isinstance(value, str) and _WHOLE.fullmatch(value):
         return replaced(pointer, int(value))
     if kind == "bool_type" and value in ("true", "false"):
@@ -240,7 +240,7 @@ def _where(pointer: Pointer) -> str:
 
 
 def _kind(array: str) -> str:
-    """What one entry of an array is called."""
+    """The word for one entry of an array."""
     return {
         "uses": "use",
         "modes": "mode",
@@ -283,7 +283,7 @@ def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
 
 
 def _names_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
-    """The fields at a path and the other names they may go by."""
+    """The fields at a path, and their other names."""
     fields = _fields_at(pointer, raw)
     return (*fields, *(alias for alias, field in _CANONICAL.items() if field in fields))
 

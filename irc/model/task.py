@@ -74,7 +74,7 @@ class Task(Node):
     _one_objective = field_validator("objective", mode="before")(objective_names)
 
     def __eq__(self, other: object) -> bool:
-        """Equal contents, whatever file they were read from."""
+        """Whether the contents are equal, whatever file they were read from."""
         return self.__dict__ == other.__dict__ if isinstance(other, Task) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
@@ -85,13 +85,13 @@ class Task(Node):
         return self._source
 
     def with_source(self, source: Source | None) -> Task:
-        """This task, remembering where it was read."""
+        """This task, with the text that it was read from."""
         self._source = source
         return self
 
     @property
     def clock(self) -> Clock:
-        """How this task's times become numbers of its time unit."""
+        """The clock that converts this task's times to numbers of its time unit."""
         return Clock(
             unit_seconds(self.time_unit, self.days_per_month), self.days_per_month, self.origin
         )

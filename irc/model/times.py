@@ -1,4 +1,4 @@
-"""Exact time: what a user may write, and how it becomes a rational number of the task's time unit.
+"""Exact time: the forms that a user may write, as rational numbers of the task's time unit.
 
 Nothing here passes through a binary float: a JSON decimal is read as a decimal, a Python `float`
 through its shortest decimal text.
@@ -100,7 +100,7 @@ class Clock:
         """`value` in the task's time unit.
 
         Raises `TimeError` for a date-time when the task has no `origin`, or where only one of the
-        two says its time zone.
+        two has a time zone.
         """
         if isinstance(value, (int, Fraction)):
             return value

@@ -1,4 +1,4 @@
-"""Changes of the world: how a task says that an event has changed a state variable by itself.
+"""World changes: how a task represents changes of a state variable by events.
 
 Such a change is an action of no duration, with a fixed start and one effect. Its id names it:
 "`var` at `time`", with a number where that is taken.
@@ -18,12 +18,12 @@ _FIELDS = frozenset(["id", "duration", "start", "effects"])
 
 
 def world_change_id(var: str, at: Number) -> str:
-    """The id of a change of `var` at `at`, without a number."""
+    """The id of a world change of `var` at `at`, without a number."""
     return f"{var} at {format_number(at)}"
 
 
 def is_world_change(action: Action, clock: Clock) -> bool:
-    """Whether an action does nothing but change one variable, at the instant that its id names."""
+    """Whether an action is a world change: it only changes one variable, at the time in its id."""
     if action.start is None or len(action.effects) != 1 or not action.model_fields_set <= _FIELDS:
         return False
     (effect,) = action.effects

@@ -13,7 +13,7 @@ from irc.problem import Problem
 
 
 def order_from_state(problem: Problem) -> Problem:
-    """See `irc.passes.state_order`, which only tasks with state load."""
+    """Turns state that only orders into precedence; only tasks with state load the code."""
     if not problem.variables:
         return problem
     from irc.passes import state_order
@@ -22,7 +22,7 @@ def order_from_state(problem: Problem) -> Problem:
 
 
 def resource_bounds(problem: Problem) -> Problem:
-    """Raises the bound by what resources say; without contention there is nothing to say."""
+    """Raises the bound by arguments about resources; without contention there are none."""
     if not problem.has_contention:
         return problem
     core = bounded_mandatory_part(problem)

@@ -1,4 +1,4 @@
-"""Which resources a solver must look at: the others are decided here, without loss."""
+"""Finds the resources that a solver must consider, and decides the others here, without loss."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from irc.problem.projection import with_demands_on
 
 
 def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
-    """Makes one resource of each pool whose members are only ever asked for as "one of these".
+    """Makes one resource of each pool whose members are only asked for as "one of these".
 
-    Resources `apart` are in no pool: more of them is in use than there is, which the others have no
-    part in.
+    Resources `apart` join no pool: more of them is in use than their capacity, which must not
+    affect the others.
 
     Where every open demand on any member is for one unit of the same set, the members are
-    interchangeable units: any schedule that keeps the summed capacity can be told apart again
+    interchangeable units: any schedule that keeps the summed capacity can be split among them again
     (interval graphs are perfect: greedy colouring by start time needs no more units than overlap).
     """
     pools: dict[tuple[int, ...], bool] = {}
@@ -41,7 +41,7 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
 
 
 def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
-    """The problem in which each of these sets of pools is one pool, behind all others."""
+    """The problem in which each of these sets of pools is one pool, after all others."""
     old = problem.contention.pools
     gone = {r for key in merged for r in key}
     kept = [r for r in range(len(old)) if r not in gone]
@@ -65,10 +65,10 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 
 
 def drop_uncontended(problem: Problem) -> Problem:
-    """Drops open demands on resources that have enough, always, even if everything ran at once.
+    """Drops open demands on resources that always suffice, even if all activities ran at once.
 
     (Occurrences of one action never overlap: they count once, as do its modes together. But where
-    ranks order what happens at one instant, the next may start before the last one ends.)
+    ranks order the happenings of an instant, the next one may start before the last one ends.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
     choice that is fixed relieves the other alternatives.
@@ -127,7 +127,7 @@ def _without_ample(
 def _as_before(
     problem: Problem, demand: OpenDemand, old: PreviousPlace, enough: set[int]
 ) -> int | None:
-    """What the previous plan took, if there is always enough of it."""
+    """The alternative that the previous plan took, if it always suffices."""
     taken = old.resources[demand.use]
     for r in demand.alternatives:
         if r in enough and (taken is None or taken in problem.contention.pools[r].members):

@@ -1,4 +1,4 @@
-"""Heads, tails and the critical path: what precedence, lags and what is fixed say about time."""
+"""Finds heads, tails and the critical path from precedence, lags and fixed activities."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from irc.problem.time_points import least_times_to_end, timing_network
 def heads_and_tails(problem: Problem) -> Problem:
     """Fills `heads` and `tails`, and raises the bound to the critical path.
 
-    Only what every schedule contains counts. Heads of the others are their releases. What holds
-    its resources at fixed times is waited for.
+    Only activities that every schedule contains count. Heads of the others are their releases.
+    Activities wait for the resources that others hold at fixed times.
 
-    Raises `ValueError` where the network has a contradiction; the checks tell of it before.
+    Raises `ValueError` where the network has a contradiction; the checks report it first.
     """
     released = release_behind_fixed(problem)
     core, way = mandatory_part(released)
@@ -29,7 +29,7 @@ def heads_and_tails(problem: Problem) -> Problem:
 
 
 def bounded_mandatory_part(problem: Problem) -> Problem:
-    """What every schedule contains, with heads and tails; the problem itself where that is all."""
+    """The part that every schedule contains, with heads and tails; it may be the whole problem."""
     core, _ = mandatory_part(problem)
     return problem if core is problem else heads_and_tails(core)
 

@@ -1,17 +1,17 @@
-"""The destructive bound: assume a makespan of at most D, refute it, and know that D + 1 is needed.
+"""The destructive bound: assume a makespan of at most D; if that is refuted, D + 1 is a bound.
 
 Under the assumption every time point has a window. Windows shrink by
 
 - the lags (the timing network),
-- the order of two activities that cannot overlap: what fits one way round only is so ordered,
-- energetic reasoning on each load (see `irc.passes.energy`): what an interval must hold of each
-  activity, wherever in its windows that is placed; it refutes, and moves starts and ends
+- the order of two activities that cannot overlap: two that fit in one order only get that order,
+- energetic reasoning on each load (see `irc.passes.energy`): the part of each activity that an
+  interval must hold, wherever its windows place it; it refutes, and moves starts and ends
   (Baptiste, Le Pape, Nuijten, "Constraint-based scheduling", 2001, chapter 3);
 - turns: seven activities on two units mean that one of the units serves four, one by one.
 
-Where that refutes nothing, a search goes through the orders of activities that are in each
-other's way. An assumption is refuted when every case contradicts itself; when a case stands, or
-the budget is spent, nothing has been shown. So each refutation is a proof by itself, and the
+Where that refutes nothing, a search goes through the orders of activities that compete. An
+assumption is refuted when every case contradicts itself; when a case stands, or the budget is
+spent, nothing has been shown. So each refutation is a proof by itself, and the
 bound does not depend on refutation being monotone in D.
 
 The budget counts elementary steps (a constraint looked at, an activity entered in an interval),
@@ -44,26 +44,26 @@ MOST_STEPS = 1_000_000
 """The budget is `BASE_STEPS + STEPS_PER_ACTIVITY * n`, at most `MOST_STEPS`."""
 
 SIZE_LIMIT = 20_000
-"""Problems with more activities and arcs than this are left as they are."""
+"""Problems with more activities and arcs than this are not changed."""
 
 PAIRS_LIMIT = 50_000
-"""Loads with more pairs that cannot overlap than are left of this get no pairwise orders."""
+"""At most this many pairs that cannot overlap get pairwise orders, over all loads."""
 
 BEGINNINGS_LIMIT = 64
-"""An energetic sweep over a load looks at intervals with so many beginnings at most."""
+"""An energetic sweep over a load looks at intervals from at most this many beginnings."""
 
 TURNS_LIMIT = 30
-"""Loads with more activities than this are not looked at for turns (cubic time)."""
+"""Loads with more activities than this are not examined for turns (cubic time)."""
 
 DEPTH_LIMIT = 300
-"""So many orders are assumed one inside the other at most."""
+"""At most this many orders are assumed one inside the other."""
 
 
 def destructive_bound(problem: Problem, reached: int | None = None) -> Problem:
-    """Raises the bound to one more than the greatest makespan that could be refuted.
+    """Raises the bound to one more than the greatest refuted makespan.
 
-    `reached` is the makespan of a schedule that is known, in ticks: nothing from there on can be
-    refuted, so nothing is tried.
+    `reached` is the makespan of a known schedule, in ticks: no makespan from there on can be
+    refuted, so none is tried.
 
     Deadlines and fixed starts count. Where even the task's deadline is refuted the bound becomes
     deadline + 1: there is no schedule. Where a task without a deadline has none (its actions'
@@ -92,7 +92,7 @@ def destructive_bound(problem: Problem, reached: int | None = None) -> Problem:
 
 
 def _climb(value: int, reason: str, refuter: _Refuter, depth: int, stands: int) -> tuple[int, str]:
-    """One more than the greatest D refuted from `value` on (below `stands`), and why that D is.
+    """One more than the greatest refuted D from `value` on (below `stands`), and the reason.
 
     `value` first, then steps that double, then bisection: few trials where times are long.
     """
@@ -114,7 +114,7 @@ _Edges = list[list[tuple[int, int]]]
 """For each point the (other point, weight) pairs of its constraints."""
 
 
-class _Row(NamedTuple):
+class _LoadRow(NamedTuple):
     """An activity on a load: its points, the offset of its end, its least duration, its amount."""
 
     start: int
@@ -130,7 +130,7 @@ class _Demand:
 
     of: str
     capacity: int
-    rows: list[_Row]
+    rows: list[_LoadRow]
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +196,7 @@ def _model(problem: Problem) -> _Model | None:
 
 
 def _enough_time(problem: Problem, timing: TimingNetwork) -> int:
-    """A makespan that some best schedule keeps, if there is a schedule at all.
+    """A makespan that some best schedule does not exceed, if there is a schedule.
 
     In an earliest schedule each time is the length of a simple path of floors, of constraints,
     and of orders chosen on resources, which add one activity's duration each.
@@ -208,7 +208,7 @@ def _enough_time(problem: Problem, timing: TimingNetwork) -> int:
 
 def _demand(problem: Problem, points: PointMap, load: Load) -> _Demand:
     rows = [
-        _Row(
+        _LoadRow(
             points.start[i],
             points.end[i],
             points.end_offset[i],
@@ -221,7 +221,7 @@ def _demand(problem: Problem, points: PointMap, load: Load) -> _Demand:
 
 
 def _partners(problem: Problem, contended: list[Load]) -> list[list[int]]:
-    """For each activity those that cannot overlap it."""
+    """For each activity, the activities that cannot overlap it."""
     found: list[set[int]] = [set() for _ in problem.activities]
     room = PAIRS_LIMIT
     for load in contended:
@@ -260,7 +260,7 @@ class _Spent(Exception):
     """The step budget is used up."""
 
 
-class _Order(NamedTuple):
+class _CaseOrder(NamedTuple):
     """The case that one activity ends before another starts."""
 
     first: int
@@ -290,7 +290,7 @@ class _Refuter:
     cases: int = 0
 
     def refute(self, makespan: int, depth: int) -> str | None:
-        """Why no schedule ends by `makespan`; None if that could not be shown.
+        """The reason why no schedule ends by `makespan`; None if that is not shown.
 
         With a depth of 0 no cases are distinguished.
         """
@@ -320,7 +320,7 @@ class _Refuter:
     # --- cases ---
 
     def _explore(self, depth: int) -> None:
-        """Returns where a case stands; raises `_Refuted` where all contradict themselves."""
+        """Returns if a case stands; raises `_Refuted` if all cases contradict themselves."""
         self.cases += 1
         self._propagate()
         orders = self._conflict() if depth else None
@@ -340,19 +340,19 @@ class _Refuter:
                 self._leave(order)
         raise _Refuted(f"fails in each of {self.cases} cases of order")
 
-    def _enter(self, order: _Order) -> None:
+    def _enter(self, order: _CaseOrder) -> None:
         model, points = self.model, self.model.points
         end, start = points.end[order.first], points.start[order.second]
         offset = points.end_offset[order.first]
         model.leaving[end].append((start, offset))
         model.entering[start].append((end, offset))
 
-    def _leave(self, order: _Order) -> None:
+    def _leave(self, order: _CaseOrder) -> None:
         model, points = self.model, self.model.points
         model.leaving[points.end[order.first]].pop()
         model.entering[points.start[order.second]].pop()
 
-    def _conflict(self) -> list[_Order] | None:
+    def _conflict(self) -> list[_CaseOrder] | None:
         """Orders of which each schedule keeps at least one; None if earliest times are no conflict.
 
         Activities that hold too much together, were each as early as it can be, do not all
@@ -371,10 +371,10 @@ class _Refuter:
             measure = len(orders), sum(room for room, _, _ in orders)
             if best is None or measure < least:
                 best, least = orders, measure
-        return None if best is None else [_Order(first, second) for _, first, second in best]
+        return None if best is None else [_CaseOrder(first, second) for _, first, second in best]
 
     def _forbidden_set(self, demand: _Demand) -> list[int]:
-        """Activities that hold more than there is at the earliest times, none of them spare."""
+        """A minimal set of activities that exceed the capacity at their earliest times."""
         lo, hi, rows = self.lo, self.hi, demand.rows
         starts = [lo[row.start] for row in rows]
         ends = [lo[row.end] + row.offset for row in rows]
@@ -394,7 +394,7 @@ class _Refuter:
         return []
 
     def _possible_orders(self, together: list[int]) -> list[tuple[int, int, int]]:
-        """The (room, first, second) of two of these, least room first."""
+        """The possible orders of two of these as (room, first, second), least room first."""
         points, lo, hi = self.model.points, self.lo, self.hi
         found = []
         for i, j in permutations(together, 2):
@@ -411,12 +411,12 @@ class _Refuter:
             raise _Spent
 
     def _raise(self, point: int, time: int) -> None:
-        """The point is at `time` or later."""
+        """Raises the earliest time of a point to `time`."""
         self.lo[point] = time
         self._note(point)
 
     def _lower(self, point: int, time: int) -> None:
-        """The point is at `time` or earlier."""
+        """Lowers the latest time of a point to `time`."""
         self.hi[point] = time
         self._note(point)
 
@@ -429,16 +429,16 @@ class _Refuter:
             self.changed.append(point)
 
     def _propagate(self) -> None:
-        """Shrinks the windows until nothing more follows."""
-        self._settle()
+        """Shrinks the windows until none changes any more."""
+        self._propagate_lags()
         while self.due:
             k = min(self.due)
             self.due.discard(k)
             self._sweep(self.model.demands[k])
-            self._settle()
+            self._propagate_lags()
 
-    def _settle(self) -> None:
-        """Lags and pairwise orders, for each point that changed."""
+    def _propagate_lags(self) -> None:
+        """Propagates lags and pairwise orders from each point that changed."""
         model, lo, hi = self.model, self.lo, self.hi
         for point in self.changed:
             self.waiting.discard(point)
@@ -458,7 +458,7 @@ class _Refuter:
         self.changed.clear()
 
     def _order_with_partners(self, i: int) -> None:
-        """What fits before (or after) activity i in no way comes after (or before) it."""
+        """Orders activity i and each partner that fits on only one side of it."""
         points, lo, hi = self.model.points, self.lo, self.hi
         starts, ends, offsets = points.start, points.end, points.end_offset
         partners = self.model.partners[i]
@@ -471,7 +471,7 @@ class _Refuter:
                 self._keep_order(i, j)
 
     def _keep_order(self, first: int, second: int) -> None:
-        """One activity ends before another starts."""
+        """Propagates that one activity ends before another starts."""
         points = self.model.points
         end, offset, start = points.end[first], points.end_offset[first], points.start[second]
         if self.lo[start] < self.lo[end] + offset:
@@ -480,7 +480,7 @@ class _Refuter:
             self._lower(end, self.hi[start] - offset)
 
     def _sweep(self, demand: _Demand) -> None:
-        """Energetic reasoning on a load, over intervals that begin where something may start."""
+        """Applies energetic reasoning to a load, over intervals that begin where one may start."""
         lo, hi = self.lo, self.hi
         windows = [
             (lo[start], hi[start], lo[end] + offset, hi[end] + offset, duration, amount)
@@ -568,7 +568,7 @@ class _Refuter:
 
 
 def _turns(longest_first: list[tuple[int, int]], capacity: int) -> int:
-    """How long some unit of a resource is held in all, given (minus duration, amount) pairs.
+    """The least total time that some unit of a resource is held, by (minus duration, amount) pairs.
 
     Of activities that need u units in all, some unit serves u / capacity, rounded up. That takes
     as long as the shortest of them; the k longest activities are looked at, for each k.

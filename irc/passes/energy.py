@@ -1,4 +1,4 @@
-"""The energy bound: what must pass through a resource takes the time that the resource needs.
+"""The energy bound: the work on a resource takes at least work / capacity of time.
 
 For every set of activities, `least head + ceil(work / capacity) + least tail` is a lower bound on
 the makespan, where an activity's work is its amount times its least duration. Only the sets
@@ -18,13 +18,13 @@ from irc.model.times import format_number
 from irc.problem import Problem
 
 POOLS_LIMIT = 32
-"""So many sets of alternatives are looked at, unions of overlapping ones among them."""
+"""At most this many sets of alternatives are examined, with unions of overlapping ones."""
 
 FILL_LIMIT = 4_096
-"""Up to this capacity it is worked out how much of it the amounts can fill at most."""
+"""Up to this capacity, the part of it that the amounts can fill is computed."""
 
 TAILS_LIMIT = 1_024
-"""So many tails q are tried; where a resource has more distinct ones, evenly chosen ones."""
+"""At most this many tails q are tried, evenly chosen where a resource has more distinct ones."""
 
 CROWDS_LIMIT = 4
 """Views of a resource on which at most 1, 2, … activities fit at once, up to this number."""
@@ -37,10 +37,10 @@ _NOTHING = -(1 << 200)
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """Activities (by index) that hold `amounts` of something with `capacity` units.
+    """Activities (by index) that hold `amounts` of a load with `capacity` units.
 
-    `of` names it for the user. Each has a least duration above 0; together they exceed the
-    capacity.
+    `of` names the load for the user. Each activity has a least duration above 0; together they
+    exceed the capacity.
     """
 
     of: str
@@ -50,7 +50,7 @@ class Load:
 
 
 class _Window(NamedTuple):
-    """The activities with head and tail at least these, and how long their work takes."""
+    """The activities with head and tail at least these, and the time of their work."""
 
     head: int
     work: int
@@ -148,7 +148,7 @@ def _works(problem: Problem, load: Load) -> Iterator[int]:
 
 
 def loads(problem: Problem) -> Iterator[Load]:
-    """What is contended for: each resource, each pool of alternatives, and views of them.
+    """The loads: each contended resource, each pool of alternatives, and views of them.
 
     An open demand that can only be met inside a set of resources loads the sum of their capacities.
     """
@@ -177,7 +177,7 @@ Demands = dict[tuple[int, ...], list[tuple[int, int]]]
 
 
 def _demands(problem: Problem) -> Demands:
-    """Open demands that cost something, on those of their alternatives that can meet them."""
+    """Open demands with work, on those of their alternatives that can meet them."""
     demands: Demands = {}
     for i, activity in enumerate(problem.activities):
         if not activity.duration_min:
@@ -191,7 +191,7 @@ def _demands(problem: Problem) -> Demands:
 
 
 def _room(problem: Problem, demands: Demands) -> dict[int, int]:
-    """For each resource how much of it can be in use at once."""
+    """For each resource, the greatest amount that can be in use at once."""
     amounts: dict[int, Counter[int]] = {}
     for key, entries in demands.items():
         counted = Counter(amount for _, amount in entries)
@@ -231,7 +231,7 @@ def _pools(demands: Demands) -> list[frozenset[int]]:
 
 
 def _crowds(load: Load) -> Iterator[Load]:
-    """Views that count units more sharply: amounts above 1/2 of it fit one at a time, and so on.
+    """Views with sharper counts: amounts above 1/2 of the capacity fit one at a time, and so on.
 
     Of amounts whose sum is at most the capacity c, `ceil((m + 1) * amount / c) - 1` sums up to
     at most m: each is below (m + 1) * amount / c, so their sum is below m + 1. (Dual feasible
@@ -254,7 +254,7 @@ def _crowds(load: Load) -> Iterator[Load]:
 
 
 def _named(problem: Problem, members: list[int]) -> str:
-    """The resources of some pools, in the user's words."""
+    """The names of the resources of some pools, for messages."""
     names = [
         repr(problem.resources[k].id) for r in members for k in problem.contention.pools[r].members
     ]

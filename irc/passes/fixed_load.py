@@ -1,7 +1,7 @@
-"""What is fixed holds its resources: others can be released no earlier than there is room.
+"""Raises releases behind fixed activities: others cannot start before there is room for them.
 
-A running action, a maintenance with a fixed start, a calendar: before these have let go, who needs
-what they hold cannot start. Heads, bounds and the grid of times all profit.
+A running action, a maintenance with a fixed start, a calendar: activities that need the same
+resource cannot start before these free it. Heads, bounds and the grid of times all profit.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from irc.problem import Activity, OpenDemand, Problem
 
 
 def release_behind_fixed(problem: Problem) -> Problem:
-    """Raises each release to the first time at which there is room beside all that is fixed."""
-    fixed = [i for i, a in enumerate(problem.activities) if a.start is not None and _is_settled(a)]
+    """Raises each release to the first time with room beside all fixed activities."""
+    fixed = [i for i, a in enumerate(problem.activities) if a.start is not None and _is_decided(a)]
     calendars = any(pool.windows for pool in problem.contention.pools)
     if not fixed and not calendars:
         return problem
@@ -33,13 +33,13 @@ def release_behind_fixed(problem: Problem) -> Problem:
     return replace(problem, activities=activities)
 
 
-def _is_settled(activity: Activity) -> bool:
+def _is_decided(activity: Activity) -> bool:
     details = activity.details
     return activity.duration_min > 0 and not details.optional and details.repeats is None
 
 
 def _certain(activity: Activity) -> list[OpenDemand]:
-    """What it demands in every mode."""
+    """The open demands that an activity has in every mode."""
     return [c for c in activity.open_demands if activity.details.use_mode(c.use) is None]
 
 
@@ -47,20 +47,20 @@ def _released(activity: Activity, profiles: list[Profile]) -> Activity:
     if not activity.open_demands or not activity.duration_min:
         return activity
     demands = _certain(activity)
-    start, settled = activity.release, False
-    while not settled:
-        settled = True
+    start, stable = activity.release, False
+    while not stable:
+        stable = True
         for demand in demands:
             soonest = _soonest(demand, start, start + activity.duration_min, profiles)
             if soonest >= UNREACHABLE_TIME:
-                return activity  # It has no room at all, as others will tell.
+                return activity  # There is no room at all; the checks and the solver report it.
             if soonest > start:
-                start, settled = soonest, False
+                start, stable = soonest, False
     return activity if start == activity.release else replace(activity, release=start)
 
 
 def _soonest(demand: OpenDemand, start: int, end: int, profiles: list[Profile]) -> int:
-    """A time from `start` on before which no alternative has room."""
+    """A time, from `start` on, before which no alternative has room."""
     soonest = UNREACHABLE_TIME
     for r in demand.alternatives:
         if demand.amount > profiles[r].capacity:

@@ -1,10 +1,11 @@
-"""The times that a makespan can have: not every tick, where durations are far apart.
+"""Finds the times that a makespan can have: not every tick, where durations are far apart.
 
 Fix the choices and the order on every resource as some optimal schedule has them. In the least
 solution of the resulting temporal network, which is optimal too, every time is a floor plus the
-lengths of edges (`irc.problem.horizon`). So it is congruent to some floor, modulo what divides all
-edges. An event at t = 2.29 makes ticks of 0.01, yet durations of whole seconds leave two residues:
-those of 0 and of 0.29. A bound of 51.97 is then one of 52, and proofs are shorter by as much.
+lengths of edges (`irc.problem.horizon`). So it is congruent to some floor, modulo the greatest
+common divisor of all edges. An event at t = 2.29 makes ticks of 0.01, yet durations of whole
+seconds leave two residues: those of 0 and of 0.29. A bound of 51.97 is then a bound of 52, and
+proofs are shorter.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from irc.problem import Problem
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Times that are one of the `residues` (in order) modulo `step` ticks."""
+    """The times that equal one of the `residues` (in order) modulo `step` ticks."""
 
     step: int
     residues: tuple[int, ...]
 
     def up(self, time: int) -> int:
-        """The first time of the grid that is not before `time`."""
+        """The first time of the grid from `time` on."""
         base, rest = divmod(time, self.step)
         k = bisect_left(self.residues, rest)
         if k == len(self.residues):
@@ -40,7 +41,7 @@ class Grid:
             time = self.up(time + 1)
 
     def count(self, first: int, last: int) -> int:
-        """About how many there are."""
+        """The approximate number of times."""
         return (1 + (last - first) // self.step) * len(self.residues)
 
 
@@ -66,7 +67,7 @@ def grid_of(problem: Problem) -> Grid:
     for resource in problem.resources:
         floors.update(time for window in resource.windows for time in (window.start, window.end))
     if problem.previous.stability or "changes" in problem.objectives:
-        # What stays where the previous plan has it has its start as its floor.
+        # An activity that stays where the previous plan has it has its start as its floor.
         for places in (problem.previous.places, *problem.previous.recurring.values()):
             floors.update(place.start for place in places if place is not None)
     step = step or 1 + max(floors)
@@ -74,7 +75,7 @@ def grid_of(problem: Problem) -> Grid:
 
 
 def _step(problem: Problem) -> int:
-    """What divides all edges but those of activities that are fixed; 0 where there are none."""
+    """The greatest common divisor of all edges of open activities; 0 where there are none."""
     step = 0
     for activity in problem.activities:
         if activity.start is not None and activity.is_fixed:

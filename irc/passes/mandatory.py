@@ -1,4 +1,4 @@
-"""What every schedule of a problem contains: the part that bounds and checks can count on."""
+"""The mandatory part of a problem: the activities that every schedule contains."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from irc.problem.projection import Projected, Projection, restricted
 
 
 def mandatory_part(problem: Problem) -> Projected:
-    """A relaxation with plain activities only: what holds of it holds of every valid schedule.
+    """A relaxation with plain activities only: its bounds hold for every valid schedule.
 
     Optional activities, state, stock, modes (their shortest and longest duration remain) and
     windows (their greatest capacity remains) are left out. The problem itself where it has none
-    of them. Activities keep their order; of repeated ones the occurrences that must be there
-    stay, one after the other. The way back leads to the first occurrence of each.
+    of them. Activities keep their order. The least number of occurrences of repeated activities
+    stays, one after the other. The way back leads to the first occurrence of each.
     """
     if problem.is_plain and not problem.has_calendars:
         return problem, Projection.identity(problem)
@@ -51,11 +51,11 @@ def mandatory_part(problem: Problem) -> Projected:
 
 
 MOST_REPEATED = 1_000
-"""So many occurrences of one action are counted at most; more must not cost more."""
+"""At most this many occurrences of one action are counted, to limit the cost."""
 
 
 def least_occurrences(activity: Activity) -> int:
-    """How many occurrences of an activity every schedule has, up to `MOST_REPEATED`."""
+    """The number of occurrences of an activity that every schedule has, up to `MOST_REPEATED`."""
     if activity.details.repeats is not None:
         return min(activity.details.repeats[0], MOST_REPEATED)
     return 0 if activity.details.optional else 1

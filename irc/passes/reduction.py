@@ -1,6 +1,6 @@
 """Transitive reduction: plain precedences that follow from others.
 
-Only finish-start arcs without lags are judged: such an arc a → c follows when another path of
+Only finish-start arcs without lags can go: such an arc a → c follows when another path of
 finish-start arcs with lags of at least 0 leads from a to c, through activities that are present
 in every schedule.
 """
@@ -66,7 +66,7 @@ def _by_reachability(problem: Problem, successors: Successors, order: list[int])
             bit = 1 << v
             if reached & bit and _plain(problem.arcs[k]):
                 redundant.append(k)
-            # A path through what may be absent orders nothing.
+            # A path through an activity that may be absent orders nothing.
             reached |= bit if problem.activities[v].details.optional else bit | reach[v]
         reach[u] = reached
     return sorted(redundant)

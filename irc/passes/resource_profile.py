@@ -1,4 +1,4 @@
-"""How much of a pool is in use, over time."""
+"""The resource profile: the amount of a pool that is in use, over time."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from bisect import bisect_right
 from irc.problem import ContendedPool
 
 UNREACHABLE_TIME = 1 << 62
-"""Later than any time: what waits for it finds no place."""
+"""Later than any time: an activity that waits for it finds no place."""
 
 
 class Profile:
-    """How much of one pool is in use, or never there: a step function of time."""
+    """The amount of one pool that is in use or not available: a step function of time."""
 
     def __init__(self, pool: ContendedPool) -> None:
         self.capacity = pool.capacity

@@ -1,4 +1,4 @@
-"""Problems with fewer choices: what must be there is mandatory, what cannot be there is gone."""
+"""Problems with fewer choices: required activities are mandatory, impossible ones are gone."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from irc.problem.projection import restricted
 
 
 def restrict(problem: Problem, present: Collection[int], absent: Collection[int]) -> Problem:
-    """The problem in which some optional activities (indexes) are there, and others are not.
+    """The problem in which some optional activities (indexes) are present, and others absent.
 
-    Groups whose members are all there become required; groups without members go. Heads and tails
-    are left to the passes that find them, for they hold of fewer schedules now.
+    Groups whose members are all present become required; groups without members go. Heads and tails
+    are left to the passes that find them, because fewer schedules remain.
     """
     smaller = _with_presence(problem, present, absent)
     return replace(smaller, bounds=Bounds(makespan=smaller.bounds.makespan))
@@ -33,15 +33,16 @@ def _with_presence(problem: Problem, present: Collection[int], absent: Collectio
 
 
 def _required(problem: Problem, group: Group) -> Group:
-    """The group, which is required where none of its members is optional."""
+    """The group; it is required where none of its members is optional."""
     if group.required or any(problem.activities[i].details.optional for i in group.members):
         return group
     return replace(group, required=True)
 
 
-def settle_presence(problem: Problem) -> Problem:
-    """Makes mandatory what is wanted or belongs to a group that must be there; drops the rest
-    of what can never occur (its deadline is before the start), with its group.
+def decide_presence(problem: Problem) -> Problem:
+    """Makes goals and members of required groups mandatory; drops activities that can never occur.
+
+    An activity whose deadline is before its start can never occur; its group goes with it.
     """
     if problem.is_plain:
         return problem
@@ -66,7 +67,7 @@ def settle_presence(problem: Problem) -> Problem:
 def drop_ample_stock(problem: Problem) -> Problem:
     """Drops reservoirs that no order of the activities can bring to their limits.
 
-    Those with more takers than stock stay, as do all that repeated activities touch.
+    Reservoirs with more consumers than stock stay, and so do all that repeated activities change.
     """
     if not problem.reservoirs:
         return problem
@@ -92,7 +93,7 @@ def drop_ample_stock(problem: Problem) -> Problem:
 
 
 def _may_never_happen(activity: Activity) -> bool:
-    """Whether it may happen several times, or not at all."""
+    """Whether an activity may happen several times, or not at all."""
     repeats = activity.details.repeats
     return repeats is not None and repeats[0] == 0
 

@@ -1,9 +1,9 @@
-"""A quick schedule by rule: one activity after another, each as early as its resources allow.
+"""Serial schedule generation: one activity after another, each as early as its resources allow.
 
 The serial schedule generation scheme with the priority rule "longest head + duration + tail
-behind it first" (Kolisch, "Serial and parallel resource-constrained project scheduling methods
-revisited", EJOR 90, 1996). It is a hint and an upper bound, not an answer: where maximum lags,
-deadlines or fixed starts defeat it there simply is none.
+first" (Kolisch, "Serial and parallel resource-constrained project scheduling methods
+revisited", EJOR 90, 1996). The result is a hint and an upper bound, not an answer: where maximum
+lags, deadlines or fixed starts defeat the rule, there is no result.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ def list_schedule(
 ) -> Found | None:
     """Starts and ends in ticks, and for each activity the pool of each open demand.
 
-    Whatever has the least of the `priorities` comes first where precedence leaves a choice; by
-    default what is fixed, and then what is most urgent. Nothing starts before its floor. None where
-    the rule finds no schedule that keeps every window and lag.
+    Where precedence leaves a choice, the activity with the least of the `priorities` comes first;
+    by default fixed activities, and then the most urgent. No activity starts before its floor. None
+    where the rule finds no schedule that keeps every window and lag.
     """
     if priorities is None:
         priorities = [
@@ -67,9 +67,8 @@ def list_schedule(
 
 
 def quick_schedule(problem: Problem) -> Found | None:
-    """The quick schedule. Where there is an earlier one, the best of three, and of equals the one
-    that moves least: by the rule, in the order of the earlier one, and with nothing sooner than in
-    that.
+    """The quick schedule; with a previous plan, the best of three, and of equals the one that moves
+    least: by the rule, in the order of the previous plan, and with no start before its start there.
     """
     by_rule = list_schedule(problem)
     if not any(problem.previous.places):
@@ -91,7 +90,7 @@ def _quality(problem: Problem, found: Found) -> tuple[int, int]:
 
 
 def _with_resources_of_before(problem: Problem) -> Problem:
-    """The problem in which each open demand looks first at what the previous plan took for it."""
+    """The problem in which each open demand tries first the pool that the previous plan took."""
     activities = list(problem.activities)
     for i, place in enumerate(problem.previous.places):
         demands = activities[i].open_demands
@@ -113,7 +112,7 @@ def _first_as_before(problem: Problem, demand: OpenDemand, place: PreviousPlace)
 
 
 def _place_before(problem: Problem, i: int) -> int:
-    """What is fixed comes first, then all in the order of before, then what is new."""
+    """Priorities: fixed activities first, then the order of the previous plan, then new ones."""
     place = problem.previous.places[i]
     if place is not None:
         return place.start
@@ -128,7 +127,7 @@ def quick_makespan(problem: Problem) -> int | None:
 
 
 def _order(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
-    """Precedence-consistent, the least priority first; None where arcs form a cycle."""
+    """The activities in an order that keeps precedence, least priority first; None on a cycle."""
     waiting = [0] * len(problem.activities)
     following: list[list[int]] = [[] for _ in problem.activities]
     for arc in problem.arcs:
@@ -165,7 +164,7 @@ def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[De
 
 
 def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
-    """The first time from `start` on at which every open demand fits, and what it takes."""
+    """The first time from `start` on at which every open demand fits, and the pools it takes."""
     duration = activity.duration_min
     if not activity.open_demands or not duration:
         return start, tuple(demand.alternatives[0] for demand in activity.open_demands)

@@ -1,8 +1,8 @@
-"""State that only says what comes after what becomes precedence.
+"""Turns state that only orders activities into precedence.
 
 Where each value of a variable comes from one place and the changes follow from each other, its
-conditions and effects order activities: "cut" gives what "fry" needs, so "fry" starts after "cut"
-has ended. Solvers are far better at precedence than at state.
+conditions and effects order activities: "cut" gives the value that "fry" needs, so "fry" starts
+after "cut" has ended. Solvers are far better at precedence than at state.
 
 Ranks stay possible. The orders taken are of the type finish-start alone, and together with the
 problem's own arcs (then finish-start too, without negative lags) they have no cycle: ranks that
@@ -23,13 +23,12 @@ ACTIVITY_LIMIT = 4_000
 
 
 def order_from_state(problem: Problem) -> Problem:
-    """The problem without the variables whose changes follow from each other, and with arcs
-    (and `state_precedences`) in their place."""
+    """The problem with arcs (and `state_precedences`) instead of variables that only order."""
     if not problem.variables or len(problem.activities) > ACTIVITY_LIMIT:
         return problem
     if not all(a.from_end and not a.to_end and a.min_lag >= 0 for a in problem.arcs):
         return problem
-    order = _Order(problem)
+    order = _KnownOrder(problem)
     if not order.is_acyclic():
         return problem
     index = _Index(problem)
@@ -40,7 +39,7 @@ def order_from_state(problem: Problem) -> Problem:
 
 @dataclass(frozen=True, slots=True)
 class _Touch:
-    """A condition on a variable, or an effect: whose, which value, at which point."""
+    """A condition on a variable, or an effect: its activity, value and point."""
 
     activity: int
     value: int
@@ -48,7 +47,7 @@ class _Touch:
 
 
 class _Index:
-    """What touches each variable, and the optional group of each activity."""
+    """The conditions and effects of each variable, and the optional group of each activity."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -71,14 +70,14 @@ class _Index:
 
 
 def _orders(index: _Index, v: int) -> set[tuple[int, int]] | None:
-    """(a, b): a ends before b starts; all that the variable demands. None where it says more."""
+    """The demands of a variable as pairs: a ends before b starts. None where it demands more."""
     problem = index.problem
     effects, conditions = index.effects[v], index.conditions[v]
     touching = {t.activity for t in (*effects, *conditions)}
     if not _same_presence(index, touching):
         return None
     if index.goals[v] and any(problem.activities[i].details.optional for i in touching):
-        return None  # The goal also says who must be there.
+        return None  # The goal also says which activity must be present.
     if any(e.at == "start" for e in effects):
         return None
     if len({e.activity for e in effects}) < len(effects):
@@ -98,7 +97,7 @@ def _orders(index: _Index, v: int) -> set[tuple[int, int]] | None:
 
 
 def _same_presence(index: _Index, touching: set[int]) -> bool:
-    """Whether all of them are there in every schedule, or all by the choice of one group."""
+    """Whether all are present in every schedule, or all by the choice of one group."""
     details = {i: index.problem.activities[i].details for i in touching}
     if any(d.repeats is not None for d in details.values()):
         return False
@@ -112,9 +111,9 @@ def _same_presence(index: _Index, touching: set[int]) -> bool:
 def _line(
     effects: list[_Touch], conditions: list[_Touch], source: dict[int, int | None]
 ) -> list[_Touch] | None:
-    """The effects in the one order in which each changer finds what it needs before it acts.
+    """The effects in the only order in which each changer finds the value that it needs.
 
-    Each changer must itself need a value, the one that the effect before it gave.
+    Each changer must itself need a value, the one that the previous effect gave.
     """
     needs: dict[int, set[int]] = {}
     for condition in conditions:
@@ -141,7 +140,7 @@ def _pairs(
     conditions: list[_Touch],
     source: dict[int, int | None],
 ) -> set[tuple[int, int]] | None:
-    """What follows the source of a value, and what must have ended before the next change.
+    """Pairs of a value's source and its readers, and of readers and the next change.
 
     A reader that is not the next changer must have ended before that one starts only where both
     are so ordered by finish-start; the next change takes effect at its changer's *end*, so a
@@ -170,8 +169,8 @@ def _pairs(
     return pairs
 
 
-class _Order:
-    """Which activity ends before which starts, as far as is known."""
+class _KnownOrder:
+    """The known orders: which activity ends before which starts."""
 
     def __init__(self, problem: Problem) -> None:
         self.size = len(problem.activities)
@@ -186,17 +185,17 @@ class _Order:
             for b in following:
                 waiting[b] += 1
         ready = [i for i, count in enumerate(waiting) if not count]
-        settled = 0
+        done = 0
         while ready:
-            settled += 1
+            done += 1
             for b in self.following[ready.pop()]:
                 waiting[b] -= 1
                 if not waiting[b]:
                     ready.append(b)
-        return settled == self.size
+        return done == self.size
 
     def with_most_of(self, found: Sequence[tuple[int, set[tuple[int, int]]]]) -> set[int]:
-        """Adds the pairs of each variable that makes no cycle with those before it; which it did.
+        """Adds the pairs of each variable that close no cycle; returns those variables.
 
         All at once where that is possible, else half by half.
         """

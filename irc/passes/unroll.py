@@ -1,4 +1,4 @@
-"""Repeated actions: an activity for each occurrence."""
+"""Unrolls repeated actions: an activity for each occurrence."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from irc.problem.projection import restricted
 def unroll(problem: Problem, depth: int) -> Problem:
     """The problem with at most `depth` occurrences of each action that may repeat (and its least).
 
-    The first occurrence keeps its index; the others follow after all activities, each with the
-    one before it as `previous_occurrence`. Heads and tails are carried over.
+    The first occurrence keeps its index; the others follow after all activities, each with its
+    predecessor as `previous_occurrence`. Heads and tails are carried over.
     """
     if all(a.details.repeats is None for a in problem.activities):
         return problem
@@ -50,7 +50,7 @@ def unroll(problem: Problem, depth: int) -> Problem:
 
 
 def slots(activity: Activity, depth: int) -> int:
-    """How many occurrences of an activity there may be at a depth."""
+    """The greatest number of occurrences of an activity at a depth."""
     repeats = activity.details.repeats
     if repeats is None:
         return 1
@@ -60,7 +60,7 @@ def slots(activity: Activity, depth: int) -> int:
 
 
 def _occurrence(activity: Activity, k: int, previous: int | None, least: int) -> Activity:
-    """The k-th of those that are left (some may have run)."""
+    """The k-th open occurrence of an activity (some may have run)."""
     details = activity.details
     return replace(
         activity,
@@ -75,7 +75,7 @@ def _occurrence(activity: Activity, k: int, previous: int | None, least: int) ->
 
 
 def _further_heads(problem: Problem, further: list[tuple[int, Activity]]) -> tuple[int, ...]:
-    """Before the k-th occurrence k - 1 others have run."""
+    """The heads of further occurrences: k - 1 others run before the k-th one."""
     heads = problem.bounds.heads
     return heads and (
         *heads,
@@ -84,7 +84,7 @@ def _further_heads(problem: Problem, further: list[tuple[int, Activity]]) -> tup
 
 
 def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tuple[int, ...]:
-    """Behind the k-th occurrence run those that must be there."""
+    """The tails of further occurrences: the required ones run after the k-th one."""
     tails = problem.bounds.tails
     return tails and (
         *tails,
@@ -98,7 +98,7 @@ def _further_tails(problem: Problem, further: list[tuple[int, Activity]]) -> tup
 def _further_places(
     problem: Problem, further: list[tuple[int, Activity]]
 ) -> tuple[PreviousPlace | None, ...]:
-    """Where the previous plan has the k-th occurrence, if it has one."""
+    """The previous places of further occurrences, as far as the previous plan has them."""
     if not problem.previous.places:
         return ()
     found = []
@@ -109,7 +109,7 @@ def _further_places(
 
 
 def _number(problem: Problem, i: int, occurrence: Activity) -> int:
-    """Which of the occurrences that activity i stands for this is, from 1."""
+    """The number of an occurrence among those that activity i stands for, from 1."""
     return occurrence.details.occurrence - problem.activities[i].details.occurrence + 1
 
 

@@ -8,7 +8,7 @@ from irc.problem.statements import Side
 
 
 def arc_in_words(problem: Problem, arc: Arc, side: Side, *, must: bool = False) -> str:
-    """What an arc says, or only what one of its two lags says: "starts", or "must start"."""
+    """An arc in words, or only one of its two lags: "starts", or with `must`, "must start"."""
     before, after = problem.activities[arc.before].id, problem.activities[arc.after].id
     plain = arc.from_end and not arc.to_end and arc.min_lag == 0
     if plain and (arc.max_lag is None or side is Side.LEAST):

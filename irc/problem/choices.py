@@ -1,4 +1,4 @@
-"""What a schedule chose: its entries as decisions about activities, in ticks and indexes."""
+"""Reads the entries of a schedule as decisions about activities, in ticks and indexes."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def decision_of(
 ) -> Decision:
     """An entry as a decision about its activity.
 
-    The entry's times are counted from `now` (ticks), its ranks from `rank`. What the entry does not
-    say is left open. Raises `UnexplainedError`.
+    The entry's times are counted from `now` (ticks), its ranks from `rank`. Choices that the entry
+    does not give stay open. Raises `UnexplainedError`.
     """
     mode, chosen = choices_of(problem, activity, entry)
     return Decision(
@@ -40,9 +40,9 @@ def decision_of(
 def choices_of(
     problem: Problem, activity: Activity, entry: Entry
 ) -> tuple[int | None, tuple[int | None, ...] | None]:
-    """The mode and the resource of each use; None for what the entry leaves open.
+    """The mode and the resource of each use; None for choices that the entry leaves open.
 
-    Raises `UnexplainedError` where the activity cannot have what the entry says.
+    Raises `UnexplainedError` where the activity cannot have the entry's mode or resources.
     """
     details = activity.details
     mode: int | None = None
@@ -77,7 +77,7 @@ def _explain(
     held: dict[int, int],
     chosen: list[int | None],
 ) -> bool:
-    """Chooses a resource for each use so that exactly what is held is taken."""
+    """Chooses a resource for each use so that they take exactly the amounts that are held."""
     if at == len(order):
         return not any(held.values())
     use = activity.uses[order[at]]
@@ -97,7 +97,7 @@ def members_taken(
 ) -> tuple[int | None, ...]:
     """The resource of each use of an activity whose open demands took these pools.
 
-    None where the pool has several members: which of them it is has not been decided.
+    None where the pool has several members and none has been chosen yet.
     """
     chosen: list[int | None] = [None] * len(activity.uses)
     for demand, pool in zip(activity.open_demands, pools, strict=True):
@@ -107,7 +107,7 @@ def members_taken(
 
 
 def pools_taken(problem: Problem, activity: Activity, decision: Decision) -> tuple[int, ...]:
-    """The pool that each open demand of an activity took; its first where nothing says which."""
+    """The pool that each open demand of an activity took; its first where that is not known."""
     pools = problem.contention.pools
     taken = decision.chosen or (None,) * len(activity.uses)
     return tuple(

@@ -1,4 +1,4 @@
-"""What an engine decided about each activity, and each activity's place in an exact schedule."""
+"""Decisions of an engine about activities, and the places of activities in an exact schedule."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Moment = int | Fraction
 
 
 class AnswerError(IrcError):
-    """An engine's answer that no exact schedule of the task corresponds to.
+    """An engine's answer does not correspond to any exact schedule of the task.
 
-    `line` is where in the answer's text, from 1, that shows, if it shows somewhere.
+    `line` is the line of the answer's text, from 1, that shows it, if there is one.
     """
 
     def __init__(self, message: str, line: int | None = None) -> None:
@@ -23,7 +23,7 @@ class AnswerError(IrcError):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What an engine decided about one activity. Times are in ticks, perhaps not whole.
+    """A decision of an engine about one activity. Times are in ticks, perhaps not whole.
 
     `chosen[u]` is the resource (index) taken for use u, or None where the engine did not say.
     Happenings of equal time come in the order of their ranks, as far as the engine gives any.
@@ -58,7 +58,7 @@ class Placed:
 
 
 def as_decision(place: Placed) -> Decision:
-    """A place as the decisions that lead to it."""
+    """The decision that leads to a place."""
     return Decision(
         place.start,
         place.end,

@@ -1,4 +1,4 @@
-"""A horizon by which some optimal schedule has ended, if there is any schedule."""
+"""An upper bound on the end of some optimal schedule: the horizon."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from irc.problem.problem import Activity, Arc, ContendedPool, Mode, Problem, Win
 
 
 def safe_horizon(problem: Problem) -> int:
-    """In ticks; counts durations, lags (maximum ones too), releases, fixed starts and windows.
+    """The horizon in ticks, from durations, lags, releases, fixed starts and windows.
 
     Fix the choices and the order on every resource as some optimal schedule has them. The least
     solution of the resulting temporal network is optimal too, and in it every time is the floor
     of one activity plus the length of a simple path, which leaves each point at most once, over
     an edge no longer than the longest that leaves it. Summing those over all points is enough.
-    What keeps to a window's side of a boundary has that boundary as its floor. Orders on state and
-    stock are edges of length 0 (a tick is allowed for each, should ranks not tell them apart).
-    What stays where the previous plan has it has its start as its floor.
+    An activity that keeps to one side of a window's boundary has that boundary as its floor. Orders
+    on state and stock are edges of length 0 (or of a tick, where ranks cannot separate them). An
+    activity that stays where the previous plan has it has its start as its floor.
     """
     floor = max((w.end for r in problem.resources for w in r.windows), default=0)
     for places in (problem.previous.places, *problem.previous.recurring.values()):
@@ -46,9 +46,9 @@ def safe_horizon(problem: Problem) -> int:
 def within(problem: Problem, horizon: int) -> Problem:
     """The same problem for all schedules that end by `horizon`, with no time far beyond it.
 
-    A later time means the same as the first tick after the horizon: what must wait for it or last
-    as long cannot be there, what is allowed until then is allowed throughout. So numbers stay small
-    however large the task's are, when a deadline (not they) says how far a schedule reaches.
+    A later time means the same as the first tick after the horizon: an activity that must wait for
+    it, or last as long, cannot be present, and a limit at it never binds. So numbers stay small,
+    however large the numbers of the task are, if a deadline limits the schedule.
     """
     never = horizon + 1
     return replace(

@@ -1,4 +1,4 @@
-"""What a schedule of a problem is worth: the values of its objectives."""
+"""Computes the objective values of a schedule of a problem."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def in_units(problem: Problem, objective: str, value: int) -> Number:
     return problem.to_units(value) if objective in TIMES else value
 
 
-def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
-    """The objectives' values, in the task's unit; each occurrence counts.
+def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
+    """The objective values of a schedule, in the task's unit; each occurrence counts.
 
-    What was cancelled has its cost alone: it earns nothing and is never late.
+    A cancelled occurrence has only its cost: it earns no reward and adds no tardiness.
     """
-    # (Of an action with several occurrences the first activity stands for all.)
+    # (The first activity stands for all occurrences of its action.)
     activities = {a.id: a for a in reversed(problem.activities)}
     tardiness: Number = 0
     reward = cost = 0
@@ -52,14 +52,13 @@ def worth(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
 
 
 def costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:
-    """Each objective of the problem, in order, as something that should be small: less is better,
-    so a reward counts as its negative."""
-    values = worth(problem, schedule)
+    """The values of the problem's objectives, in order; less is better, so rewards are negative."""
+    values = schedule_values(problem, schedule)
     return {name: -values[name] if name == "reward" else values[name] for name in problem.levels}
 
 
 def _changes(problem: Problem, by_id: Mapping[str, list[Entry]]) -> int:
-    """How many occurrences are not where the previous plan, if there is one, has them."""
+    """The number of occurrences that are not where the previous plan has them; 0 without a plan."""
     changes = 0
     for i, (activity, first) in enumerate(
         zip(problem.activities, problem.previous.places, strict=False)
@@ -90,7 +89,7 @@ def _late(problem: Problem, end: Number, due: int) -> Number:
 
 
 def _ends(problem: Problem, group: Group, by_id: Mapping[str, list[Entry]]) -> list[Number]:
-    """The ends of a group's members where all are present; nothing where not."""
+    """The ends of a group's members if all are present, else none."""
     members = [by_id.get(problem.activities[i].id) for i in group.members]
     if not all(members):
         return []

@@ -1,9 +1,9 @@
-"""What a solver needs: the task in whole ticks, in a fixed order, with the way back.
+"""The problem that solvers get: the task in whole ticks, in a fixed order, with the way back.
 
-`irc.lowering` makes a `Problem`, `irc.passes` refine it; nothing downstream reads a `Task`.
-All times are integers in ticks; `tick` says how many of the task's time units one tick is.
-Actions, resources and arcs are referred to by index; the canonical order (by id) makes the same
-task give the same bytes, however its arrays were written.
+`irc.lowering` makes a `Problem`, `irc.passes` refine it; no later stage reads a `Task`.
+All times are integers in ticks; `tick` is the length of a tick in the task's time unit. Actions,
+resources and arcs are referred to by index. The canonical order (by id) makes the same task give
+the same bytes, however its arrays were written.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Mode(NamedTuple):
 
 
 class StockChange(NamedTuple):
-    """What an activity puts into a reservoir at one of its ends; a negative amount takes."""
+    """A change of a reservoir by an activity at one of its ends; a negative amount takes."""
 
     reservoir: int
     amount: int
@@ -79,10 +79,10 @@ class Effect(NamedTuple):
 
 
 class Ranks(NamedTuple):
-    """The ranks of a start and an end that have been; None where a rank is still to be found.
+    """The ranks of an executed start and end; None where a rank is still to be found.
 
-    `at_least`: the start has that rank or a higher one. (What runs for a fixed duration ends with
-    the rank of its start, and must not be too early in the order of that instant.)
+    `at_least`: the start has that rank or a higher one. (A running activity of fixed duration ends
+    with the rank of its start, and must not come too early in the order of that instant.)
     """
 
     start: int | None
@@ -92,11 +92,11 @@ class Ranks(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Details:
-    """What most activities do without.
+    """The rare fields of an activity, which most activities do not need.
 
     `optional`: it may be absent. `repeats`: the least and the greatest number of occurrences
     (None: no greatest) where more than one is possible; `irc.passes.unroll` makes an activity of
-    each, the k-th with `occurrence` k and the index of the one before as `previous_occurrence`.
+    each, the k-th with `occurrence` k and the index of its predecessor as `previous_occurrence`.
 
     With `modes` exactly one is chosen. `use_modes` says for each of the activity's `uses` in which
     mode (index) it is held, None: in all; empty stands for all None.
@@ -154,7 +154,7 @@ class Activity:
 
     @property
     def is_fixed(self) -> bool:
-        """Whether the solver has no say in the duration."""
+        """Whether the duration is fixed, so that no solver chooses it."""
         return self.duration_min == self.duration_max
 
     def uses_in(self, mode: int | None) -> tuple[int, ...]:
@@ -221,11 +221,11 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class ContendedPool:
-    """What encoders see of resources that are contended for.
+    """A contended pool, as encoders see it: one resource, or several interchangeable ones.
 
-    One resource, or several interchangeable ones: decoding an answer says again which of the
-    `members` (indexes into `Problem.resources`) is which. Several have no `windows`. Of a single
-    resource `capacity` is the greatest it ever has, and `base` what it has outside of its windows.
+    Decoding an answer assigns the `members` (indexes into `Problem.resources`) again. A pool of
+    several has no `windows`. For a single resource, `capacity` is its greatest capacity, and `base`
+    its capacity outside of its windows.
     """
 
     id: str
@@ -236,7 +236,7 @@ class ContendedPool:
 
     @property
     def least_capacity(self) -> int:
-        """What there is at every instant."""
+        """The capacity that the pool has at every instant."""
         base = self.capacity if self.base is None else self.base
         return min((base, *(w.capacity for w in self.windows)))
 
@@ -257,8 +257,9 @@ class Arc(NamedTuple):
 
 
 class PreviousPlace(NamedTuple):
-    """Where the previous plan has an activity: its start, the index of its mode, and the resource
-    (index) of each of its uses, None where the mode has no such use.
+    """The previous place of an activity: its start, the index of its mode, and the resources.
+
+    There is a resource (index) for each of its uses, None where the mode has no such use.
     """
 
     start: int
@@ -268,7 +269,7 @@ class PreviousPlace(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """A proven lower bound on the makespan, in ticks, and the argument that gave it."""
+    """A proven lower bound on the makespan, in ticks, and the reason for it."""
 
     value: int
     reason: str
@@ -276,7 +277,7 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Contention:
-    """What is still to be decided about resources, and what passes decided without loss.
+    """The open choices of resources, and the choices that passes fixed without loss.
 
     Open demands of activities refer to the `pools`. `fixed_choices` are (activity, use) → resource.
     """
@@ -301,7 +302,7 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class PreviousPlan:
-    """Where the previous plan of a running task has what may still move.
+    """The previous plan of a running task: the places of activities that may still move.
 
     `places` is empty, or has one entry for each activity. For an action that repeats, it is the
     place of the first occurrence; `recurring` has the places of the others by activity.
@@ -320,14 +321,13 @@ class PreviousPlan:
 class Problem:
     """The task as integers.
 
-    `activity.uses` and `resources` are what the user wrote. `activity.open_demands` and
-    `contention` are what of it is still to be decided, which passes make smaller.
+    `activity.uses` and `resources` are those of the task. `activity.open_demands` and `contention`
+    are the part of them that is still to be decided, which passes make smaller.
 
     `goals` are (variable, value) pairs. `required` are the activities that must be present.
-    `objectives` are the names of what counts, in order ("makespan", "tardiness", "reward", "cost",
-    "changes"). `state_precedences` are pairs of activities of which state says, through `arcs`,
-    that the second starts when the first has ended: at the same time if need be, but at a higher
-    rank.
+    `objectives` are the names of the objectives, in order ("makespan", "tardiness", "reward",
+    "cost", "changes"). `state_precedences` are pairs of activities: by state, through `arcs`, the
+    second starts after the end of the first, perhaps at the same time, but then at a higher rank.
     """
 
     name: str | None
@@ -353,13 +353,13 @@ class Problem:
         return replace(self, bounds=replace(self.bounds, makespan=Bound(value, reason)))
 
     def to_units(self, ticks: int) -> Number:
-        """Ticks → the task's time unit, exactly."""
+        """Converts ticks to the task's time unit, exactly."""
         if self.tick.denominator == 1:
             return ticks * self.tick.numerator
         return exact(ticks * self.tick)
 
     def to_ticks(self, time: Number) -> Number:
-        """A time of the task's unit → ticks, exactly: a `Fraction` where it is between two."""
+        """Converts a time of the task's unit to ticks, exactly: a `Fraction` if between two."""
         # Whole numbers all the way: in a large schedule fractions would cost more than the search.
         ticks, rest = divmod(
             time.numerator * self.tick.denominator, time.denominator * self.tick.numerator
@@ -367,14 +367,14 @@ class Problem:
         return Fraction(time) / self.tick if rest else ticks
 
     def whole_ticks(self, time: Number) -> int:
-        """A time of the task's unit → ticks. Raises `ValueError` where it is between two."""
+        """Converts a time of the task's unit to ticks. Raises `ValueError` if between two ticks."""
         ticks = self.to_ticks(time)
         if not isinstance(ticks, int):
             raise ValueError(f"{time} is not a whole number of ticks of {self.tick}")
         return ticks
 
     def time_text(self, ticks: int) -> str:
-        """A time as messages show it: in the task's unit, which it names."""
+        """A time as text for messages, with the task's unit."""
         return f"{format_number(self.to_units(ticks))} {self.time_unit}"
 
     def effective_deadline(self, index: int) -> int | None:
@@ -386,7 +386,7 @@ class Problem:
 
     @property
     def levels(self) -> tuple[str, ...]:
-        """The objectives, and behind them the changes to the previous plan, if there is one."""
+        """The objectives, followed by the changes to the previous plan, if there is one."""
         if not any(self.previous.places) or "changes" in self.objectives:
             return self.objectives
         return (*self.objectives, "changes")
@@ -400,12 +400,12 @@ class Problem:
 
     @property
     def has_calendars(self) -> bool:
-        """Whether some resource has another capacity at times."""
+        """Whether some resource has a calendar."""
         return any(resource.windows for resource in self.resources)
 
     @property
     def has_contention(self) -> bool:
-        """Whether anything is left for a solver to decide besides times."""
+        """Whether a solver has anything to decide besides times."""
         return any(activity.open_demands for activity in self.activities) or not self.is_plain
 
 

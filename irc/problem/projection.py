@@ -34,9 +34,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Kept:
-    """Which elements of one kind a smaller problem has: `old[k]` is the index that element k had.
+    """The elements of one kind in a smaller problem: `old[k]` is the index that element k had.
 
-    An element that occurs several times has copies; what refers to it refers to the first.
+    An element that occurs several times has copies; references to it lead to the first.
     """
 
     old: Sequence[int]
@@ -44,7 +44,7 @@ class Kept:
 
     @staticmethod
     def of(size: int, kept: Iterable[int] | None = None) -> Kept:
-        """Those of `size` elements that are kept; None: all."""
+        """The kept ones of `size` elements; None: all."""
         if kept is None:
             return Kept(range(size), size)
         old = tuple(kept)
@@ -64,13 +64,13 @@ class Kept:
         return places
 
     def of_each(self, elements: Sequence[T]) -> tuple[T, ...]:
-        """Those of the elements that are kept; nothing of a list that is not filled in."""
+        """The kept elements of a list; nothing if the list is empty."""
         if self.is_all or not elements:
             return tuple(elements)
         return tuple(elements[i] for i in self.old)
 
     def moved(self, indexes: Sequence[int]) -> tuple[int, ...]:
-        """The new indexes of those that are kept."""
+        """The new indexes of the elements that are kept."""
         if self.is_all:
             return tuple(indexes)
         return tuple(self.new[i] for i in indexes if i in self.new)
@@ -95,7 +95,7 @@ class Projection:
 
     @staticmethod
     def identity(problem: Problem) -> Projection:
-        """The way from a problem to itself."""
+        """The projection of a problem to itself."""
         return Projection(
             activities=Kept.of(len(problem.activities)),
             arcs=Kept.of(len(problem.arcs)),
@@ -108,7 +108,7 @@ class Projection:
         )
 
     def decisions(self, decisions: Sequence[Decision]) -> tuple[Decision, ...]:
-        """Decisions about the whole problem → decisions about the smaller one."""
+        """Converts decisions about the whole problem to decisions about the smaller one."""
         return tuple(self._decision(i, decisions[i]) for i in self.activities.old)
 
     def _decision(self, i: int, decision: Decision) -> Decision:
@@ -125,7 +125,7 @@ class Projection:
         return tuple(None if r is None else self.resources.new.get(r) for r in taken)
 
     def spread(self, whole: Problem, placed: Sequence[Placed]) -> tuple[Placed, ...]:
-        """Places in the smaller problem → places in the whole one. What has none is absent."""
+        """Converts places in the smaller problem to places in the whole one; the rest is absent."""
         places = [ABSENT_PLACE] * len(whole.activities)
         for k, i in enumerate(self.activities.old):
             place = placed[k]
@@ -162,13 +162,13 @@ def restricted(
 ) -> Projected:
     """The problem with only these elements (indexes, in the order that they get), and the way back.
 
-    None keeps all of a kind. An activity that is named several times is copied. `uses` says of some
-    activities which of their uses stay. What refers to something that goes, goes as well: an arc, a
-    member of a group, a condition, a place in the previous plan. So do groups without members, and
+    None keeps all of a kind. An activity that is named several times is copied. `uses` gives, for
+    some activities, the uses that stay. References to an element that goes, go as well: arcs,
+    members of groups, conditions, places in the previous plan. So do groups without members, and
     pools and uses without resources.
 
-    Bounds are carried over. They hold of the smaller problem only where each of its schedules is
-    one of the whole problem with something left out; a caller for whom this is not so drops them.
+    Bounds are kept. They hold for the smaller problem only if each of its schedules is one of the
+    whole problem with something left out; a caller for whom this does not hold drops them.
     """
     own = Kept.of(len(problem.activities), activities)
     stations = Kept.of(len(problem.resources), resources)
@@ -197,7 +197,7 @@ def _kept_arcs(problem: Problem, activities: Kept, arcs: Iterable[int] | None) -
 def _kept_with(
     members_kept: Kept, members: Sequence[Sequence[int]], kept: Iterable[int] | None
 ) -> Kept:
-    """Of sets (all, or those `kept`) those with a member that is kept."""
+    """The sets (of all, or of those `kept`) that have a member which is kept."""
     if members_kept.is_all:
         return Kept.of(len(members), kept)
     candidates = range(len(members)) if kept is None else kept
@@ -209,7 +209,7 @@ def _kept_with(
 def _kept_uses(
     problem: Problem, activities: Kept, resources: Kept, uses: Mapping[int, Sequence[int]]
 ) -> dict[int, tuple[int, ...]]:
-    """For the activities that lose uses, the uses that they keep."""
+    """The uses that remain, for the activities that lose some."""
     found: dict[int, tuple[int, ...]] = {}
     for i in uses if resources.is_all else activities.old:
         entries = problem.activities[i].uses
@@ -222,7 +222,7 @@ def _kept_uses(
 
 
 def _project(problem: Problem, way: Projection) -> Problem:
-    """The problem as a projection says. Each field that has indexes is renumbered here."""
+    """The smaller problem of a projection. Each field that has indexes is renumbered here."""
     own = way.activities
     return replace(
         problem,

@@ -1,4 +1,4 @@
-"""A problem in the making that contains only what was stated so far."""
+"""Builds a relaxation: a problem that contains only the statements so far."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from irc.problem.projection import Projection, restricted
 
 
 class Relaxation:
-    """Parts of `problem`, each as weak as can be until it is stated.
+    """Parts of `problem`, each as weak as possible until it is stated.
 
-    Activities take any time from 0 to `free_length`, whenever; a resource has room for all that
+    Activities take any time from 0 to `free_length`, at any time; a resource has room for all that
     its users could ask for at once.
     """
 
@@ -38,7 +38,7 @@ class Relaxation:
         return self._fields.setdefault(i, {})
 
     def use(self, i: int, u: int) -> None:
-        """States that activity i holds what the entry u of its uses says."""
+        """States that activity i has the use u."""
         self.activity(i)
         self._uses.setdefault(i, []).append(u)
 
@@ -54,7 +54,7 @@ class Relaxation:
         self._arcs.append((k, arc))
 
     def build(self) -> Problem:
-        """The problem: what is not spoken of is not in it."""
+        """The problem with only the elements that statements name."""
         indexes = sorted(self._fields)
         uses = {i: sorted(self._uses.get(i, ())) for i in indexes}
         entries = (self.problem.activities[i].uses[u] for i in indexes for u in uses[i])

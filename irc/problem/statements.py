@@ -1,12 +1,11 @@
-"""What a statement of the IR is: the units that an explanation speaks in.
+"""The statements of a task: the units of an explanation.
 
-`KINDS` is the one place to add a kind of statement. A kind says where its statements stand, what
-each demands of time (differences of time points), and how a problem that contains nothing but
-stated things comes to contain it. So a set of statements alone is a problem of its own, and
-whether they can hold together is a question about that problem.
+`KINDS` is the one place to add a kind of statement. A kind gives the place of its statements, their
+demands on time (differences of time points), and the way to add them to a relaxation. So a set of
+statements alone is a problem of its own, and they can hold together if that problem has a schedule.
 
-An action of which no duration is stated takes any time from 0 on: dropping the statement drops
-all that the action weighs, or lets it be as long as others need it to be.
+An action without a stated duration takes any time from 0 on: without that statement, the action has
+no length, or the length that others need.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from irc.problem.relaxation import Relaxation
 
 
 class Kind(StrEnum):
-    """What a statement is about."""
+    """The kind of a statement."""
 
     TASK_DEADLINE = "task_deadline"
     CAPACITY = "capacity"
@@ -36,7 +35,7 @@ class Kind(StrEnum):
 
 
 class Side(StrEnum):
-    """Which limit of a statement is meant, where it has a least and a greatest value."""
+    """The limit of a statement that is meant, where it has a least and a greatest value."""
 
     BOTH = "both"
     LEAST = "min"
@@ -44,7 +43,7 @@ class Side(StrEnum):
 
 
 class Statement(NamedTuple):
-    """One thing that the task says.
+    """One demand of the task.
 
     `of` is the index of the activity, resource or arc in the `Problem`; `use` that of the entry
     in the activity's `uses`.
@@ -81,7 +80,7 @@ def end_point(activity: int) -> int:
 
 
 class Difference(NamedTuple):
-    """`t[dst] - t[src] >= weight`; `statement` says so, or nobody: None is how time is."""
+    """`t[dst] - t[src] >= weight`, by `statement`; None: by the nature of time."""
 
     src: int
     dst: int
@@ -90,7 +89,7 @@ class Difference(NamedTuple):
 
 
 class StatementKind(ABC):
-    """Everything there is to know about one kind of statement."""
+    """The properties of one kind of statement."""
 
     kind: ClassVar[Kind]
 
@@ -100,18 +99,18 @@ class StatementKind(ABC):
 
     @abstractmethod
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
-        """Where it stands in the document."""
+        """The pointer of a statement in the document."""
 
     @abstractmethod
     def state(self, relaxation: Relaxation, statement: Statement) -> None:
-        """Makes it part of a relaxation."""
+        """Adds a statement to a relaxation."""
 
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
-        """What it demands of time."""
+        """The demands of a statement on time."""
         yield from ()
 
     def has_two_sides(self, problem: Problem, statement: Statement) -> bool:
-        """Whether its least and its greatest value are worth telling apart."""
+        """Whether a statement has a least and a greatest value that differ in effect."""
         return False
 
 
@@ -320,38 +319,38 @@ KINDS: Mapping[Kind, StatementKind] = {
 
 
 def all_statements(problem: Problem) -> list[Statement]:
-    """Everything the task says, in canonical order."""
+    """All statements of the task, in canonical order."""
     return [statement for kind in KINDS.values() for statement in kind.all(problem)]
 
 
 def in_canonical_order(statements: Iterable[Statement]) -> list[Statement]:
-    """By kind, and in each kind as the problem has them."""
+    """The statements by kind, and within a kind in the order of the problem."""
     rank = {kind: k for k, kind in enumerate(KINDS)}
     return sorted(statements, key=lambda s: (rank[s.kind], s.of, s.use))
 
 
 def pointer_of(problem: Problem, statement: Statement) -> Pointer:
-    """Where a statement stands in the document."""
+    """The pointer of a statement in the document, for any kind."""
     return KINDS[statement.kind].pointer(problem, statement)
 
 
 def differences_of(problem: Problem, statements: Iterable[Statement]) -> list[Difference]:
-    """What statements demand of time."""
+    """The demands of statements on time."""
     return [d for s in statements for d in KINDS[s.kind].differences(problem, s)]
 
 
 def how_time_is(activities: Iterable[int]) -> Iterator[Difference]:
-    """What nobody needs to state: nothing starts before t = 0 or ends before it starts."""
+    """The demands that need no statement: no start before t = 0, no end before the start."""
     for i in activities:
         yield Difference(ORIGIN, start_point(i), 0)
         yield Difference(start_point(i), end_point(i), 0)
 
 
 def problem_of(problem: Problem, statements: Iterable[Statement], free_length: int) -> Problem:
-    """The problem that states nothing else.
+    """The problem with only these statements.
 
-    It has only the activities and resources that are spoken of. `free_length` is how long an
-    activity can be whose duration is not stated; no schedule must need more.
+    It has only the activities and resources that the statements name. `free_length` is the greatest
+    duration of an activity whose duration is not stated; no schedule may need more.
     """
     relaxation = Relaxation(problem, free_length)
     for statement in statements:

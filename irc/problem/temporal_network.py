@@ -30,13 +30,13 @@ class Network:
         return len(self.src) - 1
 
     def reversed(self) -> Network:
-        """The network of distances *to* the end: every edge turned round."""
+        """The network of distances *to* the end: every edge reversed."""
         return Network(self.size, self.dst, self.src, self.weight)
 
 
 @dataclass(frozen=True)
 class Times:
-    """The least solution, how each time came about, and the contradictions found.
+    """The least solution, the cause of each time, and the contradictions found.
 
     `cause[v]` is the edge that set `t[v]`, or -1 where its floor did. `cycles` holds one positive
     cycle (edge numbers in order) for each strongly connected component that has one; the points
@@ -66,10 +66,10 @@ def earliest(network: Network, floors: Sequence[int]) -> Times:
         leaving[point].append(edge)
         waiting[dst[edge]] += 1
     ready = [point for point in range(network.size) if not waiting[point]]
-    settled = 0
+    done = 0
     while ready:
         u = ready.pop()
-        settled += 1
+        done += 1
         for edge in leaving[u]:
             v = dst[edge]
             reached = t[u] + weight[edge]
@@ -79,16 +79,16 @@ def earliest(network: Network, floors: Sequence[int]) -> Times:
             waiting[v] -= 1
             if not waiting[v]:
                 ready.append(v)
-    if settled == network.size:
+    if done == network.size:
         return Times(t, cause, [])
     rest = [point for point in range(network.size) if waiting[point]]
-    return _settle_cyclic(network, leaving, rest, t, cause)
+    return _earliest_on_cycles(network, leaving, rest, t, cause)
 
 
-def _settle_cyclic(
+def _earliest_on_cycles(
     network: Network, leaving: list[list[int]], rest: list[int], t: list[int], cause: list[int]
 ) -> Times:
-    """The points on cycles and behind them, one strongly connected component after another."""
+    """Times of the points on cycles and after them, one strongly connected component at a time."""
     cycles: list[list[int]] = []
     for component in components(network, leaving, rest):
         members = set(component)
@@ -115,11 +115,11 @@ def _relax(
     t: list[int],
     cause: list[int],
 ) -> list[int] | None:
-    """Label correction inside one component; a positive cycle if there is one."""
+    """Corrects labels inside one component; returns a positive cycle if there is one."""
     dst, weight = network.dst, network.weight
     queue, queued = deque(_forward(network, leaving, component, members)), set(component)
     # While there is a positive cycle the causes close to one sooner or later; looking for it once
-    # in so many steps as there are points costs no more than the steps themselves (Cherkassky and
+    # per as many steps as there are points costs no more than the steps themselves (Cherkassky and
     # Goldberg, "Negative-cycle detection algorithms", 1999).
     steps = 0
     while queue:
@@ -145,7 +145,7 @@ def _forward(
 ) -> list[int]:
     """The component, along its constraints of weight >= 0 (depth first, reverse postorder).
 
-    So one round over it settles what minimum lags say, however long their chains are.
+    So one round over it finds the times that minimum lags demand, however long their chains are.
     """
     dst, weight = network.dst, network.weight
     order: list[int] = []

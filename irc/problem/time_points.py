@@ -17,7 +17,7 @@ DURATION = -1
 
 @dataclass(frozen=True)
 class PointMap:
-    """Where each activity's two ends live: a point number and an offset to it in ticks."""
+    """The points of each activity's two ends: a point number and an offset to it in ticks."""
 
     start: list[int]
     end: list[int]
@@ -27,7 +27,7 @@ class PointMap:
 
 @dataclass(frozen=True)
 class TimingNetwork:
-    """The network of a problem. `labels[e]` is (arc index or `DURATION`, is it a maximum lag)."""
+    """The network of a problem. `labels[e]` is (arc index or `DURATION`, whether a maximum)."""
 
     points: PointMap
     network: Network
@@ -37,7 +37,7 @@ class TimingNetwork:
 
 
 def point_map(problem: Problem) -> PointMap:
-    """One point for each start, and one for each end that can move by itself."""
+    """The points of a problem: one for each start, and one for each end that can move by itself."""
     start, end, offset = [], [], []
     size = 0
     for activity in problem.activities:
@@ -54,10 +54,10 @@ def point_map(problem: Problem) -> PointMap:
 
 
 def timing_network(problem: Problem, *, maxima: bool = True) -> TimingNetwork:
-    """Durations, releases, fixed starts (as floors), and the lags of every arc.
+    """The network of durations, releases, fixed starts (as floors), and the lags of every arc.
 
-    `maxima=False` leaves out maximum lags and greatest durations: what remains can only be
-    pushed later, which is what lower bounds need.
+    `maxima=False` leaves out maximum lags and greatest durations. The remaining constraints only
+    push points later, as lower bounds need.
     """
     points = point_map(problem)
     network = Network(points.size)
@@ -120,7 +120,7 @@ def latest_times(
 
 
 def _least_tails(problem: Problem, points: PointMap, limit: int) -> list[int]:
-    """How long before `limit` each point must be at least, by its own limits alone."""
+    """The least time from each point to `limit`, by its own limits alone."""
     least = [0] * points.size
     for i, activity in enumerate(problem.activities):
         deadline = problem.effective_deadline(i)

@@ -1,6 +1,6 @@
-"""Re-timing where there is more to keep than the order on resources.
+"""Re-timing: in, an engine's decisions; out, the exact earliest schedule.
 
-`selection`: what was chosen, as a problem of only that. `state`, `stock`, `calendar`: what each of
-them demands of the order and of the times. `ranks`: the order within an instant. `rich`: all of it
-together. Only tasks that need it load this package; see `irc.retiming.retime`.
+`selection`: the problem of only the chosen activities and modes. `resources`, `state`, `stock`,
+`calendar`: the orders and times that each of them demands. `ranks`: the order within an instant.
+`rich`: all of it together, which only tasks that need it load. See `irc.retiming.retime`.
 """

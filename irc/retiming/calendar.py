@@ -1,4 +1,4 @@
-"""Calendars in re-timing: nothing that holds a resource leaves its segment of the calendar.
+"""Calendars in re-timing: no holder of a resource moves out of its segment of the calendar.
 
 **Why a floor at the start is enough.** The boundaries (starts and ends of windows) cut time into
 segments of one capacity each. Let X be the activities that hold a resource at an instant x of the
@@ -25,7 +25,7 @@ FOREVER = 1 << 62
 
 
 def calendar_load(resource: Renewable) -> tuple[int, list[tuple[int, int, int]]]:
-    """The greatest capacity, and what of it is taken away (from, until, units)."""
+    """The greatest capacity, and the units that windows take away (from, until, units)."""
     greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
     load: list[tuple[int, int, int]] = []
     last = -FOREVER
@@ -46,7 +46,7 @@ def raise_floors(
 ) -> None:
     """Keeps each holder of a resource with windows at or after its segment's beginning.
 
-    `starts[i]` is the point of activity i's start. What takes no time holds nothing.
+    `starts[i]` is the point of activity i's start. An activity of no duration holds nothing.
     """
     boundaries = {
         r: sorted({time for w in resource.windows for time in (w.start, w.end)})

@@ -1,9 +1,8 @@
 """Ranks: the order within an instant, once all times are known.
 
 Every demand is a difference, rank(b) >= rank(a) + 0 or 1, between happenings of equal times, or
-that are exactly a lag or a duration apart: of state, of who takes what another frees, and of stock.
-The least solution is taken, so a rank is 0 wherever nothing needs more. What has been keeps the
-ranks that it had.
+that are exactly a lag or a duration apart: by state, by hand-overs of resources, and by stock. The
+least solution is taken, so a rank is 0 wherever nothing demands more. The history keeps its ranks.
 
 **Ranks exist if the times were found by the same demands.** Each of these edges is also a
 constraint on the times, and tight. So the weights of a cycle of them add up to 0 in time, and the
@@ -21,27 +20,26 @@ from irc.problem import Problem, Ranks
 from irc.problem.decisions import AnswerError, Placed
 from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, point_map
-from irc.retiming.state import Happening, Order
+from irc.retiming.state import Happening, HappeningOrder
 from irc.retiming.stock import Batches
 
 
 def with_ranks(
     problem: Problem,
     placed: Sequence[Placed],
-    orders: Sequence[Order],
+    orders: Sequence[HappeningOrder],
     batches: Sequence[Batches] = (),
 ) -> tuple[Placed, ...]:
-    """The same times with the least ranks that keep the orders, the arcs and the state
-    precedences.
+    """The same times, with the least ranks that keep the orders, arcs and state precedences.
 
-    `batches` are happenings that come no earlier than those of the batch before. Every activity of
-    the problem must be present, and its durations those of its mode. Raises `AnswerError` where no
-    ranks exist.
+    `batches` are happenings that come no earlier than those of the previous batch. Every activity
+    of the problem must be present, and its durations those of its mode. Raises `AnswerError` where
+    no ranks exist.
     """
     strict = [
         *(order for order in orders if order.strict),
         *(
-            Order(Happening(a, True), Happening(b, False), True)
+            HappeningOrder(Happening(a, True), Happening(b, False), True)
             for a, b in problem.state_precedences
         ),
     ]
@@ -80,7 +78,7 @@ def with_ranks(
 def _add_batches(
     placed: Sequence[Placed], points: PointMap, network: Network, batches: Batches
 ) -> None:
-    """Between two batches that meet at one instant stands a point of its own."""
+    """Adds a point of its own between two batches that meet at one instant."""
     for before, after in pairwise(batches):
         last = max(_time(placed, happening) for happening in before)
         if last != min(_time(placed, happening) for happening in after):
@@ -96,7 +94,7 @@ def _add_batches(
 
 
 def _add_known(problem: Problem, points: PointMap, network: Network) -> None:
-    """Known ranks are counted from a point of rank 0."""
+    """Adds known ranks, counted from a point of rank 0."""
     origin = network.size
     for i, activity in enumerate(problem.activities):
         ranks = activity.details.ranks or Ranks(None, None)
@@ -110,7 +108,7 @@ def _add_known(problem: Problem, points: PointMap, network: Network) -> None:
 def _least_ranks(
     problem: Problem, placed: Sequence[Placed], points: PointMap, size: int
 ) -> list[int]:
-    """The least rank of each point, as far as the past says."""
+    """The least rank of each point, as far as the history demands it."""
     floors = [0] * size
     for i, activity in enumerate(problem.activities):
         ranks, not_before = activity.details.ranks, activity.details.not_before

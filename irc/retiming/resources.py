@@ -1,4 +1,4 @@
-"""Resources in re-timing: who takes which, in which order, and whether there is enough."""
+"""Resources in re-timing: their assignment to uses, their order, and a check of the capacity."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irc.problem.time_points import PointMap
 
 
 def long_enough(problem: Problem, decisions: Sequence[Decision]) -> list[Decision]:
-    """No answer can make an action shorter than the task says (some print no durations at all)."""
+    """Decisions with at least the task's least durations (some engines print no durations)."""
     return [
         d if d.end - d.start >= a.duration_min else replace(d, end=d.start + a.duration_min)
         for a, d in zip(problem.activities, decisions, strict=True)
@@ -48,9 +48,9 @@ def placed_at(
 
 
 def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
-    """Raises `AnswerError` where an answer holds more of a resource than there is.
+    """Raises `AnswerError` where an answer holds more of a resource than its capacity.
 
-    Order alone does not show it: what overlaps in the answer overlaps in the schedule.
+    The order alone does not show it: activities that overlap in the answer overlap in the schedule.
     """
     changes: dict[int, list[tuple[int, int]]] = {}
     for activity, place in zip(problem.activities, placed, strict=True):
@@ -66,11 +66,11 @@ def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
         for _, amount in sorted(steps):  # At one instant what is freed comes first.
             level += amount
             if level > capacity:
-                raise AnswerError(f"more of {problem.resources[r].id!r} is held than there is")
+                raise AnswerError(f"more of {problem.resources[r].id!r} is held than its capacity")
 
 
 def _capacity(problem: Problem, r: int) -> tuple[int, list[tuple[int, int, int]]]:
-    """The greatest capacity of a resource, and what its calendar takes away of it."""
+    """The greatest capacity of a resource, and the units that its calendar takes away."""
     resource = problem.resources[r]
     if not resource.windows:
         return resource.capacity, []
@@ -85,10 +85,10 @@ def resource_orders(
     chosen: Sequence[tuple[int, ...]],
     tolerance: Fraction | int,
 ) -> list[tuple[int, int]]:
-    """Pairs (i, j) with i wholly before j on a pool, without those that follow.
+    """Pairs (i, j) with i wholly before j on a pool, without pairs that follow from others.
 
-    j needs an arc only from those that were still running when the last one that ended before j
-    began; the others come before that one already. At most `capacity` of them for each j.
+    j needs an arc only from the activities that still ran when the last one that ended before j
+    began; the others come before that one already. There are at most `capacity` of them for each j.
     """
     users: dict[int, set[int]] = {}
     for i, resources in enumerate(chosen):
@@ -120,9 +120,9 @@ def assign(
 ) -> list[tuple[int, ...]]:
     """One resource for each use: the engine's choices first, then what is free by start time.
 
-    Members of a pool are handed out greedily in order of start, which never runs out where the
-    pool's summed capacity is kept. The times of `decisions` may be in so many `moments` a tick,
-    which tell ranks apart. Raises `AnswerError` where nothing is free.
+    Members of a pool are assigned greedily in order of start, which always succeeds where the
+    pool's summed capacity is kept. `decisions` may count `moments` to a tick, to separate ranks.
+    Raises `AnswerError` where nothing is free.
     """
     result: list[list[int | None]] = []
     undecided: list[tuple[Moment, int]] = []
@@ -182,7 +182,7 @@ def _hand_out(
                 None,
             )
             if taken is None:
-                raise AnswerError(f"nothing is left for {activity.id!r} to use")
+                raise AnswerError(f"no resource is free for {activity.id!r}")
             result[i][u] = taken
             insort(held.setdefault(taken, []), (decision.start, decision.end, use.amount))
 
@@ -199,7 +199,7 @@ def _in_order(problem: Problem, i: int, u: int) -> tuple[int, ...]:
 def _free(held: list[tuple[Moment, Moment, int]], decision: Decision, capacity: int) -> int:
     """Units free throughout a decision's interval.
 
-    Called in order of start, so what has ended by now is forgotten.
+    It is called in order of start, so it drops holders that have ended.
     """
     held[:] = [h for h in held if h[1] > decision.start]
     until = bisect_left(held, (decision.end,))

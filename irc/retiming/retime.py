@@ -1,8 +1,8 @@
-"""Choices and order → the exact earliest schedule.
+"""Re-times an answer: from choices and order to the exact earliest schedule.
 
-An engine's answer is read for what it decided: the resources chosen, and which of two occurrences
-that share a resource comes first. Everything then moves as early as that allows, so equal choices
-give equal schedules, and an engine's own times (its epsilons, its rounding) are never reported.
+Only the decisions of an engine's answer count: the chosen resources, and the order of occurrences
+that share a resource. All activities then move as early as these allow. So equal choices give equal
+schedules, and an engine's own times (its epsilons, its rounding) are never reported.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from irc.retiming.resources import (
 def retime(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int = 0
 ) -> tuple[Placed, ...]:
-    """The earliest schedule with the same choices and the same order on every resource,
-    reservoir and state variable. What has not moved since the previous plan stays.
+    """The earliest schedule with the same choices and orders on resources, stock and state.
 
-    `tolerance` (ticks) is how far the engine's times may be off: an end that is later than the
-    next start by no more than that still counts as before it. Repeated actions must have been
-    unrolled. Raises `AnswerError` where choices and order contradict the task's lags, the choices
-    leave no resource to take, or a condition finds another value than it needs.
+    Activities that have not moved since the previous plan stay. `tolerance` (ticks) is the error of
+    the engine's times: an end that is later than the next start by no more than that still counts
+    as before it. Repeated actions must have been unrolled. Raises `AnswerError` where choices and
+    order contradict the task's lags, no resource is free, or a condition finds another value than
+    it needs.
     """
     if any(problem.previous.places) and not tolerance:
         problem = _with_unmoved_fixed(problem, decisions)
@@ -65,7 +65,7 @@ def retime(
 
 
 def _with_unmoved_fixed(problem: Problem, decisions: Sequence[Decision]) -> Problem:
-    """The problem in which what starts when it did before, in the same mode, starts just then."""
+    """The problem in which activities with the previous start and mode have that start fixed."""
     activities = list(problem.activities)
     for i, (place, decision) in enumerate(zip(problem.previous.places, decisions, strict=True)):
         if (
@@ -79,12 +79,12 @@ def _with_unmoved_fixed(problem: Problem, decisions: Sequence[Decision]) -> Prob
 
 
 def _is_simple(problem: Problem) -> bool:
-    """Whether only lags and resources of constant capacity say what comes after what."""
+    """Whether only lags and resources of constant capacity order activities."""
     return problem.is_plain and not problem.state_precedences and not problem.has_calendars
 
 
 def earliest_schedule(problem: Problem) -> tuple[Placed, ...]:
-    """The exact optimum of a problem without contention: everything as early as it can be."""
+    """The exact optimum of a problem without contention: every activity as early as possible."""
     if problem.bounds.heads and all(activity.is_fixed for activity in problem.activities):
         ready = [
             Decision(head, head + activity.duration_min)

@@ -18,20 +18,20 @@ from irc.retiming.calendar import raise_floors
 from irc.retiming.ranks import with_ranks
 from irc.retiming.resources import assign, long_enough, placed_at, resource_orders
 from irc.retiming.selection import select
-from irc.retiming.state import Happening, Order, is_one_happening, state_orders
+from irc.retiming.state import Happening, HappeningOrder, is_one_happening, state_orders
 from irc.retiming.stock import keep_stock
 
 ROUNDS = 20
-"""How often what was re-timed is re-timed again, at most; all but odd cases need one."""
+"""At most this many rounds of re-timing; nearly all cases need one."""
 
 
 def retime_rich(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
 ) -> tuple[Placed, ...]:
-    """See `irc.retiming.retime.retime`.
+    """Re-times decisions; see `irc.retiming.retime.retime`.
 
-    What has moved may have stopped overlapping, or lost its length, and so have an order that
-    leaves more room than the first one; so this goes on until nothing moves any more.
+    Moved activities may no longer overlap, or have lost their length, and then allow an order that
+    leaves more room. So the rounds go on until no activity moves any more.
     """
     selection = select(problem, decisions)
     placed = _retime_once(selection.problem, selection.decisions, tolerance)
@@ -53,7 +53,7 @@ def _retime_once(
     points, network, floors = timing.points, timing.network, timing.floors
     orders = state_orders(problem, decisions, tolerance)
     orders += [
-        Order(Happening(before, True), Happening(after, False), strict=False)
+        HappeningOrder(Happening(before, True), Happening(after, False), strict=False)
         for before, after in resource_orders(problem, moments, chosen, tolerance)
     ]
     for before, after in _occurrence_orders(problem, decisions):
@@ -69,9 +69,9 @@ def _retime_once(
 
 
 def in_moments(decisions: Sequence[Decision]) -> tuple[int, Sequence[Decision]]:
-    """How many moments a tick has, and the decisions on their line: time × moments + rank.
+    """The number of moments in a tick, and the decisions in moments: time × moments + rank.
 
-    A resource is held from moment to moment, and what takes no time holds nothing.
+    A resource is held from moment to moment; an activity of no duration holds nothing.
     """
     count = 1 + max((max(d.rank, d.end_rank) for d in decisions), default=0)
     if count == 1:
@@ -101,7 +101,7 @@ def _keep_lengths(
             network.add(points.end[i], points.start[i], 0)
 
 
-def _keep_orders(orders: Sequence[Order], points: PointMap, network: Network) -> None:
+def _keep_orders(orders: Sequence[HappeningOrder], points: PointMap, network: Network) -> None:
     for (a, a_ends), (b, b_ends), _ in orders:
         before, offset = (points.end[a], points.end_offset[a]) if a_ends else (points.start[a], 0)
         after, back = (points.end[b], points.end_offset[b]) if b_ends else (points.start[b], 0)
@@ -109,9 +109,9 @@ def _keep_orders(orders: Sequence[Order], points: PointMap, network: Network) ->
 
 
 def _occurrence_orders(problem: Problem, decisions: Sequence[Decision]) -> list[tuple[int, int]]:
-    """Occurrences of one action, each with the next: they do not overlap.
+    """The orders of occurrences of one action, each with the next: they do not overlap.
 
-    Which activity stands for which occurrence means nothing; they are numbered by start.
+    It does not matter which activity stands for which occurrence; they are numbered by start.
     """
     occurrences: dict[str, list[int]] = {}
     for i, activity in enumerate(problem.activities):
@@ -124,5 +124,5 @@ def _occurrence_orders(problem: Problem, decisions: Sequence[Decision]) -> list[
 
 
 def occurrence_key(place: Decision | Placed) -> tuple[Fraction | int, ...]:
-    """How occurrences of one action are numbered."""
+    """The sort key by which occurrences of one action are numbered."""
     return place.start, place.end, place.rank, place.end_rank

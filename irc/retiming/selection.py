@@ -1,8 +1,8 @@
-"""What an engine chose, as a problem of only that.
+"""The selection of an engine: a problem with only the chosen activities and modes.
 
-Absent activities are gone, and with them the arcs that would bind them; a chosen mode has become
-the activity's duration, and the uses of other modes are gone. So nothing behind this has to know
-of presence or modes.
+Absent activities are gone, and so are the arcs that bind them. A chosen mode has become the
+activity's duration, and the uses of other modes are gone. So no later step has to know about
+presence or modes.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from irc.problem.projection import Projection, restricted
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The present activities of a problem, what was decided about them, and the way back."""
+    """The present activities of a problem, the decisions about them, and the way back."""
 
     problem: Problem
     decisions: tuple[Decision, ...]
     way: Projection
 
     def spread(self, whole: Problem, placed: Sequence[Placed]) -> tuple[Placed, ...]:
-        """Places in the selection → places in the whole problem, in the modes decided."""
+        """Converts places in the selection to places in the whole problem, in the chosen modes."""
         in_modes = [
             place if decision.mode is None else replace(place, mode=decision.mode)
             for place, decision in zip(placed, self.decisions, strict=True)
@@ -33,7 +33,7 @@ class Selection:
 
 
 def select(problem: Problem, decisions: Sequence[Decision]) -> Selection:
-    """The activities that the decisions say are present, in the modes they say.
+    """The selection of the activities that are present, in their chosen modes.
 
     Raises `AnswerError` where a mode is missing or unknown.
     """
@@ -61,7 +61,7 @@ def select(problem: Problem, decisions: Sequence[Decision]) -> Selection:
 
 def _mode(activity: Activity, decision: Decision) -> int:
     if decision.mode is None or not 0 <= decision.mode < len(activity.details.modes):
-        raise AnswerError(f"the answer says no mode of {activity.id!r}")
+        raise AnswerError(f"the answer gives no mode of {activity.id!r}")
     return decision.mode
 
 

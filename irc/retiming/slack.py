@@ -1,4 +1,4 @@
-"""Slack: how much later each action of a schedule could start without a later makespan."""
+"""Computes slack: how much later an action could start without a later makespan."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     What stays: the makespan (or less), the resources and modes chosen, and the order of every two
     actions that share a resource without overlapping. What may change: all times and, where a
     duration is a range, durations. All lags, deadlines, fixed and latest starts hold. Under these
-    rules an action can start at *any* time up to its start + slack, others moving along; what
-    several of them have, they have in common, not each. (Total float, with resources: Wiest, "Some
+    rules an action can start at *any* time up to its start + slack, while others move along; slack
+    that several actions have is common to them. (Total float, with resources: Wiest, "Some
     properties of schedules for large projects with limited resources", 1964.)
 
     `schedule` must be a valid one of exactly the problem's activities; an answer without entries
@@ -29,7 +29,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     if not schedule.entries:
         return {}
     if not problem.is_plain or problem.has_calendars:
-        raise AnswerError("it is worked out only without state, stock, calendars and choices")
+        raise AnswerError("it can be computed only without state, stock, calendars and choices")
     entries = _entries(problem, schedule)
     decisions = [
         Decision(problem.to_ticks(entry.start), problem.to_ticks(entry.end)) for entry in entries
@@ -73,7 +73,7 @@ def _held(problem: Problem, entries: list[Entry]) -> list[tuple[int, ...]]:
 def _keep_chosen_lengths(
     network: Network, points: PointMap, entries: list[Entry], decisions: list[Decision]
 ) -> None:
-    """A mode was chosen with its duration; what has no length was put where there is no room."""
+    """Adds the durations of chosen modes, and keeps activities of no duration at no duration."""
     for i, (entry, decision) in enumerate(zip(entries, decisions, strict=True)):
         length = decision.end - decision.start
         if points.start[i] != points.end[i] and (not length or entry.mode is not None):

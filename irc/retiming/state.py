@@ -1,14 +1,14 @@
-"""State in re-timing: which happening comes before which, so that every value stays as it was.
+"""State in re-timing: orders of happenings that keep every value as in the answer.
 
 The happenings that touch a variable come in the decisions' order of (time, rank):
 
 - its writes keep their order;
 - a read stays after the write that gave it its value and before the next write;
 - a hold opens no earlier than the write that gave it its value, and closes no later than the next
-  write of *another* value; equal ranks will do for both, since it holds from just after its opening
-  to just before its closing. What gives the same value again may come and go in between.
+  write of *another* value; equal ranks suit both, since it holds from just after its opening to
+  just before its closing. Writes of the same value may come in between.
 
-These neighbours are enough: all else follows from them, so their number is linear.
+The orders of these neighbours imply all others, so their number is linear.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Happening(NamedTuple):
     at_end: bool
 
 
-class Order(NamedTuple):
+class HappeningOrder(NamedTuple):
     """`before` is no later than `after`; where their times are equal its rank is no higher, and
     lower if the order is `strict`."""
 
@@ -40,7 +40,7 @@ class Order(NamedTuple):
 
 
 Key = tuple[Moment, int]
-"""When a happening takes place: its time and its rank."""
+"""The time and the rank of a happening, as a key for sorting."""
 
 
 class _Access(NamedTuple):
@@ -56,8 +56,8 @@ class _Hold(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Story:
-    """All that touches one variable."""
+class _Timeline:
+    """The reads, writes and holds of one variable."""
 
     reads: list[_Access] = field(default_factory=list)
     writes: list[_Access] = field(default_factory=list)
@@ -65,7 +65,7 @@ class _Story:
 
 
 def is_one_happening(activity: Activity, decision: Decision) -> bool:
-    """Whether the activity starts and ends at one time and rank, so all it does happens at once."""
+    """Whether the activity starts and ends at one time and rank, so that it is one happening."""
     if activity.is_fixed:
         return not activity.duration_max
     return (decision.end, decision.end_rank) <= (decision.start, decision.rank)
@@ -73,55 +73,61 @@ def is_one_happening(activity: Activity, decision: Decision) -> bool:
 
 def state_orders(
     problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
-) -> list[Order]:
-    """What must stay in order because of state.
+) -> list[HappeningOrder]:
+    """The orders of happenings that state demands.
 
     A value that a write gives within `tolerance` after it is needed counts as given in time.
-    Raises `AnswerError` where what the decisions say leaves a condition without its value.
+    Raises `AnswerError` where the decisions leave a condition without its value.
     """
-    orders: list[Order] = []
-    stories = [_Story() for _ in problem.variables]
+    orders: list[HappeningOrder] = []
+    timelines = [_Timeline() for _ in problem.variables]
     for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
         if activity.details.conditions or activity.details.effects:
-            _tell(stories, i, activity, decision)
+            _add_activity(timelines, i, activity, decision)
             if not activity.is_fixed:
                 orders += _own_orders(i, one=is_one_happening(activity, decision))
-    for v, story in enumerate(stories):
-        orders += _Reader(problem, v, story, tolerance).orders()
+    for v, timeline in enumerate(timelines):
+        orders += _VariableOrder(problem, v, timeline, tolerance).orders()
     return orders
 
 
-def _own_orders(i: int, *, one: bool) -> list[Order]:
-    """An activity that could last: one happening stays one, and two stay two."""
+def _own_orders(i: int, *, one: bool) -> list[HappeningOrder]:
+    """The order of start and end of an activity that could last: one happening stays one, two stay
+    two.
+    """
     start, end = Happening(i, False), Happening(i, True)
     if one:
-        return [Order(start, end, strict=False), Order(end, start, strict=False)]
-    return [Order(start, end, strict=True)]
+        return [HappeningOrder(start, end, strict=False), HappeningOrder(end, start, strict=False)]
+    return [HappeningOrder(start, end, strict=True)]
 
 
-def _tell(stories: list[_Story], i: int, activity: Activity, decision: Decision) -> None:
+def _add_activity(
+    timelines: list[_Timeline], i: int, activity: Activity, decision: Decision
+) -> None:
     one = is_one_happening(activity, decision)
     start_key = (decision.start, decision.rank)
     start = (start_key, Happening(i, False))
     end = start if one else ((decision.end, decision.end_rank), Happening(i, True))
     for var, value, at in activity.details.conditions:
         if one or at == "start":
-            stories[var].reads.append(_Access(*start, value))
+            timelines[var].reads.append(_Access(*start, value))
         elif at == "end":
-            stories[var].reads.append(_Access(*end, value))
+            timelines[var].reads.append(_Access(*end, value))
         else:
-            stories[var].holds.append(_Hold(start, end, value))
+            timelines[var].holds.append(_Hold(start, end, value))
     for var, value, at_end in activity.details.effects:
-        stories[var].writes.append(_Access(*(end if at_end else start), value))
+        timelines[var].writes.append(_Access(*(end if at_end else start), value))
 
 
-class _Reader:
-    """One variable's writes in order, and what reads and holds demand of them."""
+class _VariableOrder:
+    """One variable's writes in order, and the demands of reads and holds on them."""
 
-    def __init__(self, problem: Problem, v: int, story: _Story, tolerance: Fraction | int) -> None:
+    def __init__(
+        self, problem: Problem, v: int, timeline: _Timeline, tolerance: Fraction | int
+    ) -> None:
         self.problem, self.variable = problem, problem.variables[v]
-        self.story, self.tolerance = story, tolerance
-        self.writes = sorted(set(story.writes))
+        self.timeline, self.tolerance = timeline, tolerance
+        self.writes = sorted(set(timeline.writes))
         self.keys = [write.key for write in self.writes]
         self.changes = self._next_changes()
 
@@ -135,22 +141,22 @@ class _Reader:
             following[-1] = following[0] if values[0] == self.variable.initial else 0
         return following
 
-    def orders(self) -> Iterator[Order]:
+    def orders(self) -> Iterator[HappeningOrder]:
         for before, after in zip(self.writes, self.writes[1:], strict=False):
             yield from _between(before.happening, after.happening, strict=True)
-        for read in self.story.reads:
+        for read in self.timeline.reads:
             yield from self._read(read)
-        for hold in self.story.holds:
+        for hold in self.timeline.holds:
             yield from self._hold(hold)
 
-    def _read(self, read: _Access) -> Iterator[Order]:
+    def _read(self, read: _Access) -> Iterator[HappeningOrder]:
         giver = self._giver(bisect_left(self.keys, read.key) - 1, read)
         if giver >= 0:
             yield from _between(self.writes[giver].happening, read.happening, strict=True)
         if giver + 1 < len(self.writes):
             yield from _between(read.happening, self.writes[giver + 1].happening, strict=True)
 
-    def _hold(self, hold: _Hold) -> Iterator[Order]:
+    def _hold(self, hold: _Hold) -> Iterator[HappeningOrder]:
         key, opening = hold.opening
         giver = self._giver(bisect_right(self.keys, key) - 1, _Access(key, opening, hold.value))
         if giver >= 0:
@@ -168,7 +174,7 @@ class _Reader:
         yield from _between(closing, breaking.happening, strict=False)
 
     def _giver(self, last: int, need: _Access) -> int:
-        """The write that gives what is needed: the last one before it, -1 for the initial value.
+        """The write that gives the needed value: the last one before it, -1 for the initial value.
 
         Failing that, the next one that gives it within the tolerance.
         """
@@ -190,7 +196,7 @@ class _Reader:
         return repr(self.problem.activities[happening.activity].id)
 
 
-def _between(before: Happening, after: Happening, *, strict: bool) -> Iterator[Order]:
-    """The order of two activities' happenings; of one activity's own, its duration takes care."""
+def _between(before: Happening, after: Happening, *, strict: bool) -> Iterator[HappeningOrder]:
+    """The order of happenings of two activities; the duration orders those of one activity."""
     if before.activity != after.activity:
-        yield Order(before, after, strict)
+        yield HappeningOrder(before, after, strict)

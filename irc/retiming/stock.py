@@ -4,10 +4,10 @@ All happenings of the decisions have one order: by time, by rank, and within a r
 level leaves its bounds after any of them (what one happening gives and takes counts together). For
 each reservoir that order is cut into batches that follow each other, weakly (`t_next >= t_before`):
 at each new instant, and wherever one batch would leave a level that only this order keeps. Within a
-batch any order, and any spread over time, keeps the level within bounds.
+batch any order, and any times, keep the level within bounds.
 
-So wherever the happenings of several batches come to fall into one instant, their old order, which
-is one for all reservoirs, still does.
+So where the happenings of several batches fall into one instant, their previous order, which is the
+same for all reservoirs, still keeps all bounds.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from irc.problem.time_points import PointMap
 from irc.retiming.state import Happening, is_one_happening
 
 Amounts = dict[int, int]
-"""By how much each reservoir changes; none by 0."""
+"""The change of each reservoir; no change is 0."""
 
 Batches = list[list[Happening]]
 """Happenings, each batch no earlier than the one before, in time and rank."""
 
 _ORDERS = 20_000
-"""So many sets of happenings that could have come first are looked at within one rank."""
+"""Within one rank, at most this many sets of happenings that could have come first are examined."""
 
 
 class _Change(NamedTuple):
@@ -99,7 +99,7 @@ def _in_order(problem: Problem, changes: list[_Change]) -> list[_Change]:
 
 
 def _within_rank(problem: Problem, levels: Sequence[int], members: list[_Change]) -> list[_Change]:
-    """What gives first and what takes last, if that will do, or what gives last; else a search.
+    """The changes in an order within bounds: producers first, or producers last, else by search.
 
     Raises `AnswerError` where none is found.
     """
@@ -110,7 +110,7 @@ def _within_rank(problem: Problem, levels: Sequence[int], members: list[_Change]
     for simple in (by_gain, sorted(members, key=lambda c: (-_kind(c), c.happening))):
         if _stays_within(reservoirs, levels, simple):
             return simple
-    order = _Order(reservoirs, levels, members).find()
+    order = _StockOrder(reservoirs, levels, members).find()
     if order is None:
         names = ", ".join(repr(problem.activities[c.happening.activity].id) for c in members)
         raise AnswerError(f"no order of {names} at one instant keeps all stock within bounds")
@@ -118,7 +118,7 @@ def _within_rank(problem: Problem, levels: Sequence[int], members: list[_Change]
 
 
 def _kind(change: _Change) -> int:
-    """0 for what only gives, 1 for what does both, 2 for what only takes."""
+    """The kind of a change: 0 if it only gives, 2 if it only takes, 1 if it does both."""
     return (min(change.amounts.values()) < 0) + (max(change.amounts.values()) < 0)
 
 
@@ -139,8 +139,8 @@ def _is_within(reservoir: Reservoir, level: int) -> bool:
 
 
 @dataclass
-class _Order:
-    """A search, depth first, for an order; what has happened is a set, whatever its order."""
+class _StockOrder:
+    """A depth-first search for an order; a state is the set of done changes, in any order."""
 
     reservoirs: Sequence[Reservoir]
     levels: Sequence[int]
@@ -184,7 +184,7 @@ class _Order:
 
 
 def _batches(r: int, reservoir: Reservoir, changes: Sequence[_Change]) -> Iterator[list[Happening]]:
-    """The longest stretches of the order, within one instant, in which all orders will do."""
+    """The longest stretches of the order, within one instant, in which all orders suit."""
     batch: list[Happening] = []
     level, given, taken = reservoir.initial, 0, 0
     time: Moment | None = None

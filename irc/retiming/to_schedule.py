@@ -1,4 +1,4 @@
-"""Placed activities → the schedule, in the task's words and time unit."""
+"""Turns placed activities into the schedule, in the task's words and time unit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irc.schedule import Entry, Schedule
 
 
 def schedule_of(problem: Problem, placed: Sequence[Placed]) -> Schedule:
-    """What is present of the placed activities, in the task's time unit, by start, end and name.
+    """The schedule of the present activities, in the task's time unit, by start, end and name.
 
     Occurrences of one action are numbered by start, whichever activities stand for them.
     """

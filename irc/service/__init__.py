@@ -1,1 +1,1 @@
-"""`irc run`: in, requests as lines of JSON; out, answers, and a journal that outlives a crash."""
+"""`irc run`: in, requests as lines of JSON; out, answers, and a journal that survives a crash."""

@@ -1,9 +1,9 @@
-"""An append-only journal: what was accepted, on disk before anybody is told so.
+"""An append-only journal: accepted requests are on disk before they are acknowledged.
 
-A text file of JSON lines. The first line says what the journal is of, each further one is an
-entry. Every line carries its number and a checksum, so that damage is told and never replayed.
-Only the last line can be torn, by a crash while it was written: nobody was told that it had been
-accepted, so it is dropped.
+A text file of JSON lines. The first line names the task and the first schedule, each further line
+is an entry. Every line carries its number and a checksum, so that damage is reported and never
+replayed. Only the last line can be torn, by a crash while it was written: it was not acknowledged,
+so it is dropped.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ _BEGINNING = b'{"seq": 0, "crc": "'
 
 
 class JournalError(IrcError):
-    """The journal cannot be opened or written; the text says which and why."""
+    """The journal cannot be opened or written; the message says which and why."""
 
 
 @dataclass(frozen=True)
 class Recovered:
-    """What stands in a journal: its header, its entries as JSON texts, and what was dropped."""
+    """The contents of a journal: its header, its entries as JSON texts, and notes."""
 
     header: dict[str, Any]
     entries: tuple[str, ...]
@@ -46,7 +46,7 @@ class Recovered:
 
 
 class Journal:
-    """A journal that this process alone writes. Close it, or use it in a `with` statement."""
+    """A journal that only this process writes. Close it, or use it in a `with` statement."""
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
         self._path, self._file = path, file
@@ -54,13 +54,13 @@ class Journal:
 
     @classmethod
     def open(cls, path: Path) -> tuple[Journal, Recovered | None]:
-        """The journal at `path` and what stands in it; None where it is new.
+        """(the journal at `path`, its contents or None for a new one).
 
-        A torn last line is cut off. Raises `JournalError` where the file cannot be opened or
-        another process has it, and `InputError` where it is not a journal or is damaged.
+        A torn last line is cut off. Raises `JournalError` if the file cannot be opened or another
+        process has it, and `InputError` if it is not a journal or is damaged.
         """
         try:
-            # Never truncated on opening: it may be another process's.
+            # Never truncate on opening: another process may use the file.
             handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
             file = os.fdopen(handle, "r+b", buffering=0)
         except (OSError, ValueError) as error:
@@ -77,10 +77,10 @@ class Journal:
             raise
 
     def append(self, entry: str) -> None:
-        """Writes one entry, a JSON text on one line; on disk when this returns.
+        """Writes one entry, a JSON text on one line; it is on disk when this returns.
 
-        After a `JournalError` nothing can be appended any more: what a disk has kept of a failed
-        write is known only once the journal is opened again.
+        After a `JournalError` no more entries can be appended: only opening the journal again
+        shows how much of the failed write is on disk.
         """
         if self._file.closed:
             raise JournalError(f"the journal {str(self._path)!r} cannot be written any more")
@@ -92,7 +92,7 @@ class Journal:
                 written += self._file.write(line[written:])
             os.fsync(self._file.fileno())
         except OSError as error:
-            with suppress(OSError):  # What is left of the line would be dropped as torn.
+            with suppress(OSError):  # If this fails, the rest of the line is dropped as torn.
                 self._file.truncate(end)
             self._file.close()
             raise _failed("write", self._path, error) from None
@@ -105,7 +105,7 @@ class Journal:
         _sync_folder(self._path)
 
     def close(self) -> None:
-        """Lets others have the journal."""
+        """Closes the file, so that other processes can use the journal."""
         self._file.close()
 
     def __enter__(self) -> Journal:
@@ -122,14 +122,14 @@ class Journal:
     def _lock(self) -> None:
         try:
             import fcntl
-        except ImportError:  # Windows: its own locks would keep others from reading.
+        except ImportError:  # Windows, whose own locks would prevent reading.
             return
         try:
             fcntl.flock(self._file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise JournalError(
                 f"the journal {str(self._path)!r} is in use by another process: "
-                "end that one first, or name another journal"
+                "end that process first, or name another journal"
             ) from None
 
     def _recover(self) -> Recovered | None:
@@ -163,9 +163,9 @@ def _line(number: int, entry: bytes) -> bytes:
 
 
 def _sound_lines(data: bytes, name: str) -> tuple[list[str], int]:
-    """The entries of a journal's lines, and how many bytes of it these are.
+    """(the entries of a journal's sound lines, the number of bytes of these lines).
 
-    What follows them is a torn last line. Raises `InputError` for damage before it.
+    The rest is a torn last line. Raises `InputError` for damage before it.
     """
     texts: list[str] = []
     kept = 0
@@ -182,7 +182,7 @@ def _sound_lines(data: bytes, name: str) -> tuple[list[str], int]:
 
 
 def _entry(line: bytes, number: int) -> str | None:
-    """The entry of a line that is whole and has this number, else None."""
+    """The entry of a line that is complete and has this number, else None."""
     match = _LINE.fullmatch(line)
     if match is None or int(match[1]) != number:
         return None
@@ -195,10 +195,10 @@ def _entry(line: bytes, number: int) -> str | None:
 
 
 def _is_torn(rest: bytes) -> bool:
-    """Whether what is left of a journal is a last line that was never written to its end.
+    """Whether the rest of a journal is a last line that was not written to its end.
 
-    It has no line end, or it has and a block of it before is missing. What is whole and only
-    wrong was acknowledged: that is damage.
+    It has no line end, or a part before its line end is missing. A complete but wrong line was
+    acknowledged, so it is damage.
     """
     if b"\n" not in rest:
         return True
@@ -211,7 +211,7 @@ def _is_torn(rest: bytes) -> bool:
 
 
 def _is_begun(line: bytes) -> bool:
-    """Whether a torn first line is that of a journal: no other file is ever cut."""
+    """Whether a torn first line belongs to a journal, so that no other file is ever cut."""
     return line.startswith(_BEGINNING) or _BEGINNING.startswith(line)
 
 
@@ -221,7 +221,7 @@ def _damaged(data: bytes, at: int, number: int, name: str) -> InputError:
     if number or _is_begun(data):
         message = f"line {number + 1} of the journal is damaged: {_reason(data[at:], number)}"
         hint = (
-            "nothing can be told of what came from there on; keep the file, and restore it from a "
+            "the lines from there on are not usable; keep the file, and restore it from a "
             "copy, or start again with another journal"
         )
     else:
@@ -245,7 +245,7 @@ def _torn(data: bytes, at: int, number: int, name: str) -> Diagnostic:
     return Diagnostic(
         Code.TORN_JOURNAL,
         f"line {number + 1}, the last of the journal, was cut off and has been dropped",
-        hint="nothing need be done: it was never acknowledged; send that request again",
+        hint="no action is needed: it was never acknowledged; send that request again",
         offset=len(data[:at].decode("utf-8", "replace")),
         line=number + 1,
         column=1,
@@ -272,13 +272,13 @@ def _failed(what: str, path: Path, error: OSError | ValueError) -> JournalError:
 
 
 def _sync_folder(path: Path) -> None:
-    """Puts the name of a new file on disk, where folders can be synced."""
+    """Writes the name of a new file to disk, if folders can be synced."""
     if os.name != "posix":
         return
     handle = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(handle)
-    except OSError:  # Some file systems sync no folders; the file itself is on disk.
+    except OSError:  # Some file systems cannot sync folders; the file itself is on disk.
         pass
     finally:
         os.close(handle)

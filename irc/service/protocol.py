@@ -1,4 +1,4 @@
-"""The requests of `irc run`: a line of JSON → a typed request, with every fault located."""
+"""The requests of `irc run`: reads a line of JSON as a typed request, with every fault located."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ MAX_LINE = 16 * 1024 * 1024
 """Bytes of one request; longer lines are refused."""
 
 NAME = "<request>"
-"""What a request is called in diagnostics."""
+"""The name of a request's text in diagnostics."""
 
 _EXPECTED = 'a request such as {"do": "advance", "to": 5}'
 
 
 @dataclass(frozen=True)
 class Request:
-    """A request as sent, before a task says what its times and events are."""
+    """A request as sent; its times and events are read later, for a task."""
 
     do: str
     id: Any
@@ -36,7 +36,7 @@ class Request:
 
     @property
     def replan(self) -> bool:
-        """Whether the remainder is to be planned again once it has been done."""
+        """Whether the open part is planned again after the request."""
         return self.do == "replan" or self.raw.get("replan") is True
 
 
@@ -72,11 +72,11 @@ def decode_request(line: bytes) -> tuple[Mapping[str, Any], Source]:
 
 
 def to_request(raw: Mapping[str, Any], source: Source) -> Request:
-    """The request that an object is. Raises `InputError` with every fault of its fields."""
+    """The request in an object. Raises `InputError` with every fault of its fields."""
     findings = Findings()
     do = raw.get("do")
     if do not in list(_FIELDS):
-        _tell_unknown(raw, findings)
+        _report_unknown(raw, findings)
     else:
         _check_fields(str(do), raw, findings)
     if findings.items:
@@ -84,7 +84,7 @@ def to_request(raw: Mapping[str, Any], source: Source) -> Request:
     return Request(str(do), raw.get("id"), raw, source)
 
 
-def _tell_unknown(raw: Mapping[str, Any], findings: Findings) -> None:
+def _report_unknown(raw: Mapping[str, Any], findings: Findings) -> None:
     known = ", ".join(_FIELDS)
     if "do" not in raw:
         hint = f'add "do": …, one of {known}'
@@ -96,7 +96,7 @@ def _tell_unknown(raw: Mapping[str, Any], findings: Findings) -> None:
 
 
 def _check_fields(do: str, raw: Mapping[str, Any], findings: Findings) -> None:
-    """Adds every fault of the fields of a request to `do`."""
+    """Adds every fault of the fields of a request with this `do`."""
     if raw.get("id") is not None and not is_id(raw["id"]):
         findings.add(Code.WRONG_TYPE, "'id': expected a text or a whole number", ("id",))
     known = ("do", *_FIELDS[do], "id")
@@ -125,8 +125,8 @@ def _check_fields(do: str, raw: Mapping[str, Any], findings: Findings) -> None:
     if do == "observe" and raw.get("started") is None and raw.get("finished") is None:
         findings.add(
             Code.MISSING_FIELD,
-            "nothing is said to have happened to the action",
-            hint='say when it "started", or when it "finished"',
+            "this observation of the action has no time",
+            hint='add "started" or "finished"',
         )
 
 
@@ -147,7 +147,7 @@ def time_of(request: Request, field: str, task: Task) -> Number:
 
 
 def event_of(request: Request, task: Task, now: Number) -> Event:
-    """The event of a request to apply one: "#id" is the task's own; without a time it is now's.
+    """The event of a request `apply`: "#id" is one of the task's; the default of its time is now.
 
     Raises `InputError` with every fault of its shape.
     """
@@ -157,21 +157,21 @@ def event_of(request: Request, task: Task, now: Number) -> Event:
         event = own_event(task, raw.removeprefix("#")) if raw.startswith("#") else None
         if event is not None:
             return event
-        tell_no_event(task, raw, ("event",), findings)
+        report_no_event(task, raw, ("event",), findings)
         raise InputError(Report(tuple(findings.items), request.source))
     (event,) = to_events([raw], lambda i: ("event",), json_number(now), request.source)
     return event
 
 
 def own_event(task: Task, name: str) -> Event | None:
-    """The task's event with an id, if it has one that is not applied yet."""
+    """The task's event with this id, if there is one that is not applied yet."""
     return next((event for event in task.events if event.id == name), None)
 
 
-def tell_no_event(
+def report_no_event(
     task: Task, text: str, pointer: tuple[str | int, ...], findings: Findings
 ) -> None:
-    """Adds that "#id" names no event of the task."""
+    """Adds the fault that "#id" names no event of the task."""
     ids = [f"#{event.id}" for event in task.events if event.id is not None]
     listed = f"its events are {', '.join(ids)}" if ids else "it has no events with an id"
     findings.add(

@@ -1,8 +1,8 @@
-"""A session of `irc run`: requests in, answers out, and a journal that outlives the process.
+"""A session of `irc run`: requests in, answers out, and a journal that survives the process.
 
-A request either is accepted as a whole, and is on disk before its answer is given, or it gets an
-error for an answer and changes nothing. The journal holds the requests as they were sent and the
-schedule of every replanning, so that replaying it solves nothing and ends in the same state.
+A request is either accepted as a whole and on disk before its answer, or its answer is an error and
+it changes nothing. The journal has the requests as they were sent and the schedule of every step,
+so that replaying it solves nothing and ends in the same state.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ RUN_VERSION = "1"
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What is told of one request, and whether the session ends with it."""
+class Reply:
+    """The answer to one request, and whether the session ends with it."""
 
     document: Mapping[str, Any]
     last: bool = False
 
     def line(self) -> str:
-        """The answer as it is sent."""
+        """The answer as one line of JSON."""
         return json.dumps(self.document, ensure_ascii=False, allow_nan=False)
 
 
@@ -58,7 +58,7 @@ class Session:
     journal: Journal | None = None
     notes: tuple[Diagnostic, ...] = ()
     recovered: int = 0
-    """How many requests were replayed."""
+    """The number of replayed requests."""
     last_id: Any = None
     """The "id" of the last request that was accepted."""
 
@@ -80,9 +80,9 @@ class Session:
     def resume(
         cls, make: Callable[[Schedule], Execution], task: Task, journal: Journal, found: Recovered
     ) -> Self:
-        """The session that a journal holds. `make` makes the execution from its first schedule.
+        """The session in a journal. `make` makes the execution from its first schedule.
 
-        Raises `InputError` where the journal is of another task or cannot be replayed.
+        Raises `InputError` if the journal belongs to another task or cannot be replayed.
         """
         schedule = first_schedule(task, found)
         session = cls(make(schedule), None, found.notes)
@@ -96,18 +96,18 @@ class Session:
         return session
 
     def greeting(self) -> dict[str, Any]:
-        """What is told first: where the execution stands, and what a journal brought back."""
+        """The first message: the state of the execution, and the number of replayed requests."""
         return {
             "ok": True,
             "irc_run": RUN_VERSION,
             "recovered": self.recovered,
             "last_id": self.last_id,
-            **self._told(self.notes),
+            **self._now_and_notes(self.notes),
             "state": self.state(),
         }
 
-    def answer(self, line: bytes) -> Answer:
-        """The answer to one request. Raises `irc.service.journal.JournalError`: the end of it."""
+    def answer(self, line: bytes) -> Reply:
+        """The answer to one request. Raises `irc.service.journal.JournalError`, which ends it."""
         name: Any = None
         before = self.execution.copy()
         try:
@@ -115,34 +115,34 @@ class Session:
             name = raw.get("id") if is_id(raw.get("id")) else None
             request = to_request(raw, source)
             if request.do == "stop":
-                return Answer(_with_id(name, {"ok": True, **self._told()}), last=True)
+                return Reply(_with_id(name, {"ok": True, **self._now_and_notes()}), last=True)
             if request.do == "state":
-                answer = {"ok": True, **self._told(), "state": self.state()}
-                return Answer(_with_id(name, answer))
+                answer = {"ok": True, **self._now_and_notes(), "state": self.state()}
+                return Reply(_with_id(name, answer))
             document, step = self._do(request)
         except InputError as error:
             self.execution = before
             message = error.report.errors[0].message
-            return Answer(_with_id(name, self._refused(message, error.report)))
+            return Reply(_with_id(name, self._refused(message, error.report)))
         except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
-            return Answer(_with_id(name, self._refused(str(error))))
+            return Reply(_with_id(name, self._refused(str(error))))
         self._record(source.text, step)
         self.last_id = name
-        return Answer(_with_id(name, document))
+        return Reply(_with_id(name, document))
 
-    def too_long(self) -> Answer:
-        """The answer to a line that is longer than a request may be."""
-        message = f"a request may have {MAX_LINE:,} bytes"
+    def too_long(self) -> Reply:
+        """The answer to a line that is too long for a request."""
+        message = f"a request may have at most {MAX_LINE:,} bytes"
         finding = Diagnostic(Code.TOO_LARGE, message, hint="send it in several requests")
-        return Answer(self._refused(message, Report((finding,))))
+        return Reply(self._refused(message, Report((finding,))))
 
-    def broken(self, message: str) -> Answer:
-        """The last answer where the journal can no longer be written."""
-        return Answer(self._refused(message), last=True)
+    def broken(self, message: str) -> Reply:
+        """The last answer, if the journal can no longer be written."""
+        return Reply(self._refused(message), last=True)
 
     def state(self) -> dict[str, Any]:
-        """Where the execution stands: what ran, what runs, what is to come, and the plan."""
+        """The state of the execution: the completed, running and open actions, and the plan."""
         execution = self.execution
         state = execution.state()
         return {
@@ -159,25 +159,25 @@ class Session:
         }
 
     def _refused(self, message: str, report: Report | None = None) -> dict[str, Any]:
-        """An error for an answer: in short, and every finding where the request is at fault."""
+        """An answer with an error message, and every finding if the request is faulty."""
         found = [] if report is None else report.to_list()
         now = json_number(self.execution.now)
         return {"ok": False, "now": now, "error": {"message": message, "diagnostics": found}}
 
-    def _told(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
+    def _now_and_notes(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
         return {"now": json_number(self.execution.now), "notes": [d.to_dict() for d in notes]}
 
     def _do(self, request: Request) -> tuple[dict[str, Any], Step | None]:
-        """Changes the execution as a request says; the answer, and the step where it replanned."""
+        """(the answer to a request, the step if it replanned), after changing the execution."""
         notes = self._change(request)
         if not request.replan:
-            return {"ok": True, **self._told(notes)}, None
+            return {"ok": True, **self._now_and_notes(notes)}, None
         step = self.execution.replan()
-        told = {"ok": True, **self._told((*notes, *step.notes))}
-        return {**told, "step": step.to_dict()}, step
+        answer = {"ok": True, **self._now_and_notes((*notes, *step.notes))}
+        return {**answer, "step": step.to_dict()}, step
 
     def _change(self, request: Request) -> tuple[Diagnostic, ...]:
-        """What a request does before anything is planned again, and what is noted of that."""
+        """The notes on a request, after changing the execution, before planning again."""
         change = _CHANGES.get(request.do)
         return () if change is None else change(self, request)
 
@@ -239,12 +239,13 @@ _CHANGES: Mapping[str, Callable[[Session, Request], tuple[Diagnostic, ...]]] = M
 
 
 def first_schedule(task: Task, found: Recovered) -> Schedule:
-    """The schedule that a journal began with. Raises `InputError` where it is of another task."""
+    """The first schedule of a journal. Raises `InputError` if it belongs to another task."""
     if found.header.get("task_sha256") != task_sha256(task):
         name = found.header.get("task")
         raise InputError(
             _bad_journal(
-                f"the journal is of another task ({name or 'unnamed'}), or the task has changed",
+                f"the journal belongs to another task ({name or 'unnamed'}), "
+                "or the task has changed",
                 "give the task that it was begun with, or start another journal",
             )
         )
@@ -256,7 +257,7 @@ def _bad_journal(message: str, hint: str) -> Report:
 
 
 def _not_replayed(line: int, error: Exception) -> InputError:
-    """A journal that is whole, but whose requests are no longer accepted."""
+    """The error for an undamaged journal whose requests are no longer accepted."""
     if isinstance(error, InputError) and error.report.errors:
         reason = error.report.errors[0].message
     else:
@@ -270,7 +271,7 @@ def _not_replayed(line: int, error: Exception) -> InputError:
 
 
 def _placed(report: Report | None, request: Request, field: str | None = None) -> Report:
-    """A report on what a request meant, placed in the request's text."""
+    """A report on the elements that a request names, placed in the request's text."""
     if report is None:
         return Report()
 
@@ -283,7 +284,7 @@ def _placed(report: Report | None, request: Request, field: str | None = None) -
 
 
 def _with_id(name: Any, document: dict[str, Any]) -> dict[str, Any]:
-    """An answer with the request's "id" behind its "ok", where it had one."""
+    """An answer with the request's "id" after "ok", if it has one."""
     if name is None:
         return document
     return {"ok": document["ok"], "id": name, **document}

@@ -1,6 +1,7 @@
-"""Targets: what a backend, a program and an engine are; in, a `Problem`; out, an `Outcome`."""
+"""Targets: the interfaces of backends, programs and engines; in, a `Problem`; out, an `Outcome`."""
 
 from irc.targets.backend import MANIFEST_FILE, MANIFEST_VERSION, Backend, Engine, Program
+from irc.targets.budget import Budget, Clock
 from irc.targets.options import (
     EngineKeywords,
     SolveKeywords,
@@ -11,7 +12,6 @@ from irc.targets.options import (
 from irc.targets.outcome import (
     EngineFailed,
     EngineMissing,
-    Limits,
     ObjectiveLevel,
     OnProgress,
     Outcome,
@@ -25,11 +25,12 @@ __all__ = [
     "MANIFEST_FILE",
     "MANIFEST_VERSION",
     "Backend",
+    "Budget",
+    "Clock",
     "Engine",
     "EngineFailed",
     "EngineKeywords",
     "EngineMissing",
-    "Limits",
     "ObjectiveLevel",
     "OnProgress",
     "Outcome",

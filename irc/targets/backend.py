@@ -1,7 +1,7 @@
-"""What a backend, a program and an engine are, and how backends are found.
+"""The interfaces of backends, programs and engines.
 
-A third party's backend is a package with an entry point in the group `irc.backends`; ours are
-found in the same way.
+A backend is a package with an entry point in the group `irc.backends`; irc finds its own backends
+in the same way as those of third parties.
 """
 
 from __future__ import annotations
@@ -19,12 +19,9 @@ from irc.model import Task
 from irc.model.features import Feature
 from irc.model.times import format_number
 from irc.problem import Problem
-from irc.targets.outcome import (
-    Limits,
-    OnProgress,
-    Outcome,
-    UnknownTarget,
-)
+from irc.targets.budget import Budget
+from irc.targets.options import SolveOptions
+from irc.targets.outcome import Outcome, UnknownTarget
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule
@@ -38,9 +35,9 @@ MANIFEST_FILE = "manifest.json"
 class Program:
     """A task in a target's own language, with the way back.
 
-    `notes` tell what of the task is not in it because it is not known as of t = 0. `judge` says
-    what is wrong with a schedule of the problem (None: nothing); it is given where the problem is
-    only a part of the task, which the validator could not judge it by.
+    `notes` name parts of the task that are not in the program, because they are not known at
+    t = 0. `judge` returns the fault of a schedule of the problem (None: there is none); it is given
+    if the problem is only a part of the task, so that the validator cannot judge the schedule.
     """
 
     backend: Backend
@@ -65,12 +62,12 @@ class Program:
 
     @property
     def names(self) -> Mapping[str, Any]:
-        """What the names and numbers in the files stand for. Raises `Refusal`."""
+        """The meaning of the names and numbers in the files. Raises `Refusal`."""
         return self._encoded[1]
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """Everything needed to read an answer later: the canonical task, names, tick, versions."""
+        """The data needed to read an answer later: the canonical task, names, tick, versions."""
         from irc.model.canonical import canonical_sha256, canonical_task
 
         canonical = canonical_task(self.task)
@@ -90,7 +87,7 @@ class Program:
         }
 
     def manifest_text(self) -> str:
-        """The manifest as JSON text, one line for each of its parts; same task, same bytes."""
+        """The manifest as JSON text, one line for each part; the same bytes for the same task."""
         parts = (
             f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
             for key, value in self.manifest.items()
@@ -98,44 +95,44 @@ class Program:
         return "{" + ",\n".join(parts) + "}\n"
 
     def decode(self, answer: str) -> Schedule:
-        """The exact schedule that an engine's raw answer stands for (not yet validated).
+        """The exact schedule of an engine's raw answer, not yet validated.
 
-        Raises `irc.problem.decisions.AnswerError` where there is none.
+        Raises `irc.problem.decisions.AnswerError` if the answer has none.
         """
         return self.backend.decode(self.problem, self.names, answer)
 
 
 class Engine(ABC):
-    """Something that answers programs of one target."""
+    """A solver or planner that answers programs of one target."""
 
     name: ClassVar[str]
 
     @abstractmethod
     def missing(self) -> str | None:
-        """Why the engine cannot run here and how to get it, or None if it can."""
+        """The reason why the engine cannot run here and how to install it; None if it can run."""
 
     @abstractmethod
-    def solve(
-        self, program: Program, limits: Limits, on_progress: OnProgress | None = None
-    ) -> Outcome:
-        """Runs within the limits and hands back the best answer with an honest status.
+    def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Outcome:
+        """Runs until the budget is over and returns the best answer with its proven status.
 
-        Raises `EngineFailed` where the engine breaks down without any answer.
+        Of the options an engine needs `memory_limit`, `workers`, `seed` and `on_progress`; its time
+        is that of the budget alone. Raises `EngineFailed` if the engine breaks down without any
+        answer.
         """
 
 
 class Backend(ABC):
-    """A target: what it can take, how a problem is written in it, and who answers."""
+    """A target: the features it supports, its encoding of problems, and its engines."""
 
     name: ClassVar[str]
     supports: ClassVar[frozenset[Feature]]
 
     begins_now: ClassVar[bool] = False
-    """Whether, when a running task is planned anew, its engines are better given what is left of
-    it, with the present as time 0, than the whole history with what has begun fixed."""
+    """Whether replanning gives its engines the residual problem, with the present as time 0,
+    instead of the whole problem with the history fixed."""
 
     proves: ClassVar[bool] = True
-    """Whether its engines can prove, as a rule, that there is no schedule."""
+    """Whether its engines can usually prove that a problem has no schedule."""
 
     def __eq__(self, other: object) -> bool:
         """Equal where they are the same target: two objects of one class with the same contents."""
@@ -146,16 +143,16 @@ class Backend(ABC):
 
     @abstractmethod
     def encode(self, problem: Problem) -> tuple[Mapping[str, str], Mapping[str, Any]]:
-        """The files (name → text) and what the names and numbers in them stand for.
+        """The files (name → text) and the meaning of the names and numbers in them.
 
-        Pure and deterministic. Raises `Refusal` for what this target cannot express.
+        Pure and deterministic. Raises `Refusal` for a problem that this target cannot express.
         """
 
     @abstractmethod
     def decode(self, problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:
         """Returns the exact schedule of a raw answer.
 
-        Raises `irc.problem.decisions.AnswerError` where there is none.
+        Raises `irc.problem.decisions.AnswerError` if the answer has none.
         """
 
     @abstractmethod
@@ -170,5 +167,5 @@ class Backend(ABC):
         return engines[name]
 
     def refuter(self) -> Refuter | None:
-        """What can say why a problem of this target has no schedule, for `irc explain`, if any."""
+        """The solver that proves for `irc explain` why a problem has no schedule, if any."""
         return None

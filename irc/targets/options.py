@@ -11,11 +11,11 @@ from irc.diagnostics import did_you_mean
 from irc.errors import OptionError
 from irc.model.quantities import TimeError, exact
 from irc.model.times import format_number, parse_number
-from irc.targets.outcome import Limits, OnProgress
+from irc.targets.outcome import OnProgress
 
 
 def require_seconds(time_limit: float | None) -> None:
-    """Raises `OptionError` where a time limit leaves no time."""
+    """Raises `OptionError` for a time limit of 0 or less."""
     if time_limit is not None and not time_limit > 0:
         raise OptionError(f"time_limit must be more than 0 seconds, not {time_limit}")
 
@@ -23,8 +23,8 @@ def require_seconds(time_limit: float | None) -> None:
 def read_share(value: float | Fraction | str) -> Fraction:
     """A share of something as a number or a text: 0.05, "0.05" and "5%" are the same.
 
-    More than the whole is said in percent, or as a `Fraction`, so that 5 is never taken for 5 %.
-    Raises `OptionError`.
+    A share above 1 must be in percent or a `Fraction`, so that 5 is never read as 5 %. Raises
+    `OptionError`.
     """
     text = str(value).strip()
     try:
@@ -64,12 +64,12 @@ class SolveKeywords(EngineKeywords, total=False):
 
 @dataclass(frozen=True, slots=True)
 class SolveOptions:
-    """How a task is solved: the same in `solve`, `replan`, `simulate` and `Execution`.
+    """The options of solving: the same in `solve`, `replan`, `simulate` and `Execution`.
 
-    `time_limit` is wall-clock seconds for each time that something is planned (None: no limit),
-    `memory_limit` MB. With `shortcut` a task without contention is solved by its critical path
-    alone. `stability` is by how much, as a fraction (0.05 or "5%"), the last objective may get
-    worse so that less of a running plan moves. Raises `OptionError`.
+    `time_limit` is in wall-clock seconds for each plan (None: no limit), `memory_limit` in MB. With
+    `shortcut`, a task without contention is solved by its critical path alone. `stability` is how
+    much worse the last objective may get, as a fraction (0.05 or "5%"), so that fewer occurrences
+    of a running plan move. Raises `OptionError`.
     """
 
     target: str = "cpsat"
@@ -94,18 +94,13 @@ class SolveOptions:
     def of(
         cls, options: SolveOptions | None, more: Mapping[str, Any], target: str | None = None
     ) -> SolveOptions:
-        """These options with others in their place. Raises `TypeError` for an unknown name."""
+        """The options with some of them replaced. Raises `TypeError` for an unknown name."""
         for name in more:
             if name not in cls.__slots__:
                 hint = did_you_mean(name, cls.__slots__) or f"known are {', '.join(cls.__slots__)}"
                 raise TypeError(f"there is no option {name!r}; {hint}")
         named = more if target is None else {**more, "target": target}
         return replace(options or cls(), **named)
-
-    @property
-    def limits(self) -> Limits:
-        """What an engine may spend each time."""
-        return Limits(self.time_limit, self.memory_limit, self.workers, self.seed)
 
     @property
     def share(self) -> Fraction:

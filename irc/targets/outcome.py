@@ -1,4 +1,4 @@
-"""How an engine's run ends: limits, progress, outcome, and the errors of engines and targets."""
+"""Progress and outcome of an engine's run, and the errors of engines and targets."""
 
 from __future__ import annotations
 
@@ -12,21 +12,6 @@ from irc.model.quantities import Number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What an engine may spend: wall-clock seconds, memory, threads; and its random seed.
-
-    `bounds` and `hints` let measurements switch off what the compiler adds to a model.
-    """
-
-    seconds: float | None = None
-    memory_mb: int | None = None
-    workers: int | None = None
-    seed: int = 0
-    bounds: bool = True
-    hints: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +29,9 @@ OnProgress = Callable[[Progress], None]
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveLevel:
-    """The value reached for one objective, and a bound on it among the best of those before it.
+    """The value reached for one objective, and a bound on it given the best earlier objectives.
 
-    In the task's unit where it is a time. A bound of None: none is known.
+    Times are in the task's unit. A bound of None means that none is known.
     """
 
     name: str
@@ -56,10 +41,10 @@ class ObjectiveLevel:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How an engine's run ended: an honest status and the best schedule seen.
+    """The result of an engine's run: the proven status and the best schedule found.
 
     `bound` is a proven lower bound on the makespan in ticks. `levels` are the objectives in their
-    order, where there is more to say than that.
+    order, if there are others than the makespan.
     """
 
     status: Status
@@ -72,15 +57,15 @@ class Outcome:
 
 
 class EngineMissing(IrcError):
-    """The engine asked for is not installed; the text says what to do."""
+    """The requested engine is not installed; the message says what to do."""
 
 
 class EngineFailed(IrcError):
-    """The engine ran but gave nothing that can be used; the text says what happened."""
+    """The engine ran but gave no usable answer; the message says what happened."""
 
 
 class Refusal(IrcError):
-    """This target cannot express this problem, though it knows all of its features."""
+    """A target cannot express a problem, although it supports all of its features."""
 
     def __init__(self, message: str, pointer: tuple[str | int, ...] = (), hint: str | None = None):
         super().__init__(message)

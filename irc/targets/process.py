@@ -1,30 +1,29 @@
-"""Run a planning engine as a child process that cannot outstay its welcome.
+"""Runs a planning engine as a child process, within limits, and leaves no process behind.
 
-`run` starts a command, feeds it, reads what it prints and ends it: when it is done, when its time
-or its output is used up, when the caller has seen enough, or when anything goes wrong on our side.
-Whatever happens, what was printed so far is handed back and nothing that was started stays behind.
+`run` starts a command, writes its input, reads its output and ends it: when it is done, when its
+time or its output limit is reached, when the caller asks for it, or after an error of the caller.
+In every case it returns the output so far, and every process that it started has ended.
 
-How the promise is kept:
+How this works:
 
-- The child leads a session, and so a process group, of its own. Ending means SIGTERM to the group,
-  `GRACE_SECONDS` to say its last words (they are still read), then SIGKILL to the group. This is
-  done also after the child has exited by itself, for those it left running.
-- A descendant that left the group (`setsid`, `setpgid`) still carries the environment it was born
-  with, and in it a random token. On Linux `/proc/*/environ` is searched for that token. This is
-  best effort: a process that wiped its environment or changed its user is not found. Elsewhere
-  only the group is ended.
-- Pipes are never waited for without a limit, so a stranger that holds one open cannot hang us.
+- The child leads its own session, and so its own process group. To end it, `run` sends SIGTERM to
+  the group, reads its output for at most `GRACE_SECONDS`, then sends SIGKILL to the group. It does
+  so also after the child has exited by itself, for the processes that it left running.
+- A descendant that left the group (`setsid`, `setpgid`) still has the environment of its start, and
+  in it a random token. On Linux `run` searches `/proc/*/environ` for that token. This does not find
+  a process that cleared its environment or changed its user. On other systems only the group is
+  ended.
+- Every wait for a pipe has a limit, so a process that holds one open cannot block `run`.
 
-Two things it cannot do. If the calling process is itself killed outright (SIGKILL, or SIGTERM
-without a handler that raises), nobody is left to end the child. And on Windows, where a tree of
-processes is ended by `taskkill`, descendants of a child that has already exited are not found, and
-there is no memory limit.
+Two limits remain. If the calling process itself is killed (SIGKILL, or SIGTERM without a handler
+that raises), no process is left to end the child. And on Windows, where `taskkill` ends a tree of
+processes, descendants of a child that has already exited are not found, and there is no memory
+limit.
 
 `run` keeps no state and may be called from several threads at once; `preexec_fn`, which is not safe
 with threads, is not used.
 """
 
-import math
 import os
 import queue
 import selectors
@@ -44,6 +43,7 @@ from types import TracebackType
 from typing import IO, Protocol, Self
 
 from irc.errors import IrcError
+from irc.targets.budget import Budget
 
 __all__ = [
     "CommandNotFound",
@@ -55,11 +55,10 @@ __all__ = [
 ]
 
 GRACE_SECONDS = 0.2
-"""How long those asked to end may take before they are killed, and how long what is left of the
-output is waited for after the child has exited."""
+"""Seconds from SIGTERM to SIGKILL, and the longest wait for output after the child has exited."""
 
 STDERR_BYTES = 65_536
-"""How much of the end of stderr is kept."""
+"""The number of bytes kept from the end of stderr."""
 
 TOKEN_VARIABLE = "IRC_CHILD_TOKEN"
 """Environment variable by which descendants are recognised; tokens of nested runs are joined by
@@ -67,15 +66,15 @@ a colon, so that an outer run also finds what an inner one started."""
 
 _CHUNK_BYTES = 65_536
 _POLL_SECONDS = 0.02  # how late an exit is noticed while a descendant holds the pipes open
-_STEP_SECONDS = 0.01  # between two looks at whether those asked to end have ended
-_KILL_SECONDS = 1.0  # for killing a family that goes on forking, and for the kernel to bury a child
+_STEP_SECONDS = 0.01  # between two checks of whether processes have ended after SIGTERM
+_KILL_SECONDS = 1.0  # for killing processes that go on forking, and for reaping the child
 
-_LOOK = 0  # signal 0 is never delivered: it asks whether there is anybody
+_LOOK = 0  # signal 0 is never delivered: it checks whether a process exists
 _ASK = int(signal.SIGTERM)
 _KILL = 9  # SIGKILL as a number, because Windows has no name for it
 
-# ulimit sets the limit of the shell, which then becomes the command: no process more, no
-# preexec_fn. A platform that has no such limit (macOS) says so on the stderr that is dropped here.
+# ulimit sets the limit of the shell, which then becomes the command: no further process, no
+# preexec_fn. A platform without such a limit (macOS) reports that on the stderr dropped here.
 _LIMITED = 'ulimit -v "$0" 2>/dev/null; exec "$@"'
 
 
@@ -84,10 +83,10 @@ class ProcessError(IrcError):
 
 
 class CommandNotFound(ProcessError):
-    """The command is no executable file, neither at its path nor on PATH.
+    """The command is not an executable file, neither at its path nor on PATH.
 
     Attributes:
-        command: the name as it was asked for.
+        command: the name as the caller gave it.
     """
 
     def __init__(self, command: str) -> None:
@@ -99,31 +98,31 @@ class CommandNotFound(ProcessError):
 
 
 class Ended(Enum):
-    """Why a child process is no longer running."""
+    """The reason why a child process is no longer running."""
 
     EXITED = "exited"
-    """By itself, with an exit code (which need not be 0)."""
+    """It exited by itself, with an exit code (which may be other than 0)."""
     TIMEOUT = "timeout"
     """It was ended at the time limit."""
     OUTPUT_LIMIT = "output_limit"
-    """It printed more than was allowed: stdout is cut at the limit."""
+    """It printed more than the limit: stdout is cut at the limit."""
     STOPPED = "stopped"
-    """`on_line` asked for it (even if the child was just about to exit by itself)."""
+    """`on_line` ended it (even if the child was about to exit by itself)."""
     SIGNALLED = "signalled"
-    """By a signal that we did not send, such as a crash or the kernel's out-of-memory killer."""
+    """It ended by a signal from elsewhere, such as a crash or the out-of-memory killer."""
 
 
 @dataclass(frozen=True)
 class ProcessLimits:
-    """What one run may use; `None` is no limit.
+    """The limits of one run; `None` is no limit.
 
     Attributes:
         seconds: wall-clock time, at least 0.
         memory_mb: address space in MiB (RLIMIT_AS, `ulimit -v`), at least 1, for each process of
-            the run by itself; what asks for more sees its allocation fail. Reserved but untouched
-            memory counts. Not enforced on Windows, nor where the shell cannot (macOS). The command
-            is then started by `/bin/sh`: a script whose interpreter is missing ends with exit code
-            126 or 127, where without a memory limit it is a `ProcessError`.
+            the run separately; larger allocations fail. Reserved but unused memory counts. Not
+            enforced on Windows, nor if the shell cannot do it (macOS). The command is then started
+            by `/bin/sh`: a script whose interpreter is missing ends with exit code 126 or 127;
+            without a memory limit it is a `ProcessError`.
         output_bytes: bytes of stdout, at least 0.
 
     Raises:
@@ -145,17 +144,17 @@ class ProcessLimits:
 
 @dataclass(frozen=True)
 class ProcessResult:
-    """What a child process printed, and how it ended.
+    """The output of a child process, and how it ended.
 
     Attributes:
-        stdout: all that was printed until the end, up to the output limit, with line ends as they
-            were. Bytes that are not UTF-8 are replaced by U+FFFD, here and in `stderr`.
+        stdout: the whole output, up to the output limit, with line ends as they were. U+FFFD
+            replaces bytes that are not UTF-8, here and in `stderr`.
         stderr: the last `STDERR_BYTES` bytes.
-        exit_code: the child's own, or `None` if a signal ended it. A child that was asked to end
-            and did so in order has one, whatever `ended` says.
-        seconds: wall-clock time from the start until the child ended or was told to.
-        ended: why it is no longer running.
-        signal: the number of the signal that ended it (ours, too), or `None`.
+        exit_code: the child's exit code, or `None` if a signal ended it. A child that exits after
+            SIGTERM has an exit code, whatever `ended` is.
+        seconds: wall-clock time from the start until the child ended or got SIGTERM.
+        ended: the reason why it is no longer running.
+        signal: the number of the signal that ended it (also one from `run`), or `None`.
     """
 
     stdout: str
@@ -175,29 +174,27 @@ def run(
     env: Mapping[str, str] | None = None,
     on_line: Callable[[str], bool | None] | None = None,
 ) -> ProcessResult:
-    """Run a command to its end, within limits, and leave nothing of it behind.
+    """Runs a command to its end, within limits, and leaves no process behind.
 
-    It returns at most about half a second after the time limit (plus what `on_line` takes). After
-    an exit it loses up to `GRACE_SECONDS` on each of two things: a descendant that holds stdout
-    open, and one that does not end when asked to (or is not buried by process 1, as in some
-    containers).
+    It returns at most about half a second after the time limit (plus the time of `on_line`). After
+    an exit it waits up to `GRACE_SECONDS` for a descendant that holds stdout open, and as long for
+    one that ignores SIGTERM (or that process 1 does not reap, as in some containers).
 
     Args:
         command: the program (a name on PATH, or a path; a relative one starts at `cwd`) and its
             arguments. No shell reads them.
-        limits: what it may use.
-        stdin: what it can read (text as UTF-8); nothing if `None`. A child that does not want
-            all of it is not at fault.
-        cwd: its working directory; ours if `None`.
-        env: its whole environment; ours if `None`. `IRC_CHILD_TOKEN` is added.
+        limits: the limits of the run.
+        stdin: its input (text as UTF-8); nothing if `None`. A child need not read all of it.
+        cwd: its working directory; that of the caller if `None`.
+        env: its whole environment; that of the caller if `None`. `IRC_CHILD_TOKEN` is added.
         on_line: called in this thread with each complete line of stdout as it arrives, without its
-            line end; a true answer ends the child, and no further line is shown. The time it takes
-            counts towards the limit, but it is not interrupted. An exception that it raises ends
-            the child and goes on to the caller.
+            line end. A true answer ends the child and the calls. The time of the calls counts
+            towards the limit, but they are not interrupted. An exception ends the child and is
+            raised again.
 
     Raises:
         CommandNotFound: there is no such program.
-        ProcessError: the command is empty, or cannot be started, or `cwd` is no directory.
+        ProcessError: the command is empty, or cannot be started, or `cwd` is not a directory.
 
     Example:
         >>> run(["echo", "0.000: (grill) [10.000]"], ProcessLimits(seconds=5)).stdout
@@ -205,15 +202,14 @@ def run(
     """
     data = stdin.encode() if isinstance(stdin, str) else stdin
     capture = _Capture(limits.output_bytes, on_line)
-    begun = time.monotonic()
-    deadline = math.inf if limits.seconds is None else begun + limits.seconds
+    budget = Budget(limits.seconds)
     with _Tree() as tree:
         child = tree.start(command, limits.memory_mb, data is not None, cwd, env)
         with closing(_PIPES(child, data, capture)) as pipes:
-            cause = _watch(child, pipes, capture, deadline)
-            seconds = time.monotonic() - begun
+            cause = _watch(child, pipes, capture, budget)
+            seconds = budget.elapsed
             if cause is None:
-                # Such as the tee of `planner > >(tee log)`, which may yet have lines to pass on.
+                # The tee of `planner > >(tee log)`, for example, may still have lines to write.
                 _read_rest(pipes)
             tree.end(pipes.pump)
             _read_rest(pipes)
@@ -230,7 +226,7 @@ def run(
 
 
 class _Capture:
-    """What the child has printed, and what that means for it."""
+    """The output of the child so far, and the reason to end it, if the output gives one."""
 
     def __init__(self, limit: int, on_line: Callable[[str], bool | None] | None) -> None:
         self.stdout = bytearray()
@@ -266,10 +262,10 @@ class _Capture:
 
 
 class _Pipes(Protocol):
-    """The child's standard streams, moved along without blocking on any of them."""
+    """The child's standard streams, read and written without blocking on any of them."""
 
     def pump(self, seconds: float) -> None:
-        """Move what can be moved, after waiting at most `seconds` for it."""
+        """Reads and writes what is ready, after waiting at most `seconds` for it."""
 
     @property
     def readable(self) -> bool:
@@ -277,14 +273,14 @@ class _Pipes(Protocol):
 
     @property
     def idle(self) -> bool:
-        """Whether there is nothing left to move in either direction."""
+        """Whether there is nothing left to read or write."""
 
     def close(self) -> None:
-        """Let go of our ends."""
+        """Closes this end of the pipes."""
 
 
 class _SelectedPipes:
-    """Pipes of POSIX: descriptors that do not block, and a selector."""
+    """Pipes on POSIX: descriptors that do not block, and a selector."""
 
     def __init__(
         self, child: subprocess.Popen[bytes], data: bytes | None, capture: _Capture
@@ -343,14 +339,14 @@ class _SelectedPipes:
             self._unsent = self._unsent[os.write(stream.fileno(), self._unsent[:_CHUNK_BYTES]) :]
         except BlockingIOError:
             return
-        except BrokenPipeError:  # the child closed its stdin: it has read all it wants
+        except BrokenPipeError:  # the child closed its stdin: it has read enough
             self._unsent = self._unsent[:0]
         if not self._unsent:
             self._drop(stream)
 
 
 class _ThreadedPipes:
-    """Pipes of Windows, which no selector takes: a thread for each, and one queue to the caller."""
+    """Pipes on Windows, which has no selector for them: a thread for each, and one queue."""
 
     def __init__(
         self, child: subprocess.Popen[bytes], data: bytes | None, capture: _Capture
@@ -384,7 +380,7 @@ class _ThreadedPipes:
             self._unread -= 1
 
     def close(self) -> None:
-        # A reader that waits for room finds it now, sees that nobody listens, and ends.
+        # A reader that waits for room in the queue now gets it, sees `_closed`, and ends.
         self._closed = True
         with suppress(queue.Empty):
             while True:
@@ -410,19 +406,19 @@ def _outputs(
 
 
 def _write_all(stream: IO[bytes], data: bytes) -> None:
-    with suppress(OSError), stream:  # the child has read all it wants (EPIPE, or EINVAL on Windows)
+    with suppress(OSError), stream:  # the child has read enough (EPIPE, or EINVAL on Windows)
         unsent = memoryview(data)
         while unsent:
             unsent = unsent[os.write(stream.fileno(), unsent[:_CHUNK_BYTES]) :]
 
 
 def _watch(
-    child: subprocess.Popen[bytes], pipes: _Pipes, capture: _Capture, deadline: float
+    child: subprocess.Popen[bytes], pipes: _Pipes, capture: _Capture, budget: Budget
 ) -> Ended | None:
-    """Read along until the child has exited (`None`), or until there is a reason to end it."""
+    """Reads until the child has exited (`None`), or until there is a reason to end it."""
     while child.poll() is None:
-        remaining = deadline - time.monotonic()
-        if remaining <= 0:
+        remaining = budget.left
+        if not remaining:
             return Ended.TIMEOUT
         if pipes.idle:
             with suppress(subprocess.TimeoutExpired):
@@ -435,17 +431,14 @@ def _watch(
 
 
 def _read_rest(pipes: _Pipes) -> None:
-    """Read to the end of the output, or as far as it goes in `GRACE_SECONDS`."""
-    deadline = time.monotonic() + GRACE_SECONDS
-    while pipes.readable:
-        remaining = deadline - time.monotonic()
-        if remaining <= 0:
-            return
-        pipes.pump(remaining)
+    """Reads to the end of the output, for at most `GRACE_SECONDS`."""
+    grace = Budget(GRACE_SECONDS)
+    while pipes.readable and not grace.is_over:
+        pipes.pump(grace.left)
 
 
 class _Tree:
-    """The child and all that it started, which end no later than the `with` block."""
+    """The child and its descendants, which end no later than the `with` block."""
 
     def __init__(self) -> None:
         self._token = os.urandom(16).hex()
@@ -496,34 +489,34 @@ class _Tree:
         return self._child
 
     def end(self, pause: Callable[[float], None]) -> None:
-        """Ask all to end, give them `GRACE_SECONDS`, then kill; `pause` waits meanwhile."""
+        """Sends SIGTERM to all, waits `GRACE_SECONDS` with `pause`, then sends SIGKILL."""
         if self._over:
             return
         left = True
         try:
             left = self._signal(_ASK)
-            deadline = time.monotonic() + GRACE_SECONDS
-            while left and time.monotonic() < deadline:
+            grace = Budget(GRACE_SECONDS)
+            while left and not grace.is_over:
                 pause(_STEP_SECONDS)
                 left = self._signal(_LOOK)
-        finally:  # also when a second Ctrl-C cuts the grace short
+        finally:  # also after a second Ctrl-C during the wait
             if left:
                 self._kill()
             self._over = True
 
     def _kill(self) -> None:
         self._signal(_KILL)
-        deadline = time.monotonic() + _KILL_SECONDS
-        # Once is enough for a group. Those outside are found one by one and may fork meanwhile.
-        while _bearers(self._token) and time.monotonic() < deadline:
+        patience = Budget(_KILL_SECONDS)
+        # Once is enough for a group. Processes outside are found one by one and may fork meanwhile.
+        while _bearers(self._token) and not patience.is_over:
             time.sleep(_STEP_SECONDS / 10)
             self._signal(_KILL)
         if self._child is not None:
-            with suppress(subprocess.TimeoutExpired):  # stuck in the kernel: Popen buries it later
+            with suppress(subprocess.TimeoutExpired):  # stuck in the kernel: Popen reaps it later
                 self._child.wait(_KILL_SECONDS)
 
     def _signal(self, number: int) -> bool:
-        """Send a signal to each that is left, once; whether there was any."""
+        """Sends a signal to each remaining process once; returns whether there was any."""
         exited = self._child is None or self._child.poll() is not None
         if sys.platform == "win32":
             if self._child is None or exited:
@@ -535,16 +528,16 @@ class _Tree:
         if group is not None:
             found = _sent(os.killpg, group, number)
             if not found and exited:
-                self._group = None  # its number may soon be somebody else's
+                self._group = None  # the system may soon use its number again
             if found and number == _LOOK:
-                return True  # as cheaply as can be: it may be asked after each read
+                return True  # quickly: this may be called after each read
         for pid in _bearers(self._token, outside=group):
             found |= _sent(os.kill, pid, number)
         return found
 
 
 def _sent(kill: Callable[[int, int], None], target: int, number: int) -> bool:
-    """Whether a signal reached its target, which may be gone, or no longer ours to signal."""
+    """Whether a signal reached its target, which may have ended or changed its user."""
     try:
         kill(target, number)
     except (ProcessLookupError, PermissionError):
@@ -555,7 +548,7 @@ def _sent(kill: Callable[[int, int], None], target: int, number: int) -> bool:
 def _signal_windows(child: subprocess.Popen[bytes], number: int) -> None:
     if sys.platform == "win32":
         if number == _ASK:
-            with suppress(OSError):  # without a console there is no Ctrl-Break; the kill follows
+            with suppress(OSError):  # without a console there is no Ctrl-Break; SIGKILL follows
                 child.send_signal(signal.CTRL_BREAK_EVENT)
         elif number == _KILL:
             kill_tree = ["taskkill", "/T", "/F", "/PID", str(child.pid)]
@@ -563,7 +556,7 @@ def _signal_windows(child: subprocess.Popen[bytes], number: int) -> None:
 
 
 def _bearers(token: str, outside: int | None = None) -> list[int]:
-    """The living processes born with a token, but for the members of one group (Linux only)."""
+    """The running processes with a token, except members of one group (Linux only)."""
     if sys.platform != "linux":
         return []
     pids = (int(entry) for entry in os.listdir("/proc") if entry.isdigit())
@@ -574,7 +567,7 @@ def _bears(pid: int, token: bytes) -> bool:
     try:
         with open(f"/proc/{pid}/environ", "rb", buffering=0) as environment:
             return token in environment.readall()
-    except OSError:  # it has just ended, or it is not ours to read, and so not ours to end
+    except OSError:  # it has just ended, or belongs to another user, so it cannot be ended
         return False
 
 

@@ -1,4 +1,4 @@
-"""What an explanation asks of a solver: a small protocol that a backend may furnish."""
+"""The protocol of a solver that supports explanations; a backend may have one."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ from typing import Protocol
 from irc.problem import Problem
 from irc.problem.statements import Difference, Statement
 from irc.schedule import Status
+from irc.targets.budget import Budget
 
 
 @dataclass(frozen=True, slots=True)
 class Assumptions:
-    """A problem with its statements taken out of it, and those statements one by one.
+    """A problem without its statements, and these statements as separate assumptions.
 
-    In `problem` every activity takes any time from 0 on, whenever. Its open demands and capacities
-    are there, but hold only under the statement of the use (`uses`, by activity and index of the
-    use) and under those of the capacities of *all* members of a pool (`capacities`, by index in
-    `Problem.resources`). `differences` are all demands on time. Nothing ends after `horizon` needs
-    to.
+    In `problem` every activity may start at any time and last any time from 0 on. Its demands and
+    the capacities are there, but a demand holds only under the statement of its use (`uses`, by
+    activity and index of the use) and under the statements of the capacities of *all* members of
+    its pool (`capacities`, by index in `Problem.resources`). `differences` are all statements
+    about time. `horizon` is an upper bound on the end of some optimal schedule.
     """
 
     problem: Problem
@@ -30,13 +31,13 @@ class Assumptions:
 
 
 class Refuter(Protocol):
-    """A solver that can say why not. `seconds` are of wall-clock time; both are reproducible."""
+    """A solver that proves infeasibility, reproducibly unless the budget ends its search."""
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         """Statements that cannot hold together, not necessarily few; None if none were found."""
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
         """Whether the problem has a schedule: `FEASIBLE`, `INFEASIBLE` or `UNKNOWN`.
 
-        `FEASIBLE` only with a schedule that stood up to exact re-timing.
+        It answers `FEASIBLE` only with a schedule that exact re-timing has confirmed.
         """

@@ -1,4 +1,4 @@
-"""Which backends are installed, and what of a task each can take."""
+"""Finds the installed backends, and the features of a task that each does not support."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irc.targets.backend import Backend
 from irc.targets.outcome import UnknownTarget
 
 _OWN = {"cpsat": ("irc_cpsat", "CpSat"), "pddl21": ("irc_pddl21", "Pddl21")}
-"""Our own entry points, so that using them need not read every installed distribution."""
+"""irc's own backends, so that their use need not read every installed distribution."""
 
 
 @cache
@@ -37,7 +37,7 @@ def get_backend(name: str) -> Backend:
 
 
 def refused_features(task: Task, backend: Backend) -> dict[Feature, FeatureUse]:
-    """The features of a task that a backend cannot take, each with its first place."""
+    """The features of a task that a backend does not support, each with its first place."""
     refused: dict[Feature, FeatureUse] = {}
     supports = backend.supports
     for use in features_of(task):
@@ -47,18 +47,24 @@ def refused_features(task: Task, backend: Backend) -> dict[Feature, FeatureUse]:
 
 
 def require_support(task: Task, backend: Backend) -> None:
-    """Raises `InputError` naming every feature the backend cannot take, its place, and who can."""
+    """Raises `InputError` for each feature that the backend does not support, with its place and
+    the targets that support it.
+    """
     refused = refused_features(task, backend)
     if not refused:
         return
     diagnostics = []
     for feature, use in refused.items():
         able = [b.name for b in backends().values() if feature in b.supports]
-        hint = f"targets that can: {', '.join(able)}" if able else "no installed target can yet"
+        hint = (
+            f"targets that support it: {', '.join(able)}"
+            if able
+            else "no installed target supports it yet"
+        )
         diagnostics.append(
             Diagnostic(
                 Code.UNSUPPORTED,
-                f"{use.element}: target {backend.name!r} cannot take {feature.value}",
+                f"{use.element}: target {backend.name!r} does not support {feature.value}",
                 use.pointer,
                 hint,
             )

@@ -1,4 +1,4 @@
-"""For authors of backends: the conformance suite that our own backends pass.
+"""The conformance suite for authors of backends; irc's own backends pass it.
 
 >>> from irc.testing import CONFORMANCE_TASKS
 >>> [case.name for case in CONFORMANCE_TASKS][:2]

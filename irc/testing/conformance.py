@@ -1,4 +1,4 @@
-"""The conformance suite for backends: ours pass it, and so should a third party's.
+"""The conformance suite for backends: irc's own pass it, and so should those of third parties.
 
 >>> from irc.testing import CONFORMANCE_TASKS
 >>> [case.name for case in CONFORMANCE_TASKS][:2]
@@ -20,12 +20,12 @@ from irc.driver.judge import finish, validate_schedule
 from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Status
-from irc.targets import Backend, Engine, Limits, Program, refused_features
+from irc.targets import Backend, Budget, Engine, Program, SolveOptions, refused_features
 
 
 @dataclass(frozen=True)
 class Case:
-    """A small task with the makespan that an optimal schedule has; None where there is none."""
+    """A small task with the makespan of an optimal schedule; None if it has no schedule."""
 
     name: str
     document: dict[str, Any]
@@ -195,11 +195,11 @@ CONFORMANCE_TASKS: tuple[Case, ...] = (
 
 
 class ConformanceError(IrcError, AssertionError):
-    """A backend that breaks the contract; the text says on which task and how."""
+    """A backend that breaks the contract; the message says on which task and how."""
 
 
 def check_backend(backend: Backend, seconds: float = 10.0) -> int:
-    """Runs every conformance task through a backend and all of its engines that are here.
+    """Runs every conformance task through a backend and all of its installed engines.
 
     Returns the number of (task, engine) pairs solved and validated. A task with a feature the
     backend does not support must be refused. Raises `ConformanceError` otherwise.
@@ -237,7 +237,7 @@ def _check_encoding(case: Case, program: Program) -> None:
 
 
 def _check_engine(case: Case, program: Program, engine: Engine, seconds: float) -> None:
-    outcome = engine.solve(program, Limits(seconds=seconds, workers=1))
+    outcome = engine.solve(program, SolveOptions(time_limit=seconds, workers=1), Budget(seconds))
     where = f"{case.name}, {program.target} with {engine.name}"
     schedule = finish(case.task, program.problem, outcome, program.target, outcome.seconds)
     if outcome.schedule is None:

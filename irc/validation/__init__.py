@@ -47,12 +47,12 @@ _CHECKS = (
 def validate(task: Task, schedule: Schedule, at: Number | None = None) -> Verdict:
     """Judges `schedule` as an answer to `task`, as of t = 0: the task's events are not applied.
 
-    All violations are found, not only the first. The task must have been checked: one that refers
-    to what it does not have raises `UncheckedTaskError`. A time in the schedule, or `at`, that is
-    not an `int` or a `Fraction` raises `InexactTimeError`.
+    It finds all violations, not only the first. The task must have been checked: a task that
+    refers to a name it does not define raises `UncheckedTaskError`. A time in the schedule, or
+    `at`, that is not an `int` or a `Fraction` raises `InexactTimeError`.
 
-    With `at`, in the task's unit, what began before is history. A violation that the history alone
-    has as well is not held against the schedule, but told as `Verdict.carried`
+    With `at`, in the task's unit, entries that began before it are history. A violation that the
+    history alone has too does not make the schedule invalid: `Verdict.carried` reports it
     (`irc.validation.history`).
 
     >>> from irc.schedule import Entry
@@ -62,7 +62,7 @@ def validate(task: Task, schedule: Schedule, at: Number | None = None) -> Verdic
     valid: makespan 4 s
     >>> print(validate(task, Schedule((Entry("cut", 0, 3), Entry("stack", 2, 3)))))
     not valid, 1 violation:
-      rule 3, precedence: 'stack' starts at 2 s, before the end of 'cut' (3 s) allows it
+      rule 3, precedence: 'stack' starts at 2 s, but must not start before 3 s: the end of 'cut'
     """
     try:
         return _validate(task, schedule, at)

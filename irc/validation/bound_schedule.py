@@ -1,4 +1,4 @@
-"""A bound schedule: a task and the entries of a schedule, brought together by name."""
+"""A bound schedule: the entries of a schedule, matched by name with the actions of a task."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from irc.model.times import Clock
 from irc.schedule import Entry, Schedule
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"
-"""What an entry of a schedule that is being carried out may say of itself."""
+"""The statuses that an entry of a schedule that is being carried out may have."""
 
 
 class UncheckedTaskError(IrcError, ValueError):
-    """The task itself is at fault, so no schedule of it can be judged; `irc check` says how."""
+    """The task itself has a fault, so no schedule of it can be judged; `irc check` reports it."""
 
 
 class InexactTimeError(IrcError, ValueError):
@@ -37,9 +37,10 @@ class InexactTimeError(IrcError, ValueError):
 
 
 class Past(NamedTuple):
-    """What is certain of an occurrence that began before the time as of which a schedule is judged:
-    its start, its resources, and that its end lies in a range, which is one time for all that has
-    ended or lasts a fixed time."""
+    """The history of an occurrence that began before the time as of which a schedule is judged.
+
+    Its start and its resources are certain. Its end lies in a range, which is a single time for
+    each occurrence that has ended or lasts a fixed time."""
 
     over: bool
     earliest_end: Number
@@ -47,17 +48,17 @@ class Past(NamedTuple):
 
     @property
     def end_is_certain(self) -> bool:
-        """Whether its end is not for anyone to choose any more."""
+        """Whether nobody can choose its end any more."""
         return self.earliest_end == self.latest_end
 
 
 class Occurrence(NamedTuple):
     """An entry of the schedule with the action it is an occurrence of.
 
-    `shortest` and `longest` bound its duration; both are None where the mode is not known. What was
-    cancelled could end at any time.
-    `number` is its place in `BoundSchedule.occurrences`; `past` is None for what may still be
-    planned otherwise.
+    `shortest` and `longest` bound its duration; both are None where the mode is not known. A
+    cancelled occurrence could end at any time.
+    `number` is its place in `BoundSchedule.occurrences`; `past` is None for an occurrence that may
+    still be planned differently.
     """
 
     number: int
@@ -74,7 +75,7 @@ class Occurrence(NamedTuple):
 
     @property
     def name(self) -> str:
-        """How messages call it."""
+        """Its name in messages."""
         entry = self.entry
         return repr(entry.id) + (
             f" (occurrence {entry.occurrence})" if entry.occurrence != 1 else ""
@@ -82,20 +83,21 @@ class Occurrence(NamedTuple):
 
     @property
     def uses(self) -> tuple[Use, ...]:
-        """What it holds from start to end: the action's own uses and its mode's."""
+        """The uses it holds from start to end: the action's own and its mode's."""
         return self.action.uses if self.mode is None else self.action.uses + self.mode.uses
 
     @property
     def ends_freely(self) -> bool:
         """Whether its duration was chosen, so that its end has a rank of its own.
 
-        What has ended keeps the rank that it had, though an observation has fixed its duration.
+        An ended occurrence keeps the rank that it had, though an observation has fixed its
+        duration.
         """
         return self.shortest != self.longest or self.rank != self.end_rank
 
     @property
     def cancelled(self) -> bool:
-        """Whether it was ended before it was done: nothing that its end does has happened."""
+        """Whether it ended before it was done, so that the effects of its end did not happen."""
         return self.entry.status == CANCELLED
 
 
@@ -113,30 +115,32 @@ class BoundSchedule:
     occurrences: tuple[Occurrence, ...]
     by_action: dict[str, list[Occurrence]]
     done: frozenset[str]
-    """The actions that are there, and not merely as what was cancelled."""
+    """The actions that have an entry which is not cancelled."""
     unknown: tuple[Entry, ...]
     """Entries that name no action of the task."""
     at: Number | None = None
-    """What began before is history; None: nothing is."""
+    """Entries that began before this time are history; None: no entry is."""
 
     @property
     def ranked(self) -> bool:
-        """Whether the schedule gives ranks; if not, they are looked for."""
+        """Whether the schedule gives ranks; if not, the validator searches for them."""
         return any(e.rank or e.end_rank not in (None, 0) for e in self.schedule.entries)
 
     def is_present(self, group: Group) -> bool:
-        """Whether all actions of a group are there; what was cancelled is not."""
+        """Whether all actions of a group are present; a cancelled action is not present."""
         return bool(group.actions) and self.done.issuperset(group.actions)
 
 
 def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSchedule:
-    """Brings a task and a schedule together; what began before `at` is history.
+    """Binds a schedule to its task; entries that began before `at` are history.
 
-    Raises `UncheckedTaskError` for a task whose references do not hold, and `InexactTimeError` for
-    an entry whose times are not exact numbers.
+    Raises `UncheckedTaskError` for a task that refers to a name it does not define, and
+    `InexactTimeError` for an entry whose times are not exact numbers.
     """
     if at is not None and not isinstance(at, (int, Fraction)):
-        raise InexactTimeError(f"judged as of the time {at!r}; use an int or a Fraction")
+        raise InexactTimeError(
+            f"cannot judge a schedule as of the time {at!r}; use an int or a Fraction"
+        )
     clock = task.clock
     actions = _by_id("action", task.actions)
     resources = _by_id("resource", task.resources)
@@ -211,7 +215,7 @@ def _past(
     clock: Clock,
     at: Number,
 ) -> Past | None:
-    """What begins at `at` itself is history where the task fixes that start: it was observed."""
+    """Whether a start at `at` itself is history: the task fixes it, because it was observed."""
     observed = entry.start == at and action.start is not None and clock.number(action.start) == at
     if not (entry.start < at or observed):
         return None
@@ -244,7 +248,7 @@ def _by_id(what: str, parts: Iterable[_N]) -> dict[str, _N]:
     for part in parts:
         first = found.setdefault(part.id, part)
         if first is not part and first != part:
-            raise UncheckedTaskError(f"the {what} {part.id!r} is given twice, differently")
+            raise UncheckedTaskError(f"the {what} {part.id!r} is defined twice, in different ways")
     return found
 
 
@@ -260,7 +264,7 @@ def _check_references(
     for action in actions.values():
         _check_action(action, renewable, stocks, variables)
         if action.start is not None and action.id in repeatable:
-            raise UncheckedTaskError(f"{action.id!r} may repeat, so it can have no fixed start")
+            raise UncheckedTaskError(f"{action.id!r} may repeat, so it cannot have a fixed start")
     single = actions.keys() - repeatable
     for precedence in task.precedence:
         if precedence.before not in single or precedence.after not in single:

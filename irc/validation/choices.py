@@ -10,8 +10,8 @@ from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.verdict import Violations
 
 MAX_PARTIAL_CHOICES = 100_000
-"""Choices among *different* amounts are a packing problem; beyond so many partial ones the
-validator says that it does not know. Choices among equal amounts are a matching, never bounded."""
+"""Choices among *different* amounts are a packing problem; beyond this number of partial choices
+the verdict is "undecided". Choices among equal amounts are a matching, never bounded."""
 
 _Choice = tuple[int, frozenset[str]]
 """An amount, and the resources of which one gives it."""
@@ -62,7 +62,7 @@ def _uses_text(uses: Sequence[Use]) -> str:
 def is_explained(uses: Sequence[Use], named: Mapping[str, int]) -> bool | None:
     """Whether `named` is the sum of the plain uses and of one choice per `one_of`.
 
-    None where that could not be decided within `MAX_PARTIAL_CHOICES`.
+    None where `MAX_PARTIAL_CHOICES` partial choices do not decide that.
     """
     left = dict(named)
     choices: list[_Choice] = []
@@ -84,7 +84,7 @@ def is_explained(uses: Sequence[Use], named: Mapping[str, int]) -> bool | None:
 
 
 def _match_equal(choices: Sequence[_Choice], left: Mapping[str, int]) -> bool:
-    """Choices of one amount: a bipartite matching by augmenting paths, O(choices × edges)."""
+    """Matches choices of one amount by augmenting paths, O(choices × edges)."""
     amount = choices[0][0]
     # An amount that does not divide a total leaves too little room for all choices.
     room = {name: total // amount for name, total in left.items()}
@@ -132,7 +132,7 @@ def _shift(
 
 
 def _pack(choices: Sequence[_Choice], left: Mapping[str, int]) -> bool | None:
-    """Choices of different amounts: all reachable remainders, the largest amounts first."""
+    """Tries choices of different amounts: all reachable remainders, the largest amounts first."""
     names = sorted(left)
     order = sorted(choices, key=lambda choice: (-choice[0], len(choice[1]), sorted(choice[1])))
     still_possible = _possible_totals(order, names)
@@ -156,7 +156,7 @@ def _pack(choices: Sequence[_Choice], left: Mapping[str, int]) -> bool | None:
 
 
 def _possible_totals(order: Sequence[_Choice], names: Sequence[str]) -> list[list[int]]:
-    """After each choice, how much of each resource the choices that follow could still take."""
+    """The amount of each resource that the choices after each one could still take."""
     totals = [[0] * len(names)]
     for amount, alternatives in reversed(order[1:]):
         later = totals[-1]

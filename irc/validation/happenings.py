@@ -1,4 +1,4 @@
-"""What happens to state: the starts and ends that read or change it, and what is held between.
+"""The happenings that concern state: starts and ends that read or change it, and its holds.
 
 This is PDDL2.1 (Fox & Long 2003, section 5) with its separation made infinitesimal: a happening
 has a time and a rank, and happenings are ordered by (time, rank).
@@ -16,7 +16,7 @@ from irc.validation.bound_schedule import BoundSchedule, Occurrence
 from irc.validation.timing import tight_precedences
 
 Value = StateValue | None
-"""The value of a state variable; None where nothing has given it one yet."""
+"""The value of a state variable; None before any effect has given it one."""
 
 Edge = tuple[int, int, int]
 """(a, b, least): the rank of node b is at least that of node a plus `least` (0 or 1)."""
@@ -37,14 +37,14 @@ class Happening(NamedTuple):
 
 
 class Access(NamedTuple):
-    """A happening that needs a value just before it, or gives one."""
+    """A happening that needs a value just before it, or gives a value."""
 
     happening: Happening
     value: StateValue
 
 
 class Hold(NamedTuple):
-    """A value needed from just after one happening to just before another."""
+    """A value that must hold from just after one happening to just before another."""
 
     opening: Happening
     closing: Happening
@@ -53,7 +53,7 @@ class Hold(NamedTuple):
 
 @dataclass
 class Timeline:
-    """All that one state variable goes through."""
+    """All happenings and holds of one state variable."""
 
     reads: list[Access] = field(default_factory=list)
     writes: list[Access] = field(default_factory=list)
@@ -61,7 +61,7 @@ class Timeline:
 
     @property
     def past(self) -> Timeline:
-        """What of it is history."""
+        """The part of it that is history."""
         return Timeline(
             [read for read in self.reads if read.happening.occurrence.past],
             [write for write in self.writes if write.happening.occurrence.past],
@@ -70,7 +70,7 @@ class Timeline:
 
 
 @dataclass
-class Story:
+class Timelines:
     """All happenings of a schedule that concern state, by variable.
 
     `nodes` gives the rank nodes of each occurrence's start and end: one and the same where its
@@ -79,38 +79,38 @@ class Story:
 
     nodes: list[tuple[int, int]] = field(default_factory=list)
     node_count: int = 0
-    timelines: dict[str, Timeline] = field(default_factory=dict)
+    by_variable: dict[str, Timeline] = field(default_factory=dict)
 
 
-def tell(bound: BoundSchedule, drawn_out: Collection[int]) -> Story:
-    """The story of a schedule.
+def timelines_of(bound: BoundSchedule, drawn_out: Collection[int]) -> Timelines:
+    """The timelines of a schedule.
 
-    `drawn_out` numbers the occurrences that start and end at the same time but at different ranks,
-    and so are two happenings; every other one of no duration is a single happening.
+    `drawn_out` numbers the occurrences that start and end at the same time but at different ranks:
+    each has two happenings. Every other occurrence of no duration has one.
     """
-    story = Story(timelines={name: Timeline() for name in bound.variables})
+    timelines = Timelines(by_variable={name: Timeline() for name in bound.variables})
     for occurrence in bound.occurrences:
         separate = occurrence.number in drawn_out
         if occurrence.ends_freely and (separate or occurrence.start != occurrence.end):
-            nodes = (story.node_count, story.node_count + 1)
-            story.node_count += 2
+            nodes = (timelines.node_count, timelines.node_count + 1)
+            timelines.node_count += 2
         else:
-            nodes = (story.node_count, story.node_count)
-            story.node_count += 1
-        story.nodes.append(nodes)
+            nodes = (timelines.node_count, timelines.node_count)
+            timelines.node_count += 1
+        timelines.nodes.append(nodes)
         if occurrence.action.conditions or occurrence.action.effects:
-            _tell_occurrence(story, occurrence, nodes)
-    return story
+            _add_occurrence(timelines, occurrence, nodes)
+    return timelines
 
 
-def _tell_occurrence(story: Story, occurrence: Occurrence, nodes: tuple[int, int]) -> None:
-    """What was cancelled held its conditions until then; nothing of its end has happened."""
+def _add_occurrence(timelines: Timelines, occurrence: Occurrence, nodes: tuple[int, int]) -> None:
+    """Adds an occurrence; the end of a cancelled one reads and changes nothing."""
     start = Happening(occurrence.start, nodes[0], occurrence, False)
     end = Happening(occurrence.end, nodes[1], occurrence, True)
     if start.time == end.time and start.node == end.node:
         end = start
     for condition in occurrence.action.conditions:
-        timeline, value = story.timelines[condition.var], condition.value
+        timeline, value = timelines.by_variable[condition.var], condition.value
         if condition.at == "start" or (end is start and not occurrence.cancelled):
             timeline.reads.append(Access(start, value))
         elif condition.at == "end":
@@ -122,21 +122,21 @@ def _tell_occurrence(story: Story, occurrence: Occurrence, nodes: tuple[int, int
         if effect.at == "end" and occurrence.cancelled:
             continue
         happening = start if effect.at == "start" else end
-        story.timelines[effect.var].writes.append(Access(happening, effect.value))
+        timelines.by_variable[effect.var].writes.append(Access(happening, effect.value))
 
 
-def given_ranks(bound: BoundSchedule, story: Story) -> list[int]:
+def given_ranks(bound: BoundSchedule, timelines: Timelines) -> list[int]:
     """The rank of each node as the entries state it."""
-    ranks = [0] * story.node_count
-    for occurrence, (start, end) in zip(bound.occurrences, story.nodes, strict=True):
+    ranks = [0] * timelines.node_count
+    for occurrence, (start, end) in zip(bound.occurrences, timelines.nodes, strict=True):
         ranks[end] = occurrence.end_rank
         ranks[start] = occurrence.rank
     return ranks
 
 
-def timing_edges(bound: BoundSchedule, story: Story) -> Iterator[Edge]:
-    """What durations and precedences kept with no time to spare demand of the ranks."""
-    for occurrence, (start, end) in zip(bound.occurrences, story.nodes, strict=True):
+def timing_edges(bound: BoundSchedule, timelines: Timelines) -> Iterator[Edge]:
+    """Edges between ranks from durations and precedences that are met with no time to spare."""
+    for occurrence, (start, end) in zip(bound.occurrences, timelines.nodes, strict=True):
         if start == end:
             continue
         lasts = occurrence.end - occurrence.start
@@ -147,7 +147,7 @@ def timing_edges(bound: BoundSchedule, story: Story) -> Iterator[Edge]:
         if lasts == occurrence.longest:
             yield end, start, 0
     for before, from_end, after, to_end in tight_precedences(bound):
-        edge = (story.nodes[before.number][from_end], story.nodes[after.number][to_end], 0)
+        edge = (timelines.nodes[before.number][from_end], timelines.nodes[after.number][to_end], 0)
         if edge[0] != edge[1]:
             yield edge
 

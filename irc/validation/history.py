@@ -1,17 +1,18 @@
-"""What a schedule that is being carried out says of its entries: cancelled, abandoned.
+"""The statuses of entries in a schedule that is being carried out: cancelled, abandoned.
 
-A cancelled action is one that the task has as optional and with a deadline at the cancellation:
-whatever had begun of it stays in the schedule, as an entry that ended then.
+A cancelled action is optional in the task, with a deadline at the cancellation. An occurrence of it
+that had begun stays in the schedule, as an entry that ended then.
 
-A group that need not be there is given up where some of its actions ran and others never will. What
-ran stays, with all that it used and did, and is marked as abandoned unless another group has it.
+An optional group is given up where some of its actions ran and others never will. The entries that
+ran stay, with their uses and effects. They are marked as abandoned unless another group has them.
 
-Where a schedule is judged as of a time, what began before is history (`Occurrence.past`), and a
-violation that the history alone has as well is *carried*. Each rule decides that where it is
-checked: by who takes part (durations, precedence, capacity), or by comparing with the history alone
-(reservoirs, state). A running action whose duration is a range has its end still to choose: what a
-better choice of it avoids is not carried. Missing actions, groups and goals are never carried, nor
-is what the document says of itself: unknown actions, statuses, objectives.
+Where a schedule is judged as of a time, entries that began before it are history
+(`Occurrence.past`), and a violation that the history alone has too is *carried*. Each rule decides
+that where it is checked: by the occurrences that take part (durations, precedence, capacity), or by
+a comparison with the history alone (reservoirs, state). The end of a running action whose duration
+is a range is still to be chosen: a violation that another choice avoids is not carried. Missing
+actions, groups and goals are never carried, nor are faults of the document itself: unknown actions,
+statuses, objectives.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from irc.validation.verdict import Violations
 
 
 def check_statuses(bound: BoundSchedule, violations: Violations) -> None:
-    """The task bears out every status that an entry has."""
+    """Checks every status of an entry against the task."""
     for entry in bound.schedule.entries:
         if entry.status not in (None, CANCELLED, ABANDONED):
             violations.add(
@@ -44,13 +45,13 @@ def check_statuses(bound: BoundSchedule, violations: Violations) -> None:
         elif occurrence.entry.id not in in_part:
             _add(
                 occurrence,
-                f"is {ABANDONED!r}, but no group that may be absent lacks others of its actions",
+                f"is {ABANDONED!r}, but it is in no optional group that lacks other actions",
                 violations,
             )
 
 
 def _present_in_part(bound: BoundSchedule) -> set[str]:
-    """The actions of groups that may be absent and of which not all actions are there."""
+    """The actions of optional groups that are present only in part."""
     return {
         name
         for group in bound.groups.values()
@@ -62,20 +63,20 @@ def _present_in_part(bound: BoundSchedule) -> set[str]:
 def _check_cancelled(bound: BoundSchedule, occurrence: Occurrence, violations: Violations) -> None:
     action, at = occurrence.action, violations.time(occurrence.end)
     if action.occurrence_bounds[0] > 0:
-        _add(occurrence, f"is {CANCELLED!r}, but the task does not do without it", violations)
+        _add(occurrence, f"is {CANCELLED!r}, but the task requires it", violations)
     elif action.deadline is None or bound.clock.number(action.deadline) > occurrence.end:
         _add(
             occurrence,
-            f"is {CANCELLED!r} at {at}, but the task has no deadline by which it is over then",
+            f"is {CANCELLED!r} at {at}, but the task gives it no deadline at that time",
             violations,
         )
 
 
 def _check_begun(at: Number, occurrence: Occurrence, violations: Violations) -> None:
-    """Only what has begun is abandoned, and only what ended by now was cancelled."""
+    """Checks that abandoned entries have begun, and that cancelled entries have ended by now."""
     now = violations.time(at)
     if occurrence.past is None:
-        _add(occurrence, f"is {occurrence.entry.status!r} and has not begun at {now}", violations)
+        _add(occurrence, f"is {occurrence.entry.status!r}, but has not begun at {now}", violations)
     elif occurrence.cancelled and occurrence.end > at:
         _add(occurrence, f"is {CANCELLED!r}, but ends after {now}", violations)
 
@@ -90,14 +91,14 @@ def _add(occurrence: Occurrence, what: str, violations: Violations) -> None:
 
 
 def is_abandoned(bound: BoundSchedule, name: str) -> bool:
-    """Whether all that is there of an action is marked as abandoned."""
+    """Whether all entries of an action are marked as abandoned."""
     return all(o.entry.status == ABANDONED for o in bound.by_action[name] if not o.cancelled)
 
 
 def given_up(bound: BoundSchedule) -> frozenset[str]:
-    """The groups that may be absent, are there in part, and leave nothing behind unexplained.
+    """The optional groups that are present in part, where each entry is accounted for.
 
-    Each action that is there is marked as abandoned, or in another group that is wholly there.
+    Each of their entries is marked as abandoned, or is in another group that is wholly present.
     """
     in_part = [
         group

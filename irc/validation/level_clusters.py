@@ -1,8 +1,8 @@
-"""Simultaneous happenings that change levels: what is free of a resource, what is in a reservoir.
+"""Simultaneous happenings that change levels: free units of a resource, stock in a reservoir.
 
 The happenings of one instant must have an order, weakly that of their ranks, in which no level
-leaves its bounds after any of them. Where only one order of two will do, that is a demand on their
-ranks at once; what is left over is handed to the search (`irc.validation.ranks`).
+leaves its bounds after any of them. Where two happenings can come in one order only, their ranks
+get an edge at once. The clusters that are left go to the search (`irc.validation.ranks`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 from irc.model.quantities import Number
 from irc.validation.bound_schedule import BoundSchedule
-from irc.validation.happenings import Edge, Happening, Story
-from irc.validation.resources import HandOver, hand_overs
+from irc.validation.happenings import Edge, Happening, Timelines
+from irc.validation.resources import ContendedInstant, hand_overs
 from irc.validation.stock import (
     Changes,
     StockHappening,
@@ -29,7 +29,7 @@ from irc.validation.stock import (
 
 
 class Party(NamedTuple):
-    """A happening, and by how much it changes each level; a lower `stage` comes first."""
+    """A happening, and its change of each level; a lower `stage` comes first."""
 
     happening: Happening
     changes: Changes
@@ -38,7 +38,7 @@ class Party(NamedTuple):
 
 @dataclass(frozen=True)
 class LevelCluster:
-    """Happenings of one instant, for which an order must be found.
+    """Happenings of one instant that need an order.
 
     `bounds` are the least and the greatest of each of the `levels`, by number.
     """
@@ -50,12 +50,12 @@ class LevelCluster:
     bounds: dict[int, tuple[int, int | None]]
 
     def happenings(self) -> Iterator[Happening]:
-        """All that have a part in it."""
+        """All happenings of the cluster."""
         for party in self.parties:
             yield party.happening
 
     def allows(self, order: Sequence[int], following: int) -> bool:
-        """Whether a party can come next, behind those of `order`."""
+        """Whether a party can come next, after those of `order`."""
         levels = dict(self.levels)
         for k in (*order, following):
             for r, amount in self.parties[k].changes:
@@ -73,23 +73,25 @@ class LevelCluster:
         )
 
 
-def level_clusters(bound: BoundSchedule, story: Story) -> tuple[list[Edge], list[LevelCluster]]:
-    """What resources and stock demand of the ranks at once, and the clusters left to search."""
+def level_clusters(
+    bound: BoundSchedule, timelines: Timelines
+) -> tuple[list[Edge], list[LevelCluster]]:
+    """Edges that resources and stock demand of the ranks, and the clusters left to search."""
     edges: list[Edge] = []
     clusters: list[LevelCluster] = []
     for hand_over in hand_overs(bound):
-        own, undecided = _needed_orders(hand_over, story)
+        own, undecided = _needed_orders(hand_over, timelines)
         edges += own
         if undecided:
-            clusters.append(_hand_over_cluster(hand_over, story))
-    clusters += _stock_clusters(bound, story)
+            clusters.append(_hand_over_cluster(hand_over, timelines))
+    clusters += _stock_clusters(bound, timelines)
     return edges, clusters
 
 
-def _needed_orders(hand_over: HandOver, story: Story) -> tuple[list[Edge], bool]:
-    """Those who cannot both hold the resource; and whether others may be too many together.
+def _needed_orders(hand_over: ContendedInstant, timelines: Timelines) -> tuple[list[Edge], bool]:
+    """Edges of pairs that cannot both hold the resource; whether more of them may not fit together.
 
-    Where more is in use than there is, whatever the order, the sweep over time has said so.
+    Where the capacity is too small in every order, the sweep over time has reported it.
     """
     freed = sum(amount for _, amount in hand_over.ending)
     taken = sum(amount for _, amount in hand_over.starting)
@@ -100,20 +102,20 @@ def _needed_orders(hand_over: HandOver, story: Story) -> tuple[list[Edge], bool]
     for ending, amount in hand_over.ending:
         for starting, other in hand_over.starting:
             if amount + other > hand_over.room:
-                end, start = story.nodes[ending.number][1], story.nodes[starting.number][0]
+                end, start = timelines.nodes[ending.number][1], timelines.nodes[starting.number][0]
                 edges.append((end, start, 0))
             else:
                 undecided = True
     return edges, undecided
 
 
-def _hand_over_cluster(hand_over: HandOver, story: Story) -> LevelCluster:
+def _hand_over_cluster(hand_over: ContendedInstant, timelines: Timelines) -> LevelCluster:
     parties = [
-        Party(Happening(o.end, story.nodes[o.number][1], o, True), ((0, amount),))
+        Party(Happening(o.end, timelines.nodes[o.number][1], o, True), ((0, amount),))
         for o, amount in hand_over.ending
     ]
     parties += [
-        Party(Happening(o.start, story.nodes[o.number][0], o, False), ((0, -amount),))
+        Party(Happening(o.start, timelines.nodes[o.number][0], o, False), ((0, -amount),))
         for o, amount in hand_over.starting
     ]
     free = hand_over.room - sum(amount for _, amount in hand_over.ending)
@@ -122,11 +124,11 @@ def _hand_over_cluster(hand_over: HandOver, story: Story) -> LevelCluster:
     )
 
 
-def _stock_clusters(bound: BoundSchedule, story: Story) -> Iterator[LevelCluster]:
+def _stock_clusters(bound: BoundSchedule, timelines: Timelines) -> Iterator[LevelCluster]:
     its = reservoirs(bound)
     levels = [resource.initial for resource in its]
-    # (What has one node is one happening, so nodes do for ranks here.)
-    ordered = sorted(stock_happenings(bound, story.nodes), key=attrgetter("time"))
+    # (Each node is one happening, so nodes can stand for ranks here.)
+    ordered = sorted(stock_happenings(bound, timelines.nodes), key=attrgetter("time"))
     for time, same in groupby(ordered, key=attrgetter("time")):
         members = list(same)
         tight = tight_reservoirs(its, levels, members) if len(members) > 1 else ()
@@ -135,7 +137,9 @@ def _stock_clusters(bound: BoundSchedule, story: Story) -> Iterator[LevelCluster
                 tuple(its[r].id for r in sorted(tight)),
                 time,
                 tuple(
-                    _party(member, tight, story) for member in members if _touches(member, tight)
+                    _party(member, tight, timelines)
+                    for member in members
+                    if _touches(member, tight)
                 ),
                 {r: levels[r] for r in tight},
                 {r: (its[r].min, its[r].max) for r in tight},
@@ -147,9 +151,9 @@ def _touches(member: StockHappening, tight: frozenset[int]) -> bool:
     return any(r in tight for r, _ in member.changes)
 
 
-def _party(member: StockHappening, tight: frozenset[int], story: Story) -> Party:
+def _party(member: StockHappening, tight: frozenset[int], timelines: Timelines) -> Party:
     occurrence = member.occurrence
-    node = story.nodes[occurrence.number][member.at_end]
+    node = timelines.nodes[occurrence.number][member.at_end]
     changes = tuple((r, amount) for r, amount in member.changes if r in tight)
     happening = Happening(member.time, node, occurrence, member.at_end)
     return Party(happening, changes, member.stage)

@@ -1,4 +1,4 @@
-"""What a schedule is worth, and whether it says so truthfully."""
+"""The objective values of a schedule, and a check of the values that the schedule states."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.verdict import Violations
 
 _UNKNOWABLE = "changes"
-"""How much a schedule differs from an earlier one, if there was one: its entries do not say."""
+"""Objectives that compare a schedule with a previous one; its entries alone do not give them."""
 
 
 def objective_values(bound: BoundSchedule) -> dict[str, Number]:
-    """Makespan, tardiness, reward and cost of the entries, repeated occurrences each counted.
+    """Makespan, tardiness, reward and cost of the entries, each repeated occurrence counted.
 
-    What was cancelled has cost what it costs, but earns nothing and keeps no due date waiting.
+    A cancelled occurrence has its cost, but earns no reward and adds no tardiness.
     """
     present = [group for group in bound.groups.values() if bound.is_present(group)]
     reward = sum(o.action.reward or 0 for o in bound.occurrences if not o.cancelled)
@@ -53,11 +53,13 @@ def _exact(value: Number) -> Number:
 def check_stated(
     bound: BoundSchedule, values: Mapping[str, Number], violations: Violations
 ) -> None:
-    """The stated values are the true ones, and no stated bound contradicts them."""
+    """Checks that the stated values are true, and that no stated bound contradicts them."""
     for stated in bound.schedule.objective:
         if stated.name not in values and stated.name != _UNKNOWABLE:
             known = ", ".join([*values, _UNKNOWABLE])
-            violations.add("objective", f"there is no objective {stated.name!r}; there are {known}")
+            violations.add(
+                "objective", f"there is no objective {stated.name!r}; the objectives are {known}"
+            )
             continue
         true = values.get(stated.name, stated.value)
         if stated.value != true:

@@ -1,9 +1,9 @@
-"""The past comes first: at an event's instant t, what ended at t, then its changes, then starts.
+"""The past comes first: at an event's instant, first ends, then its changes, then starts.
 
-The instants concerned are those of changes of the world, and the one as of which a schedule is
-judged. The order is one of ranks and weak: what must not share a rank says so by interference. It
-is asked of all that has to do with state or stock. An end whose time could be chosen may have been
-chosen at the event, behind its changes, so it is not bound.
+The rule holds at the instants of world changes, and at the instant as of which a schedule is
+judged. It orders ranks weakly: interference says which happenings must not share a rank. It applies
+to all happenings that concern state or stock. An end whose time could be chosen may have been
+chosen at the event, after its changes, so the rule does not bind it.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from irc.validation.bound_schedule import BoundSchedule, Occurrence
 from irc.validation.verdict import Violations
 
 Point = tuple[Occurrence, bool]
-"""An occurrence, and whether its end is meant."""
+"""An occurrence, and whether the happening is its end."""
 
 
 class EventInstant(NamedTuple):
-    """What ended at an event's instant, the world's changes at it, and what starts at it."""
+    """The ends at an event's instant, the world changes at it, and the starts at it."""
 
     time: Number
     ended: tuple[Occurrence, ...]
@@ -30,7 +30,7 @@ class EventInstant(NamedTuple):
 
 
 def event_instants(bound: BoundSchedule) -> Iterator[EventInstant]:
-    """The instants at which the past comes first, where something has to do with the order."""
+    """The instants at which the past comes first, where the order concerns some happening."""
     changes: dict[Number, list[Occurrence]] = {} if bound.at is None else {bound.at: []}
     others: list[Occurrence] = []
     for occurrence in filter(_is_concerned, bound.occurrences):
@@ -51,7 +51,7 @@ def event_instants(bound: BoundSchedule) -> Iterator[EventInstant]:
 
 
 def _ended_by_itself(occurrence: Occurrence) -> bool:
-    """Whether its end was not chosen: what runs may be ended behind what an event changes."""
+    """Whether its end was not chosen: a running action may be ended after an event's changes."""
     return occurrence.start < occurrence.end and occurrence.shortest == occurrence.longest
 
 
@@ -61,7 +61,7 @@ def _is_concerned(occurrence: Occurrence) -> bool:
 
 
 def check_past_first(bound: BoundSchedule, violations: Violations) -> None:
-    """The ranks that a schedule gives keep that order."""
+    """Checks that the ranks which a schedule gives keep that order."""
     for instant in event_instants(bound):
         before = max(instant.ended, key=lambda o: o.end_rank, default=None)
         rank = 0 if before is None else before.end_rank
@@ -80,8 +80,7 @@ def _add_too_early(
     violations.add(
         "rank",
         f"{occurrence.name} starts at {violations.time(time)} with rank {occurrence.rank}, before "
-        f"{before.name} with rank {rank}; what ended comes first, then what an event changes, then "
-        "what starts",
+        f"{before.name} with rank {rank}; ends come first, then changes by events, then starts",
         [occurrence.entry.id, before.entry.id],
         (time,),
         carried=occurrence.past is not None and before.past is not None,
@@ -89,7 +88,7 @@ def _add_too_early(
 
 
 def past_first_pairs(bound: BoundSchedule) -> Iterator[tuple[Sequence[Point], Sequence[Point]]]:
-    """Happenings and those that come no earlier than all of them."""
+    """Pairs of happenings: those that come first, and those that come no earlier."""
     for instant in event_instants(bound):
         ended = [(occurrence, True) for occurrence in instant.ended]
         changes = [(occurrence, False) for occurrence in instant.changes]

@@ -1,4 +1,4 @@
-"""Rule 1: what must be there is there, nothing else is, and occurrences are in order."""
+"""Rule 1: every required action is present, no other is, and occurrences are in order."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from irc.validation.verdict import Violations, listed
 
 
 def check_presence(bound: BoundSchedule, violations: Violations) -> None:
-    """Occurrence bounds, groups, unknown and repeated entries, statuses, numbering, overlap."""
+    """Checks occurrence bounds, groups, unknown entries, statuses, numbering and overlap."""
     _check_unknown(bound, violations)
     check_statuses(bound, violations)
     _check_bounds(bound, violations)
@@ -29,7 +29,7 @@ def _check_unknown(bound: BoundSchedule, violations: Violations) -> None:
 
 
 def _check_bounds(bound: BoundSchedule, violations: Violations) -> None:
-    # A group that may be absent decides for its members, whatever their own default says.
+    # An optional group decides for its members, whatever their own default is.
     decided_by_group = {
         name for group in bound.groups.values() if not group.required for name in group.actions
     }
@@ -45,7 +45,8 @@ def _check_bounds(bound: BoundSchedule, violations: Violations) -> None:
         elif greatest is not None and len(found) > greatest:
             violations.add(
                 "presence",
-                f"{name!r} occurs {len(found)} times; at most {greatest} may be there",
+                f"{name!r} occurs {len(found)} times; it may occur at most "
+                + ("once" if greatest == 1 else f"{greatest} times"),
                 [name],
                 (o.start for o in found),
             )
@@ -58,7 +59,7 @@ def _check_numbers(occurrences: list[Occurrence], violations: Violations) -> Non
         if count > 1:
             violations.add(
                 "occurrence",
-                f"occurrence {number} of {name!r} is given {count} times",
+                f"occurrence {number} of {name!r} stands {count} times in the schedule",
                 [name],
                 carried=all(o.past for o in occurrences if o.entry.occurrence == number),
             )
@@ -66,7 +67,8 @@ def _check_numbers(occurrences: list[Occurrence], violations: Violations) -> Non
         numbers = ", ".join(str(n) for n in sorted(given)[:10])
         violations.add(
             "occurrence",
-            f"the occurrences of {name!r} are not numbered from 1 on without a gap: {numbers}",
+            f"the occurrences of {name!r} must be numbered from 1 on without a gap, but are "
+            f"numbered {numbers}",
             [name],
             carried=all(o.past for o in occurrences),
         )
@@ -114,5 +116,5 @@ def _check_groups(bound: BoundSchedule, violations: Violations) -> None:
         there = [name for name in group.actions if name in bound.done]
         unmarked = [name for name in there if not is_abandoned(bound, name)]
         if not group.required and len(unmarked) < len(there):
-            message += f"; there and not {ABANDONED}: {listed(unmarked, len(unmarked))}"
+            message += f"; present and not {ABANDONED}: {listed(unmarked, len(unmarked))}"
         violations.add("group", message, missing)

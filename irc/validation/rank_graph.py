@@ -1,4 +1,4 @@
-"""The graph of demands on ranks: which node comes after, or together with, which other."""
+"""The graph of rank constraints: which node comes after another, or together with it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class OutOfSteps(IrcError):
     """The search has used up its steps."""
 
 
-class Budget:
+class StepBudget:
     """The steps that are left to the search for ranks."""
 
     def __init__(self, steps: int) -> None:
@@ -25,7 +25,7 @@ class Budget:
         return self.left <= 0
 
     def charge(self, steps: int) -> None:
-        """Takes steps for work that is already done."""
+        """Takes steps for work that was done elsewhere."""
         self.left -= steps
 
     def spend(self) -> None:
@@ -38,7 +38,7 @@ class Budget:
 class RankGraph:
     """Ranks that satisfy a growing, shrinking set of edges."""
 
-    def __init__(self, ranks: list[int], edges: Iterable[Edge], budget: Budget) -> None:
+    def __init__(self, ranks: list[int], edges: Iterable[Edge], budget: StepBudget) -> None:
         self.ranks = ranks
         self.added: list[Edge] = []
         self.budget = budget
@@ -50,11 +50,11 @@ class RankGraph:
             self._in[b].append(a)
 
     def mark(self) -> tuple[int, int]:
-        """Where to come back to."""
+        """The present state, for `undo`."""
         return len(self.added), len(self._raised)
 
     def undo(self, mark: tuple[int, int]) -> None:
-        """Takes back all that was added since `mark`."""
+        """Removes all edges that were added since `mark`."""
         edges, raised = mark
         while len(self.added) > edges:
             a, b, _ = self.added.pop()
@@ -105,7 +105,7 @@ class RankGraph:
         self.ranks[node] = rank
 
     def unmet(self, edges: Edges) -> int:
-        """How many of `edges` the present ranks do not satisfy."""
+        """The number of `edges` that the present ranks do not satisfy."""
         return sum(self.ranks[b] < self.ranks[a] + least for a, b, least in edges)
 
     def follows_any(self, node: int, others: set[int]) -> bool:
@@ -185,7 +185,7 @@ def strict_cycles(component: Sequence[int], edges: Sequence[Edge]) -> list[Edge]
 
 
 def successors(edges: Iterable[Edge]) -> dict[int, list[int]]:
-    """For each node that has any, the nodes its edges lead to."""
+    """For each node with edges, the nodes they lead to."""
     following: dict[int, list[int]] = {}
     for a, b, _ in edges:
         following.setdefault(a, []).append(b)

@@ -1,4 +1,4 @@
-"""The ranks of a schedule that gives none: those by which the validator finds it valid."""
+"""Finds the ranks of a schedule that gives none: those by which the validator finds it valid."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from irc.errors import IrcError
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.validation.bound_schedule import bind
-from irc.validation.happenings import Edge, given_ranks, tell, timing_edges
-from irc.validation.rank_graph import Budget
+from irc.validation.happenings import Edge, given_ranks, timelines_of, timing_edges
+from irc.validation.rank_graph import StepBudget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
 from irc.validation.verdict import Violations
 
@@ -19,11 +19,11 @@ class NoRanksError(IrcError, ValueError):
 
 
 @dataclass(frozen=True)
-class Ranks:
-    """The rank nodes of each entry's start and end, the rank of each node, and what ties them.
+class ScheduleRanks:
+    """The rank nodes of each entry's start and end, the rank of each node, and their constraints.
 
-    A fixed duration ties start and end to one node. `edges` are the demands of durations and
-    precedences kept with no time to spare: (a, b, least) wants rank(b) ≥ rank(a) + least.
+    With a fixed duration, start and end share one node. `edges` are the constraints of durations
+    and precedences that are met with no time to spare: (a, b, least): rank(b) ≥ rank(a) + least.
     """
 
     nodes: tuple[tuple[int, int], ...]
@@ -31,23 +31,25 @@ class Ranks:
     edges: tuple[Edge, ...]
 
 
-def ranks_of(task: Task, schedule: Schedule) -> Ranks:
-    """Ranks for all entries: those given, else ones that are found.
+def ranks_of(task: Task, schedule: Schedule) -> ScheduleRanks:
+    """Ranks for all entries: the given ranks, else ranks from a search.
 
-    Raises `NoRanksError` where there are none, or where that is too hard to decide.
+    Raises `NoRanksError` where no ranks exist, or where that is too hard to decide.
     """
     bound = bind(task, schedule)
-    story = tell(
+    timelines = timelines_of(
         bound,
         {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank},
     )
     ranks: list[int] | None
     if bound.ranked:
-        ranks = given_ranks(bound, story)
+        ranks = given_ranks(bound, timelines)
     else:
-        budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
+        budget = StepBudget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
         violations = Violations(task.time_unit)
-        ranks = find_ranks(bound, story, budget, violations)
+        ranks = find_ranks(bound, timelines, budget, violations)
         if ranks is None:
             raise NoRanksError("; ".join(v.message for v in violations.found) or "no ranks found")
-    return Ranks(tuple(story.nodes), tuple(ranks), tuple(timing_edges(bound, story)))
+    return ScheduleRanks(
+        tuple(timelines.nodes), tuple(ranks), tuple(timing_edges(bound, timelines))
+    )

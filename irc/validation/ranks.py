@@ -12,11 +12,11 @@ order of each cluster (see `irc.validation.simultaneous`, and for resources and 
 3. A puzzle is searched depth first with exact backtracking: the next writer, then a slot for each
    item, the narrowest first. Ranks that satisfy all edges so far are kept up to date (starting from
    a topological order), so an impossible edge is seen when it is added. Happenings that change
-   levels are put in an order one by one, as far as the levels allow.
+   levels are ordered one by one, as far as the levels allow.
 
 The question is NP-hard (orders of simultaneous changes), so the search is bounded: by
-`SEARCH_STEPS` edge relaxations and `STEPS_PER_OCCURRENCE` more for each occurrence. Beyond, what is
-left is reported as undecided.
+`SEARCH_STEPS` edge relaxations and `STEPS_PER_OCCURRENCE` more for each occurrence. Clusters that
+are left then are reported as undecided.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from irc.validation.bound_schedule import BoundSchedule
-from irc.validation.happenings import Edge, Edges, Story, Value, timing_edges
+from irc.validation.happenings import Edge, Edges, Timelines, Value, timing_edges
 from irc.validation.level_clusters import LevelCluster, level_clusters
 from irc.validation.past_first import past_first_pairs
 from irc.validation.rank_graph import (
-    Budget,
     OutOfSteps,
     RankGraph,
+    StepBudget,
     inside_components,
     shortest_path,
     strict_cycles,
@@ -48,35 +48,41 @@ STEPS_PER_OCCURRENCE = 100
 
 
 def find_ranks(
-    bound: BoundSchedule, story: Story, budget: Budget, violations: Violations
+    bound: BoundSchedule, timelines: Timelines, budget: StepBudget, violations: Violations
 ) -> list[int] | None:
-    """Ranks under which state and precedences hold, or None and the reasons why there are none."""
-    constraints = rank_constraints(bound, story, violations)
-    count, past_first = _past_first_edges(bound, story)
-    needed, levels = level_clusters(bound, story)
-    edges = [*timing_edges(bound, story), *past_first, *needed, *constraints.edges]
+    """Ranks under which state and precedences hold; None, with violations, where there are none."""
+    constraints = rank_constraints(bound, timelines, violations)
+    count, past_first = _past_first_edges(bound, timelines)
+    needed, levels = level_clusters(bound, timelines)
+    edges = [*timing_edges(bound, timelines), *past_first, *needed, *constraints.edges]
     components = strong_components(count, edges)
     cycles = strict_cycles(components, edges)
     if cycles:
-        _add_cycles(bound, story, inside_components(components, edges), cycles, violations)
+        _add_cycles(bound, timelines, inside_components(components, edges), cycles, violations)
         return None
     # Edges never lead to a higher component, and equal ones are tied: a topological order.
     graph = RankGraph([-component for component in components], edges, budget)
-    search = _Search(graph, [*_narrow(graph, constraints.clusters), *levels], edges)
+    search = _RankSearch(graph, [*_narrow(graph, constraints.clusters), *levels], edges)
     for puzzle in search.puzzles:
         outcome = search.solve(puzzle)
         if outcome is not True:
             clusters = [search.clusters[i] for i in puzzle]
             _add_unsolved(clusters, outcome is None, violations)
-    return None if violations else graph.ranks[: story.node_count]
+    return None if violations else _from_zero(graph.ranks[: timelines.node_count])
 
 
-def _past_first_edges(bound: BoundSchedule, story: Story) -> tuple[int, list[Edge]]:
-    """The number of nodes, and the order at events' instants: each through a node of its own."""
-    count, edges = story.node_count, []
+def _from_zero(ranks: Sequence[int]) -> list[int]:
+    """The same order of ranks, the least of them 0."""
+    least = min(ranks, default=0)
+    return [rank - least for rank in ranks]
+
+
+def _past_first_edges(bound: BoundSchedule, timelines: Timelines) -> tuple[int, list[Edge]]:
+    """The number of nodes, and the edges at events' instants, each through a node of its own."""
+    count, edges = timelines.node_count, []
     for earlier, later in past_first_pairs(bound):
-        edges += [(story.nodes[o.number][at_end], count, 0) for o, at_end in earlier]
-        edges += [(count, story.nodes[o.number][at_end], 0) for o, at_end in later]
+        edges += [(timelines.nodes[o.number][at_end], count, 0) for o, at_end in earlier]
+        edges += [(count, timelines.nodes[o.number][at_end], 0) for o, at_end in later]
         count += 1
     return count, edges
 
@@ -85,14 +91,14 @@ _AnyCluster = Cluster | LevelCluster
 
 
 def _narrow(graph: RankGraph, clusters: Sequence[Cluster]) -> list[Cluster]:
-    """Settles the items that have one possible slot left; one that has none is left to fail."""
+    """Places the items that have one possible slot left; the search fails on one that has none."""
     left = list(clusters)
     try:
         while True:
             narrower = [_narrowed(graph, cluster) for cluster in left]
-            settled = sum(len(a.items) - len(b.items) for a, b in zip(left, narrower, strict=True))
+            placed = sum(len(a.items) - len(b.items) for a, b in zip(left, narrower, strict=True))
             left = narrower
-            if not settled:
+            if not placed:
                 return left
     except OutOfSteps:
         return left
@@ -112,9 +118,11 @@ def _narrowed(graph: RankGraph, cluster: Cluster) -> Cluster:
 
 
 class _State(NamedTuple):
-    """How far a puzzle is solved: its `at`-th cluster, the order of writers so far, and, once that
-    is complete, the options of each item, of which the first `placed` are chosen. Where levels
-    change, the `queue` is the order of parties so far, by number."""
+    """A partial solution of a puzzle: its `at`-th cluster and the order of writers so far.
+
+    Once that order is complete, `plans` are the options of each item, of which the first `placed`
+    are chosen. Where levels change, `queue` is the order of parties so far, by number.
+    """
 
     at: int = 0
     order: tuple[Writer, ...] = ()
@@ -126,7 +134,7 @@ class _State(NamedTuple):
 _Choices = Iterator[tuple[Edges, _State]]
 
 
-class _Search:
+class _RankSearch:
     """Solves the clusters that are left over, one independent puzzle at a time."""
 
     def __init__(
@@ -136,7 +144,7 @@ class _Search:
         self.clusters = clusters
         self.last: dict[int, Value] = {}
         self.puzzles: list[list[int]] = []
-        if not all(_is_settled(cluster) for cluster in clusters):
+        if not all(_is_decided(cluster) for cluster in clusters):
             given = [*edges, *graph.added]
             component = strong_components(*_with_possible_edges(len(graph.ranks), given, clusters))
             self.puzzles = _puzzles(clusters, component)
@@ -180,7 +188,7 @@ class _Search:
         return self.last[cluster.previous] if cluster.previous is not None else None
 
     def _advance(self, puzzle: Sequence[int], state: _State) -> _State | None:
-        """The next state in which something is to be chosen; None when all is."""
+        """The next state with a choice to make; None when all choices are made."""
         while state.at < len(puzzle):
             cluster = self.clusters[puzzle[state.at]]
             if isinstance(cluster, LevelCluster):
@@ -217,7 +225,7 @@ class _Search:
             yield edges, following
 
     def _parties(self, cluster: LevelCluster, state: _State) -> _Choices:
-        """The next party: of the lowest rank so far, and what gives before what takes."""
+        """The possible next parties: by their ranks so far, and producers before consumers."""
         nodes = [party.happening.node for party in cluster.parties]
         left = [k for k in range(len(nodes)) if k not in state.queue]
         self.graph.budget.charge(len(nodes))
@@ -247,7 +255,7 @@ class _Search:
 
 
 def _is_hopeless(cluster: Cluster, incoming: Value) -> bool:
-    """Whether a value is needed that never occurs, so that no order need be tried."""
+    """Whether a needed value never occurs, so that no order need be tried."""
     given: set[Value] = {writer.value for writer in cluster.writers}
     ever = given | {incoming}
     needed = [need for writer in cluster.writers for need in writer.needs]
@@ -261,7 +269,7 @@ def _with_possible_edges(
     """The graph with a hub per cluster, through which all its happenings reach each other."""
     possible = list(edges)
     for cluster in clusters:
-        if _first_node(cluster) is None or _is_settled(cluster):
+        if _first_node(cluster) is None or _is_decided(cluster):
             continue
         for happening in cluster.happenings():
             possible += [(happening.node, count, 0), (count, happening.node, 0)]
@@ -269,12 +277,12 @@ def _with_possible_edges(
     return count, possible
 
 
-def _is_settled(cluster: _AnyCluster) -> bool:
-    return isinstance(cluster, Cluster) and cluster.is_settled
+def _is_decided(cluster: _AnyCluster) -> bool:
+    return isinstance(cluster, Cluster) and cluster.is_decided
 
 
 def _first_node(cluster: _AnyCluster) -> int | None:
-    """The node of one of those that all others of a cluster are compared with."""
+    """The node of one happening that all others of the cluster are compared with."""
     if isinstance(cluster, LevelCluster):
         return cluster.parties[0].happening.node
     return cluster.writers[0].happening.node if cluster.writers else None
@@ -300,7 +308,7 @@ def _puzzles(clusters: Sequence[_AnyCluster], component: Sequence[int]) -> list[
             parent[root(i)] = root(in_component.setdefault(component[node], i))
     puzzles: dict[int, list[int]] = {}
     for i, cluster in enumerate(clusters):
-        if not _is_settled(cluster):
+        if not _is_decided(cluster):
             puzzles.setdefault(root(i), []).append(i)
     ordered = [sorted(puzzle, key=lambda i: (clusters[i].time, i)) for puzzle in puzzles.values()]
     return sorted(ordered, key=len)
@@ -308,13 +316,13 @@ def _puzzles(clusters: Sequence[_AnyCluster], component: Sequence[int]) -> list[
 
 def _add_cycles(
     bound: BoundSchedule,
-    story: Story,
+    timelines: Timelines,
     edges: Sequence[Edge],
     cycles: Sequence[Edge],
     violations: Violations,
 ) -> None:
     owner: dict[int, int] = {}
-    for number, nodes in enumerate(story.nodes):
+    for number, nodes in enumerate(timelines.nodes):
         owner.update(dict.fromkeys(nodes, number))
     following = successors(edges)
     for first, second, _ in cycles:
@@ -323,8 +331,8 @@ def _add_cycles(
         names = list(dict.fromkeys(member.entry.id for member in members))
         violations.add(
             "rank",
-            f"no ranks exist: {listed(names, len(names))} would have to come "
-            "one after the other in a circle",
+            f"no ranks exist: {listed(names, len(names))} must come "
+            "one after the other, in a circle",
             names,
             sorted({member.start for member in members}),
         )
@@ -342,7 +350,7 @@ def _add_unsolved(clusters: Sequence[_AnyCluster], undecided: bool, violations: 
     times = list(dict.fromkeys(cluster.time for cluster in clusters))
     where = f"{listed(names, len(names))} at {violations.time(times[0])}"
     if len(times) > 1:
-        where += f" and {len(times) - 1} later instants"
+        where += f" and {len(times) - 1} later instant{'s' if len(times) > 2 else ''}"
     about = listed(concerned, len(concerned))
     if undecided:
         message = f"whether some order of {where} suits {about} is too hard to decide; give ranks"

@@ -16,12 +16,12 @@ from irc.validation.bound_schedule import BoundSchedule, Occurrence, UncheckedTa
 from irc.validation.verdict import Violations, listed
 
 RankPairs = Sequence[tuple[int, int]]
-"""The rank of each occurrence's start and end."""
+"""The ranks of each occurrence's start and end."""
 
 _Step = tuple[int, int, int]
-"""The place of a moment in the order of (time, rank), by how much something changes then, and the
-number of the occurrence that does it (-1: none). Places are whole numbers, which sort far faster
-than times."""
+"""The place of a moment in the order of (time, rank), the amount of the change, and the number of
+the occurrence that causes it (-1: none). Places are whole numbers, which sort far faster than
+times."""
 
 
 def given_rank_pairs(bound: BoundSchedule) -> RankPairs:
@@ -30,9 +30,9 @@ def given_rank_pairs(bound: BoundSchedule) -> RankPairs:
 
 
 class _Moments:
-    """The moments that matter, in order: `width` places for each instant, one for each rank.
+    """The moments of changes, in order: `width` places for each instant, one for each rank.
 
-    Where ranks differ the last place of an instant comes behind all its ranks.
+    Where ranks differ, the last place of an instant comes after all its ranks.
     """
 
     def __init__(self, times: Iterable[Number], last_rank: int) -> None:
@@ -50,10 +50,10 @@ class _Moments:
 def check_capacity(
     bound: BoundSchedule, violations: Violations, ranks: RankPairs | None = None
 ) -> None:
-    """Rule 4: use is held over [(start, rank), (end, end_rank)); what takes no time uses nothing.
+    """Checks rule 4: a use holds over [(start, rank), (end, end_rank)), and not for zero duration.
 
-    So what is freed at a happening can be taken at the same rank of that instant, or a later one.
-    A capacity that falls does so behind all ranks of its instant, one that rises before them.
+    So units that a happening frees can be taken at the same rank of that instant, or a later one.
+    A capacity falls after all ranks of its instant, and rises before them.
     """
     ranks = given_rank_pairs(bound) if ranks is None else ranks
     holders = [o for o in bound.occurrences if o.entry.resources and o.start < o.end]
@@ -117,7 +117,7 @@ def _check_renewable(
 
 
 def capacity_changes(bound: BoundSchedule, resource: Resource) -> dict[Number, int]:
-    """The capacity from each instant on at which an availability window starts or ends."""
+    """The capacity at each instant at which an availability window starts or ends, and after it."""
     number = bound.clock.number
     windows = sorted(
         (number(w.from_), number(w.to), w.capacity)
@@ -159,10 +159,10 @@ def _add_overload(
     )
 
 
-class HandOver(NamedTuple):
-    """An instant at which some free a resource and others take it, with too little for all.
+class ContendedInstant(NamedTuple):
+    """An instant at which some occurrences free a resource, others take it, and not all fit.
 
-    `room` is what is left of the capacity to those who free it then, before they do.
+    `room` is the capacity that all others leave before the units are freed.
     """
 
     resource: str
@@ -172,14 +172,14 @@ class HandOver(NamedTuple):
     starting: tuple[tuple[Occurrence, int], ...]
 
 
-def hand_overs(bound: BoundSchedule) -> Iterator[HandOver]:
+def hand_overs(bound: BoundSchedule) -> Iterator[ContendedInstant]:
     """The instants at which the order of ranks decides whether a resource suffices."""
     for resource in bound.resources.values():
         if resource.kind == "renewable":
             yield from _hand_overs(bound, resource)
 
 
-def _hand_overs(bound: BoundSchedule, resource: Resource) -> Iterator[HandOver]:
+def _hand_overs(bound: BoundSchedule, resource: Resource) -> Iterator[ContendedInstant]:
     ending: dict[Number, list[tuple[Occurrence, int]]] = {}
     starting: dict[Number, list[tuple[Occurrence, int]]] = {}
     for occurrence in bound.occurrences:
@@ -196,5 +196,7 @@ def _hand_overs(bound: BoundSchedule, resource: Resource) -> Iterator[HandOver]:
         taken = sum(amount for _, amount in starting.get(time, ()))
         room = max(before, capacity) - (in_use - freed)
         if freed and taken and freed + taken > room:
-            yield HandOver(resource.id, time, room, tuple(ending[time]), tuple(starting[time]))
+            yield ContendedInstant(
+                resource.id, time, room, tuple(ending[time]), tuple(starting[time])
+            )
         in_use += taken - freed

@@ -1,4 +1,4 @@
-"""Plays one state variable through, in the order of (time, rank), and tells what does not hold."""
+"""Simulates one state variable, in the order of (time, rank), and reports what does not hold."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Demand(NamedTuple):
 
 @dataclass
 class _Moment:
-    """What concerns one variable at one (time, rank)."""
+    """The reads, writes and holds of one variable at one (time, rank)."""
 
     reads: list[Access] = field(default_factory=list)
     writes: list[Access] = field(default_factory=list)
@@ -45,15 +45,15 @@ class _Moment:
 
 
 _Holds = dict[Value, dict[int, Hold]]
-"""What must stay as it is, by the value it must have and a number."""
+"""Holds that are open, by the value they need and a number."""
 
 
 class StateSimulator:
-    """Plays one variable through.
+    """Simulates one variable.
 
     `lost` are demands that the history alone does not meet: they are carried. `failed` collects
-    those that are not met here. Of what is history (`Occurrence.past`), one changing what another
-    needs is carried too; where something open takes part, it is a violation.
+    the demands that are not met here. A change is carried too if it and the need that it breaks
+    are both history (`Occurrence.past`); where something open takes part, it is a violation.
     """
 
     def __init__(
@@ -69,10 +69,10 @@ class StateSimulator:
         self.failed: set[Demand] = set()
         self.held: _Holds = {}
         self.damaged: _Holds = {}
-        """Holds that the history itself breaks; what is open may do no more damage to them."""
+        """Holds that the history itself breaks; open occurrences must not break them again."""
 
     def run(self, timeline: Timeline, ranks: Sequence[int]) -> Value:
-        """Checks all that happens to it and returns its last value."""
+        """Checks all happenings of the variable and returns its last value."""
         moments: dict[tuple[Number, int], _Moment] = {}
 
         def moment(happening: Happening) -> _Moment:
@@ -117,7 +117,7 @@ class StateSimulator:
     def _fail(
         self, happening: Happening, kind: Literal["before", "from then on"], value: Value
     ) -> bool:
-        """Whether a demand that is not met is carried."""
+        """Records a demand that is not met; returns whether it is carried."""
         demand = Demand(happening.occurrence.number, happening.at_end, kind, value)
         self.failed.add(demand)
         return demand in self.lost
@@ -125,22 +125,22 @@ class StateSimulator:
     def _write(self, access: Access) -> None:
         broken = _others(self.held, access.value)
         if access.happening.occurrence.past is None:
-            # A damaged hold that has its value again is not to lose it by what is open.
+            # A damaged hold that has its value again must not lose it to an open occurrence.
             broken |= self.damaged.get(self.value, {}) if self.value != access.value else {}
-            self._tell_broken(access, broken.values(), carried=False)
+            self._add_broken(access, broken.values(), carried=False)
             _drop(self.damaged, broken)
         else:
             between_past = {n: h for n, h in broken.items() if h.opening.occurrence.past}
-            self._tell_broken(access, between_past.values(), carried=True)
+            self._add_broken(access, between_past.values(), carried=True)
             open_ones = [h for n, h in broken.items() if n not in between_past]
-            self._tell_broken(access, open_ones, carried=False)
+            self._add_broken(access, open_ones, carried=False)
             for number, hold in between_past.items():
                 self.damaged.setdefault(hold.value, {})[number] = hold
-        # Told once: what is broken here need not be told again at every later change.
+        # Each broken hold is reported once, not again at every later change.
         _drop(self.held, broken)
         self.value = access.value
 
-    def _tell_broken(self, access: Access, broken: Collection[Hold], *, carried: bool) -> None:
+    def _add_broken(self, access: Access, broken: Collection[Hold], *, carried: bool) -> None:
         if broken:
             add_broken(self.name, access, list(broken), self.violations, carried=carried)
 
@@ -160,7 +160,7 @@ class StateSimulator:
             f"{first.occurrence.name} changes {self.name!r} at "
             f"{self.violations.time(first.time)} with rank {rank}, where "
             f"{listed(others, len(others))} read or change it with the same rank; "
-            "what comes later needs a higher rank",
+            "the later happening needs a higher rank",
             [first.occurrence.entry.id, *others],
             (first.time,),
             carried=_all_past(parties.values()),
@@ -172,7 +172,7 @@ def _all_past(accesses: Iterable[Access]) -> bool:
 
 
 def _others(holds: _Holds, value: Value) -> dict[int, Hold]:
-    """The holds of any other value."""
+    """The holds that need another value."""
     return {n: h for held, own in holds.items() if held != value for n, h in own.items()}
 
 

@@ -2,8 +2,8 @@
 
 Such a cluster is a small puzzle: put the writers in an order, and each read and each end of a hold
 in a slot between them. Slot i lies after the i-th writer; values[i] is the variable's value there
-(values[0] is what comes in). Most clusters have at most one writer and one answer, which is settled
-here at once; what is left over is handed to the search.
+(values[0] is the value that comes in). Most clusters have at most one writer and one answer, which
+is found here at once. The other clusters go to the search.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from irc.validation.happenings import (
     Edges,
     Happening,
     Hold,
-    Story,
     Timeline,
+    Timelines,
     Value,
 )
 from irc.validation.state_messages import (
@@ -38,14 +38,14 @@ from irc.validation.state_messages import (
 from irc.validation.verdict import Violations
 
 
-class _Open(Enum):
-    """Stands for a value that depends on an order not yet found."""
+class _OpenValue(Enum):
+    """The mark of a value that depends on an order not yet found."""
 
     VALUE = "open"
 
 
-OPEN = _Open.VALUE
-"""The value that comes into a cluster depends on the cluster before."""
+OPEN = _OpenValue.VALUE
+"""The value that comes into a cluster depends on the previous cluster."""
 
 
 class Writer(NamedTuple):
@@ -56,8 +56,8 @@ class Writer(NamedTuple):
     needs: tuple[StateValue, ...]
 
 
-class Item(NamedTuple):
-    """What must find a slot: a read, the opening or closing of a hold, or (`span`) both."""
+class SlotItem(NamedTuple):
+    """An item that needs a slot: a read, the opening or closing of a hold, or (`span`) both."""
 
     kind: Literal["read", "open", "close", "span"]
     value: StateValue
@@ -67,24 +67,27 @@ class Item(NamedTuple):
 
 @dataclass(frozen=True)
 class Cluster:
-    """One variable at one instant. `previous` numbers the cluster whose last value comes in, where
-    `incoming` is open; `goals` are values it must have in the end."""
+    """One variable at one instant.
+
+    `previous` numbers the cluster whose last value comes in, where `incoming` is open; `goals` are
+    values that the variable must have at the end.
+    """
 
     variable: str
     time: Number
     writers: tuple[Writer, ...]
-    items: tuple[Item, ...]
-    incoming: Value | Literal[_Open.VALUE]
+    items: tuple[SlotItem, ...]
+    incoming: Value | Literal[_OpenValue.VALUE]
     previous: int | None = None
     goals: tuple[StateValue, ...] = ()
 
     @property
-    def is_settled(self) -> bool:
-        """Whether nothing in it is left to choose."""
+    def is_decided(self) -> bool:
+        """Whether no choice is left in it."""
         return self.incoming is not OPEN and len(self.writers) <= 1 and not self.items
 
     def happenings(self) -> Iterator[Happening]:
-        """All that have a part in it."""
+        """All happenings of the cluster."""
         for writer in self.writers:
             yield writer.happening
         for item in self.items:
@@ -93,11 +96,11 @@ class Cluster:
                 yield item.hold.closing
 
 
-def slots(item: Item, order: Sequence[Writer], incoming: Value) -> list[Edges]:
+def slots(item: SlotItem, order: Sequence[Writer], incoming: Value) -> list[Edges]:
     """The ways to place `item` among writers of a known order; none if its value never fits.
 
-    A read shares its rank with no writer. A hold opens with the writer before it or later, and
-    closes with the writer after it or earlier, so there the outermost slot stands for all.
+    A read shares its rank with no writer. A hold opens with the previous writer or later, and
+    closes with the next writer or earlier, so for holds the outermost slot stands for all.
     """
     values: list[Value] = [incoming, *(writer.value for writer in order)]
     nodes = [writer.happening.node for writer in order]
@@ -112,7 +115,7 @@ def slots(item: Item, order: Sequence[Writer], incoming: Value) -> list[Edges]:
     if item.kind == "open":
         return [_after(nodes, i, item.happening.node, 0) for i, j in runs if j == last]
     if item.kind == "close":
-        # What comes in is vouched for by the opening, whatever it is.
+        # The opening of the hold has already checked the value that comes in.
         reach = next((i for i in range(1, last + 1) if values[i] != item.value), last + 1)
         return [_before(nodes, reach - 1, item.happening.node, 0)]
     closing = item.hold.closing.node if item.hold is not None else item.happening.node
@@ -144,14 +147,16 @@ def _runs(values: Sequence[Value], wanted: StateValue) -> list[tuple[int, int]]:
 
 @dataclass
 class RankConstraints:
-    """What is settled of all clusters, as edges between ranks, and the clusters that are not."""
+    """The edges between ranks that clusters with one answer give, and the other clusters."""
 
     edges: list[Edge] = field(default_factory=list)
     clusters: list[Cluster] = field(default_factory=list)
 
 
-def rank_constraints(bound: BoundSchedule, story: Story, violations: Violations) -> RankConstraints:
-    """Settles each cluster that has one answer: O(n log n). What no ranks can mend is reported."""
+def rank_constraints(
+    bound: BoundSchedule, timelines: Timelines, violations: Violations
+) -> RankConstraints:
+    """The rank constraints of all clusters, in O(n log n); reports violations under all ranks."""
     constraints = RankConstraints()
     goals: dict[str, list[StateValue]] = {}
     for goal in dict.fromkeys(bound.task.goals):
@@ -159,7 +164,7 @@ def rank_constraints(bound: BoundSchedule, story: Story, violations: Violations)
             goals.setdefault(goal.var, []).append(goal.value)
     for name, variable in bound.variables.items():
         pass_over = _OneVariable(name, variable.start_value, constraints, violations)
-        pass_over.run(story.timelines[name], tuple(goals.get(name, ())))
+        pass_over.run(timelines.by_variable[name], tuple(goals.get(name, ())))
     return constraints
 
 
@@ -173,13 +178,13 @@ class _Instant:
 
 
 class _OneVariable:
-    """One variable, instant by instant."""
+    """Builds the clusters of one variable, instant by instant."""
 
     def __init__(
         self, variable: str, initial: Value, constraints: RankConstraints, violations: Violations
     ) -> None:
         self.variable = variable
-        self.value: Value | Literal[_Open.VALUE] = initial
+        self.value: Value | Literal[_OpenValue.VALUE] = initial
         self.previous: int | None = None
         self.constraints = constraints
         self.violations = violations
@@ -193,7 +198,7 @@ class _OneVariable:
                 self.covering.get(hold.value, {}).pop(id(hold), None)
             writers = self._writers(instant)
             self._check_covered(writers)
-            self._settle(self._knot(time, writers, _items(instant, writers)))
+            self._decide(self._cluster(time, writers, _items(instant, writers)))
             self._take_over(writers)
             for hold in instant.opening:
                 self.covering.setdefault(hold.value, {})[id(hold)] = hold
@@ -212,7 +217,7 @@ class _OneVariable:
         return tuple(writers.values())
 
     def _check_covered(self, writers: tuple[Writer, ...]) -> None:
-        """No order helps against a change in the middle of a hold."""
+        """Reports changes in the middle of a hold, which no order avoids."""
         for writer in writers:
             broken = [
                 hold
@@ -225,7 +230,7 @@ class _OneVariable:
                 add_broken(self.variable, access, broken, self.violations)
                 self.covering = {v: h for v, h in self.covering.items() if v == writer.value}
 
-    def _settle(self, cluster: Cluster) -> None:
+    def _decide(self, cluster: Cluster) -> None:
         if self.value is OPEN or len(cluster.writers) > 1:
             if len(cluster.writers) > 1 or cluster.items or any(w.needs for w in cluster.writers):
                 self.constraints.clusters.append(cluster)
@@ -257,23 +262,25 @@ class _OneVariable:
     def _reach_goals(self, goals: tuple[StateValue, ...], time: Number) -> None:
         if self.value is OPEN:
             if goals:
-                self.constraints.clusters.append(self._knot(time, (), (), goals))
+                self.constraints.clusters.append(self._cluster(time, (), (), goals))
             return
         for goal in goals:
             if goal != self.value:
                 add_unmet_goal(self.variable, goal, self.value, self.violations)
 
-    def _knot(
+    def _cluster(
         self,
         time: Number,
         writers: tuple[Writer, ...],
-        items: tuple[Item, ...],
+        items: tuple[SlotItem, ...],
         goals: tuple[StateValue, ...] = (),
     ) -> Cluster:
         previous = self.previous if self.value is OPEN else None
         return Cluster(self.variable, time, writers, items, self.value, previous, goals)
 
-    def _add_unplaceable(self, item: Item, writers: tuple[Writer, ...], incoming: Value) -> None:
+    def _add_unplaceable(
+        self, item: SlotItem, writers: tuple[Writer, ...], incoming: Value
+    ) -> None:
         found = value_text(incoming)
         later = [w.value for w in writers if w.happening.node != item.happening.node]
         if later and later[0] != incoming:
@@ -303,12 +310,12 @@ def _instants(timeline: Timeline) -> dict[Number, _Instant]:
     return instants
 
 
-def _items(instant: _Instant, writers: tuple[Writer, ...]) -> tuple[Item, ...]:
+def _items(instant: _Instant, writers: tuple[Writer, ...]) -> tuple[SlotItem, ...]:
     own = {writer.happening.node for writer in writers}
     items = [
-        Item("read", r.value, r.happening) for r in instant.reads if r.happening.node not in own
+        SlotItem("read", r.value, r.happening) for r in instant.reads if r.happening.node not in own
     ]
-    items += [Item("open", h.value, h.opening, h) for h in instant.opening]
-    items += [Item("close", h.value, h.closing, h) for h in instant.closing]
-    items += [Item("span", h.value, h.opening, h) for h in instant.spans]
+    items += [SlotItem("open", h.value, h.opening, h) for h in instant.opening]
+    items += [SlotItem("close", h.value, h.closing, h) for h in instant.closing]
+    items += [SlotItem("span", h.value, h.opening, h) for h in instant.spans]
     return tuple(items)

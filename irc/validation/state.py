@@ -8,9 +8,16 @@ from itertools import combinations
 
 from irc.model import StateGoal, StateVariable
 from irc.validation.bound_schedule import BoundSchedule, Occurrence, bind
-from irc.validation.happenings import Story, Timeline, Value, given_ranks, tell, timing_edges
+from irc.validation.happenings import (
+    Timeline,
+    Timelines,
+    Value,
+    given_ranks,
+    timelines_of,
+    timing_edges,
+)
 from irc.validation.past_first import check_past_first
-from irc.validation.rank_graph import Budget
+from irc.validation.rank_graph import StepBudget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
 from irc.validation.resources import RankPairs, check_capacity
 from irc.validation.simulator import Demand, StateSimulator
@@ -19,18 +26,18 @@ from irc.validation.stock import check_reservoirs
 from irc.validation.verdict import Violations, listed
 
 _READING_COST = 50
-"""What retelling the story costs per occurrence, in steps of the search."""
+"""The cost of building the timelines again, per occurrence, in steps of the search."""
 
 
 def check_goals(bound: BoundSchedule, violations: Violations) -> None:
-    """Rule 7 for goals that name an action."""
+    """Checks rule 7 for goals that name an action."""
     for goal in dict.fromkeys(bound.task.goals):
         if not isinstance(goal, StateGoal) and goal not in bound.done:
-            violations.add("goal", f"the goal {goal!r} is not there", [goal])
+            violations.add("goal", f"the goal {goal!r} is missing", [goal])
 
 
 def check_state(bound: BoundSchedule, violations: Violations) -> None:
-    """Rules 6 and 7 for state: by the ranks the entries give, else by ranks looked for here."""
+    """Checks rules 6 and 7 for state: by the ranks of the entries, else by ranks searched here."""
     if bound.ranked:
         _check_given_ranks(bound, violations)
     elif bound.variables:
@@ -42,12 +49,12 @@ def _check_given_ranks(bound: BoundSchedule, violations: Violations) -> None:
         _check_duration_in_ranks(occurrence, violations)
     check_past_first(bound, violations)
     drawn_out = {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank}
-    story = tell(bound, drawn_out)
-    _follow(bound, story, given_ranks(bound, story), violations)
+    timelines = timelines_of(bound, drawn_out)
+    _follow(bound, timelines, given_ranks(bound, timelines), violations)
 
 
 def _check_duration_in_ranks(occurrence: Occurrence, violations: Violations) -> None:
-    """A duration keeps to its bounds in ranks too, so a fixed one has one rank."""
+    """Checks that a duration keeps its bounds in ranks too, so that a fixed one has one rank."""
     entry, lasts = occurrence.entry, occurrence.end - occurrence.start
     if entry.end_rank is None or entry.end_rank == entry.rank:
         return
@@ -70,35 +77,36 @@ def _check_duration_in_ranks(occurrence: Occurrence, violations: Violations) -> 
 
 
 def _look_for_ranks(bound: BoundSchedule, violations: Violations) -> None:
-    """All ranks 0 first, which most schedules want; then a search.
+    """Tries all ranks 0 first, which suits most schedules; then searches.
 
-    Where the history alone has no ranks either, all are taken to be 0, as they were given.
+    Where the history alone has no ranks either, all ranks are 0, as if the schedule gave them.
     """
-    story = tell(bound, ())
-    if _is_clean(bound, story):
+    timelines = timelines_of(bound, ())
+    if _is_clean(bound, timelines):
         return
-    failure = _search(bound, story)
+    failure = _search(bound, timelines)
     if failure and _history_is_at_fault(bound):
-        _follow(bound, story, [0] * story.node_count, violations)
+        _follow(bound, timelines, [0] * timelines.node_count, violations)
     else:
         violations.merge(failure)
 
 
 def _history_is_at_fault(bound: BoundSchedule) -> bool:
-    """Whether no ranks suit what began before, alone and without goals."""
+    """Whether no ranks suit the history, alone and without goals."""
     if bound.at is None:
         return False
     entries = tuple(o.entry for o in bound.occurrences if o.past)
     without_goals = bound.task.model_copy(update={"goals": ()})
     history = bind(without_goals, replace(bound.schedule, entries=entries))
-    failure = _search(history, tell(history, ()))
+    failure = _search(history, timelines_of(history, ()))
     return bool(failure) and not failure.only_undecided
 
 
-def _search(bound: BoundSchedule, story: Story) -> Violations:
-    """What is wrong under all ranks; nothing where some will do.
+def _search(bound: BoundSchedule, timelines: Timelines) -> Violations:
+    """The violations that all ranks have; none where some ranks suit.
 
-    What lasts no time though it could last has two readings, one happening or two; all are tried.
+    An occurrence of no duration that could last longer has two readings, as one happening or as
+    two; all readings are tried.
     """
     zero_length = [
         o.number
@@ -108,12 +116,12 @@ def _search(bound: BoundSchedule, story: Story) -> Violations:
         and o.shortest == 0
         and (o.action.conditions or o.action.effects)
     ]
-    budget = Budget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
+    budget = StepBudget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
     failures: list[Violations] = []
     for drawn_out in _readings(zero_length):
         if drawn_out:
-            story = tell(bound, drawn_out)
-        failure = _try_reading(bound, story, budget)
+            timelines = timelines_of(bound, drawn_out)
+        failure = _try_reading(bound, timelines, budget)
         if not failure:
             return failure
         failures.append(failure)
@@ -126,13 +134,13 @@ def _search(bound: BoundSchedule, story: Story) -> Violations:
     return _too_many_readings(bound, zero_length)
 
 
-def _is_clean(bound: BoundSchedule, story: Story) -> bool:
-    """Whether all ranks 0 will do; stops at the first variable where they do not."""
-    ranks = [0] * story.node_count
+def _is_clean(bound: BoundSchedule, timelines: Timelines) -> bool:
+    """Whether all ranks 0 suit; stops at the first variable where they do not."""
+    ranks = [0] * timelines.node_count
     attempt = Violations(bound.task.time_unit)
     final: dict[str, Value] = {}
     for name, variable in bound.variables.items():
-        final[name] = StateSimulator(variable, attempt).run(story.timelines[name], ranks)
+        final[name] = StateSimulator(variable, attempt).run(timelines.by_variable[name], ranks)
         if attempt:
             return False
     _check_state_goals(bound, final, attempt)
@@ -144,16 +152,16 @@ def _readings(zero_length: list[int]) -> Iterator[tuple[int, ...]]:
         yield from combinations(zero_length, size)
 
 
-def _try_reading(bound: BoundSchedule, story: Story, budget: Budget) -> Violations:
+def _try_reading(bound: BoundSchedule, timelines: Timelines, budget: StepBudget) -> Violations:
     violations = Violations(bound.task.time_unit)
-    ranks = find_ranks(bound, story, budget, violations)
+    ranks = find_ranks(bound, timelines, budget, violations)
     if ranks is None:
         return violations
-    # The search is not trusted: what it found is judged like ranks that were given.
-    _follow(bound, story, ranks, violations)
-    if any(ranks[b] < ranks[a] + least for a, b, least in timing_edges(bound, story)):
+    # The search is not trusted: its ranks are judged like given ones.
+    _follow(bound, timelines, ranks, violations)
+    if any(ranks[b] < ranks[a] + least for a, b, least in timing_edges(bound, timelines)):
         violations.add("rank", "the ranks found do not keep all durations and precedences")
-    pairs = [(ranks[start], ranks[end]) for start, end in story.nodes]
+    pairs = [(ranks[start], ranks[end]) for start, end in timelines.nodes]
     if _levels_fail(bound, pairs) and not _levels_fail(bound, None):
         violations.add("rank", "the ranks found do not suit all resources and reservoirs")
     return violations
@@ -180,12 +188,12 @@ def _too_many_readings(bound: BoundSchedule, zero_length: list[int]) -> Violatio
 
 
 def _follow(
-    bound: BoundSchedule, story: Story, ranks: Sequence[int], violations: Violations
+    bound: BoundSchedule, timelines: Timelines, ranks: Sequence[int], violations: Violations
 ) -> None:
-    """Plays every variable through in the order of (time, rank): O(n log n)."""
+    """Simulates every variable in the order of (time, rank): O(n log n)."""
     final: dict[str, Value] = {}
     for name, variable in bound.variables.items():
-        timeline = story.timelines[name]
+        timeline = timelines.by_variable[name]
         lost = frozenset() if bound.at is None else _lost_to_history(variable, timeline, ranks)
         final[name] = StateSimulator(variable, violations, lost).run(timeline, ranks)
     _check_state_goals(bound, final, violations)
@@ -194,7 +202,7 @@ def _follow(
 def _lost_to_history(
     variable: StateVariable, timeline: Timeline, ranks: Sequence[int]
 ) -> frozenset[Demand]:
-    """What the history alone, with the ranks that it has, does not give itself."""
+    """The demands that the history alone, with its own ranks, does not meet."""
     history = StateSimulator(variable, Violations(""))
     history.run(timeline.past, ranks)
     return frozenset(history.failed)

@@ -1,4 +1,4 @@
-"""How violations of rules 6 and 7 are put into words."""
+"""The messages of violations of rules 6 and 7."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irc.validation.verdict import Violations, listed
 def add_unmet(
     variable: str, access: Access, found: str, violations: Violations, *, carried: bool = False
 ) -> None:
-    """A condition that does not hold just before its happening."""
+    """Reports a condition that does not hold just before its happening."""
     happening = access.happening
     violations.add(
         "state",
@@ -28,7 +28,7 @@ def add_unmet(
 def add_unheld(
     variable: str, hold: Hold, found: str, violations: Violations, *, carried: bool = False
 ) -> None:
-    """A condition on the whole duration that does not hold when it begins."""
+    """Reports a condition on the whole duration that does not hold when it begins."""
     occurrence = hold.opening.occurrence
     violations.add(
         "state",
@@ -49,7 +49,7 @@ def add_broken(
     *,
     carried: bool = False,
 ) -> None:
-    """A change of what others need unchanged while they last."""
+    """Reports a change of a value that others need unchanged while they last."""
     happening = access.happening
     names = [hold.opening.occurrence.entry.id for hold in broken]
     violations.add(
@@ -67,7 +67,7 @@ def add_broken(
 def add_contradiction(
     variable: str, access: Access, violations: Violations, *, carried: bool = False
 ) -> None:
-    """One happening that gives a variable two values."""
+    """Reports a happening that gives a variable two values."""
     happening = access.happening
     violations.add(
         "state",
@@ -80,7 +80,7 @@ def add_contradiction(
 
 
 def add_unmet_goal(variable: str, wanted: StateValue, found: Value, violations: Violations) -> None:
-    """A goal that does not hold when everything has ended."""
+    """Reports a goal that does not hold when everything has ended."""
     violations.add(
         "goal",
         f"the goal {variable!r} = {value_text(wanted)} does not hold at the end: "

@@ -1,9 +1,9 @@
 """Rule 5: the levels of reservoirs, after one happening after another.
 
-The happenings of one instant come in the order of their ranks. Within a rank some order must do,
-one for all reservoirs, in which no level leaves its bounds after any happening; what one happening
-takes and gives counts together. Where all that is taken, or all that is given, fits at once, every
-order does, and the sweep is O(n log n).
+The happenings of one instant come in the order of their ranks. Within a rank there must be one
+order, the same for all reservoirs, in which no level leaves its bounds after any happening. The
+amounts that one happening takes and gives count together. Where all that is taken, or all that is
+given, fits at once, every order suits, and the sweep is O(n log n).
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from irc.validation.resources import RankPairs, given_rank_pairs
 from irc.validation.verdict import Violations, listed
 
 ORDERS = 100_000
-"""So many sets of happenings that could have come first are looked at within one rank. (Whether an
-order exists is NP-hard: it packs bins.)"""
+"""Within one rank, the search looks at no more than this number of sets of happenings that could
+have come first. (Whether an order exists is NP-hard: it packs bins.)"""
 
 Changes = tuple[tuple[int, int], ...]
-"""By how much a happening changes each reservoir: (its number, amount), none of them 0."""
+"""A happening's change of each reservoir: (its number, amount), no amount 0."""
 
 
 _Step = tuple[Number, list[tuple[Occurrence, int]]]
-"""A time, and who changes a reservoir then, within one rank, by how much."""
+"""A time, and the happenings that change a reservoir then, within one rank, with amounts."""
 
 
 class StockHappening(NamedTuple):
     """A start or an end that changes stock, or both at once.
 
-    `stage` is 0 for what ended at the instant as of which the schedule is judged, else 1.
+    `stage` is 0 for an end at the instant as of which the schedule is judged, else 1.
     """
 
     time: Number
@@ -46,8 +46,8 @@ class StockHappening(NamedTuple):
     changes: Changes
 
 
-class Group(NamedTuple):
-    """The happenings of one time, rank and stage: they may come in any order."""
+class TiedHappenings(NamedTuple):
+    """The happenings of one time, rank and stage, which may come in any order."""
 
     time: Number
     members: tuple[StockHappening, ...]
@@ -59,7 +59,7 @@ def reservoirs(bound: BoundSchedule) -> list[Resource]:
 
 
 def stock_happenings(bound: BoundSchedule, ranks: RankPairs) -> Iterator[StockHappening]:
-    """All that changes stock. Nothing of the end of what was cancelled has happened."""
+    """All happenings that change stock. The end of a cancelled occurrence changes nothing."""
     number = {resource.id: k for k, resource in enumerate(reservoirs(bound))}
     for occurrence in bound.occurrences:
         action = occurrence.action
@@ -84,11 +84,11 @@ def stock_happenings(bound: BoundSchedule, ranks: RankPairs) -> Iterator[StockHa
                 yield StockHappening(time, its, stage, occurrence, at_end, changes)
 
 
-def groups_of(happenings: Iterable[StockHappening]) -> list[Group]:
+def groups_of(happenings: Iterable[StockHappening]) -> list[TiedHappenings]:
     """The happenings in the order of time, rank and stage."""
     ordered = sorted(happenings, key=attrgetter("time", "rank", "stage"))
     return [
-        Group(key[0], tuple(members))
+        TiedHappenings(key[0], tuple(members))
         for key, members in groupby(ordered, key=attrgetter("time", "rank", "stage"))
     ]
 
@@ -96,7 +96,7 @@ def groups_of(happenings: Iterable[StockHappening]) -> list[Group]:
 def check_reservoirs(
     bound: BoundSchedule, violations: Violations, ranks: RankPairs | None = None
 ) -> None:
-    """Every level stays within its bounds, after each happening."""
+    """Checks that every level stays within its bounds, after each happening."""
     its = reservoirs(bound)
     if not its:
         return
@@ -108,7 +108,7 @@ def check_reservoirs(
             steps[r].append((group.time, members))
     for resource, own in zip(its, steps, strict=True):
         if not own or own[0][0] > 0:
-            # What no action changes at t = 0 has its initial level there.
+            # A reservoir that no action changes at t = 0 has its initial level there.
             own.insert(0, (0, []))
         _check_levels(resource, own, violations)
     levels = [resource.initial for resource in its]
@@ -117,7 +117,7 @@ def check_reservoirs(
         levels = after(levels, group.members)
 
 
-def _members_by_reservoir(group: Group) -> dict[int, list[tuple[Occurrence, int]]]:
+def _members_by_reservoir(group: TiedHappenings) -> dict[int, list[tuple[Occurrence, int]]]:
     found: dict[int, list[tuple[Occurrence, int]]] = {}
     for happening in group.members:
         for r, amount in happening.changes:
@@ -140,7 +140,7 @@ def is_within(resource: Resource, level: int) -> bool:
 
 
 def _check_levels(resource: Resource, steps: Sequence[_Step], violations: Violations) -> None:
-    """The level after all happenings of each group."""
+    """Checks the level after all happenings of each group."""
     level, was_within, was_carried = resource.initial, True, False
     by_history, has_history = resource.initial, False
     for time, members in steps:
@@ -154,7 +154,7 @@ def _check_levels(resource: Resource, steps: Sequence[_Step], violations: Violat
             worse, mended_by = net < 0, min(level - by_history, net - sum(past))
         else:
             worse, mended_by = net > 0, min(by_history - level, sum(past) - net)
-        # What is open makes it no worse, neither by now nor at this instant.
+        # Open occurrences make it no worse, neither so far nor at this instant.
         carried = has_history and mended_by >= 0
         if not within and (was_within or worse or (was_carried and not carried)):
             doers = [occurrence.entry.id for occurrence, _ in members]
@@ -188,7 +188,7 @@ def _add_level(
 
 
 def _check_order(
-    its: Sequence[Resource], levels: Sequence[int], group: Group, violations: Violations
+    its: Sequence[Resource], levels: Sequence[int], group: TiedHappenings, violations: Violations
 ) -> None:
     if len(group.members) < 2:
         return
@@ -231,7 +231,7 @@ def tight_reservoirs(
 
 
 def _sums(changes: Iterable[tuple[int, int]]) -> tuple[Counter[int], Counter[int]]:
-    """All that is given to each reservoir, and all that is taken."""
+    """The sum of all amounts that each reservoir gets, and of all that are taken from it."""
     given: Counter[int] = Counter()
     taken: Counter[int] = Counter()
     for r, amount in changes:
@@ -247,8 +247,8 @@ def has_order(
 ) -> bool | None:
     """Whether some order keeps the tight reservoirs within bounds; None: too hard to decide.
 
-    What can only help comes first, and what can only harm last. Of the rest, happenings that
-    change the same count together, and what has been done is a set, whatever its order.
+    Happenings that can only help come first, and those that can only harm come last. Of the rest,
+    those with the same changes count together, and the done ones are a set, whatever their order.
     """
     kinds = Counter(tuple((r, a) for r, a in h.changes if r in tight) for h in happenings)
     del kinds[()]
@@ -277,7 +277,7 @@ def has_order(
 
 
 def _place_safe_ones(its: Sequence[Resource], now: dict[int, int], kinds: Counter[Changes]) -> None:
-    """Takes out of `kinds` what can come first without harm (`now` follows), or last."""
+    """Removes from `kinds` all that can come first without harm (`now` follows), or last."""
     while True:
         given, taken = Counter[int](), Counter[int]()
         for changes, count in kinds.items():
@@ -300,5 +300,5 @@ def _place_safe_ones(its: Sequence[Resource], now: dict[int, int], kinds: Counte
 
 
 def _is_safe(changes: Changes, above: set[int], below: set[int], sign: int) -> bool:
-    """Whether a happening does no harm as early as can be (`sign` 1) or as late (-1)."""
+    """Whether a happening does no harm if it comes first (`sign` 1) or last (-1)."""
     return all(r not in (above if amount * sign > 0 else below) for r, amount in changes)

@@ -23,7 +23,7 @@ AT_END = MappingProxyType(
 
 
 def check_windows(bound: BoundSchedule, violations: Violations) -> None:
-    """Rule 2: mode, duration, release, fixed start, latest start, every deadline of each entry."""
+    """Checks rule 2: mode, duration, release, starts and deadlines of each occurrence."""
     deadlines = _group_deadlines(bound)
     if bound.task.deadline is not None:
         of_task = (bound.clock.number(bound.task.deadline), "the task's deadline")
@@ -67,10 +67,10 @@ def _check_mode(occurrence: Occurrence, violations: Violations) -> None:
     if occurrence.mode is not None or (given is None and not action.modes):
         return
     if not action.modes:
-        message = f"{occurrence.name} has no modes, but the mode {given!r} is given"
+        message = f"{occurrence.name} has no modes, but its entry has the mode {given!r}"
     else:
         known = ", ".join(repr(mode.id) for mode in action.modes[:10])
-        fault = f"has no mode {given!r}" if given is not None else "is given no mode"
+        fault = f"has no mode {given!r}" if given is not None else "has no mode in the schedule"
         message = f"{occurrence.name} {fault}; its modes are {known}"
     carried = occurrence.past is not None
     violations.add("mode", message, [occurrence.entry.id], carried=carried)
@@ -80,7 +80,7 @@ def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
     shortest, longest = occurrence.shortest, occurrence.longest
     lasts = occurrence.end - occurrence.start
     if shortest is None or longest is None:
-        # Its mode is unknown, which is told elsewhere; still, nothing ends before it starts.
+        # Its mode is unknown, which is reported elsewhere; still, nothing ends before it starts.
         if lasts >= 0:
             return
         wanted = "a duration of its modes"
@@ -97,7 +97,7 @@ def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
         f"instead of {wanted}",
         [occurrence.entry.id],
         (occurrence.start, occurrence.end),
-        # The end of what still runs is no fact yet, and nothing ends before it starts.
+        # The end of a running action is not certain yet, and nothing ends before it starts.
         carried=occurrence.past is not None and occurrence.past.over and lasts >= 0,
     )
 
@@ -138,8 +138,7 @@ def _check_start(bound: BoundSchedule, occurrence: Occurrence, violations: Viola
 
 
 def check_precedence(bound: BoundSchedule, violations: Violations) -> None:
-    """Rule 3: every precedence between present actions, at both its lags; none binds what was
-    cancelled.
+    """Checks rule 3: both lags of every precedence between actions that are present.
 
     A minimum is compared with ranks, lexicographically; a maximum by time alone.
     """
@@ -165,8 +164,9 @@ def check_precedence(bound: BoundSchedule, violations: Violations) -> None:
 
 
 def tight_precedences(bound: BoundSchedule) -> Iterator[tuple[Occurrence, bool, Occurrence, bool]]:
-    """The precedences kept with no time to spare, so that ranks decide: `before`, whether its end
-    is meant, `after`, whether its end is meant."""
+    """The precedences that are met with no time to spare, so that ranks decide.
+
+    Each is `before`, whether its end is bound, `after`, and whether its end is bound."""
     present = bound.by_action
     for precedence in bound.task.precedence:
         if precedence.before not in present or precedence.after not in present:
@@ -191,12 +191,11 @@ def _add_too_early(
 ) -> None:
     base = before.end if from_end else before.start
     time = after.end if to_end else after.start
-    plus = f" + lag {violations.time(lag)} allows it ({violations.time(base + lag)})"
+    plus = f" ({violations.time(base)}) + lag {violations.time(lag)}" if lag else ""
     violations.add(
         "precedence",
-        f"{after.name} {_verb(to_end)} at {violations.time(time)}, before the "
-        f"{_noun(from_end)} of {before.name} ({violations.time(base)})"
-        + (plus if lag else " allows it"),
+        f"{after.name} {_verb(to_end)} at {violations.time(time)}, but must not {_noun(to_end)} "
+        f"before {violations.time(base + lag)}: the {_noun(from_end)} of {before.name}{plus}",
         [before.entry.id, after.entry.id],
         (time, base + lag),
         carried=_is_certain(before, from_end, after, to_end, least=lag),
@@ -215,9 +214,9 @@ def _add_too_late(
     time = after.end if to_end else after.start
     violations.add(
         "precedence",
-        f"{after.name} {_verb(to_end)} at {violations.time(time)}, later than the "
-        f"{_noun(from_end)} of {before.name} ({violations.time(base)}) + maximal lag "
-        f"{violations.time(longest)} allows it ({violations.time(base + longest)})",
+        f"{after.name} {_verb(to_end)} at {violations.time(time)}, but must not {_noun(to_end)} "
+        f"after {violations.time(base + longest)}: the {_noun(from_end)} of {before.name} "
+        f"({violations.time(base)}) + maximum lag {violations.time(longest)}",
         [before.entry.id, after.entry.id],
         (time, base + longest),
         carried=_is_certain(before, from_end, after, to_end, most=longest),
@@ -234,9 +233,8 @@ def _check_rank(
     time = after.end if to_end else after.start
     violations.add(
         "precedence",
-        f"{after.name} {_verb(to_end)} at {violations.time(time)} with rank {rank}, as early as "
-        f"the {_noun(from_end)} of {before.name} allows, whose rank is {base_rank}: "
-        f"it needs rank {base_rank} at least",
+        f"{after.name} {_verb(to_end)} at {violations.time(time)} with rank {rank}, but needs at "
+        f"least rank {base_rank}, the rank of the {_noun(from_end)} of {before.name}",
         [before.entry.id, after.entry.id],
         (time,),
         carried=all(
@@ -255,7 +253,7 @@ def _is_certain(
     least: Number | None = None,
     most: Number | None = None,
 ) -> bool:
-    """Whether what both did already breaks a lag, wherever they end from now on."""
+    """Whether the history of both already breaks a lag, wherever they end from now on."""
     if before.past is None or after.past is None:
         return False
     base, time = (before.start, before.start), (after.start, after.start)

@@ -1,4 +1,4 @@
-"""What the validator says: every violation in the task's own words, and the verdict over all."""
+"""The verdict of the validator: every violation in the task's own words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irc.model.quantities import Number
 from irc.model.times import format_number, json_number
 
 SHOWN_PER_RULE = 50
-"""At most this many violations of one rule are told; `Verdict.omitted` counts the rest."""
+"""At most this many violations of one rule are reported; `Verdict.omitted` counts the rest."""
 
 RULES: Mapping[str, int | None] = MappingProxyType(
     {
@@ -43,8 +43,8 @@ RULES: Mapping[str, int | None] = MappingProxyType(
 )
 """Each rule's short name, and the number it has in docs/semantics.md.
 
-`undecided` says that a bounded search gave up, `objective` that what the schedule states about
-itself is not so; neither is a rule of its own there.
+`undecided` says that a bounded search gave up, `objective` that the schedule states a wrong value
+or bound; neither is a rule of its own there.
 """
 
 _NAMED_IN_A_MESSAGE = 5
@@ -77,13 +77,13 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Whether a schedule is valid, every reason why not, and what its objectives are worth.
+    """Whether a schedule is valid, every reason why not, and its objective values.
 
     `objective` holds the values computed here from the entries: makespan, tardiness (in the task's
     unit), reward and cost. `omitted` counts the violations beyond `SHOWN_PER_RULE` of each rule.
 
-    As of a time `at`, `carried` holds what only the entries that began before it cause: nothing
-    that is still open can mend it, and the schedule is not invalid for it.
+    As of a time `at`, `carried` holds the violations that the history alone causes: no plan for
+    the open entries can avoid them, and they do not make the schedule invalid.
     """
 
     violations: tuple[Violation, ...]
@@ -101,7 +101,7 @@ class Verdict:
 
     @property
     def undecided(self) -> bool:
-        """Whether nothing worse is known than that a bounded search gave up."""
+        """Whether the only finding is that a bounded search gave up."""
         return bool(self.violations) and all(v.rule == "undecided" for v in self.violations)
 
     @property
@@ -127,7 +127,7 @@ class Verdict:
         return document
 
     def _repr_html_(self) -> str:
-        """The same for notebooks."""
+        """The verdict as HTML, for notebooks."""
         from irc.display.html import heading, items
 
         head, *lines = str(self).split("\n")
@@ -135,19 +135,20 @@ class Verdict:
 
     def __str__(self) -> str:
         if self.valid:
-            lines = [f"valid: {self._worth()}"]
+            lines = [f"valid: {self._objectives_text()}"]
         else:
             head = "undecided" if self.undecided else "not valid"
             lines = [f"{head}, {_count(self.violations, self.omitted)}:"]
             lines += _listing(self.violations, self.omitted)
         if self.at is not None and self.carried:
-            began = f"what began before {format_number(self.at)} {self.time_unit}"
             count = _count(self.carried, self.carried_omitted)
-            lines.append(f"note: {count} carried, which only {began} causes:")
+            before = f"{format_number(self.at)} {self.time_unit}"
+            began = f"entries that began before {before}"
+            lines.append(f"note: {count} carried, caused only by {began}:")
             lines += _listing(self.carried, self.carried_omitted)
         return "\n".join(lines)
 
-    def _worth(self) -> str:
+    def _objectives_text(self) -> str:
         units = {"makespan": f" {self.time_unit}", "tardiness": f" {self.time_unit}"}
         return ", ".join(
             f"{name} {format_number(value)}{units.get(name, '')}"
@@ -156,32 +157,32 @@ class Verdict:
         )
 
 
-def _count(told: Sequence[Violation], omitted: Mapping[str, int]) -> str:
-    count = len(told) + sum(omitted.values())
+def _count(shown: Sequence[Violation], omitted: Mapping[str, int]) -> str:
+    count = len(shown) + sum(omitted.values())
     return f"{count} violation{'s' if count > 1 else ''}"
 
 
-def _listing(told: Sequence[Violation], omitted: Mapping[str, int]) -> list[str]:
-    lines = [f"  {violation}" for violation in told]
+def _listing(shown: Sequence[Violation], omitted: Mapping[str, int]) -> list[str]:
+    lines = [f"  {violation}" for violation in shown]
     return lines + [f"  … and {more} more of rule {rule}" for rule, more in omitted.items()]
 
 
 class _Collection:
-    """What is told of violations, and how many of each rule there are."""
+    """The violations that are reported, and the number of all of each rule."""
 
     def __init__(self) -> None:
-        self.told: list[Violation] = []
+        self.shown: list[Violation] = []
         self.count: Counter[str] = Counter()
 
     def merge(self, other: _Collection) -> None:
-        for violation in other.told:
-            if sum(v.rule == violation.rule for v in self.told) < SHOWN_PER_RULE:
-                self.told.append(violation)
+        for violation in other.shown:
+            if sum(v.rule == violation.rule for v in self.shown) < SHOWN_PER_RULE:
+                self.shown.append(violation)
         self.count.update(other.count)
 
     @property
     def in_order(self) -> tuple[Violation, ...]:
-        return tuple(sorted(self.told, key=lambda v: (v.number is None, v.number or 0)))
+        return tuple(sorted(self.shown, key=lambda v: (v.number is None, v.number or 0)))
 
     @property
     def omitted(self) -> dict[str, int]:
@@ -193,9 +194,9 @@ class _Collection:
 
 
 class Violations:
-    """Collects violations while the rules are checked, and phrases times in the task's unit.
+    """Collects violations while the rules are checked, and writes times in the task's unit.
 
-    Those that are carried are counted by themselves, so that they never crowd out the others.
+    Carried violations are counted apart, so that they never crowd out the others.
     """
 
     def __init__(self, time_unit: str) -> None:
@@ -212,15 +213,15 @@ class Violations:
         *,
         carried: bool = False,
     ) -> None:
-        """Records a violation; `actions` and `times` are read only if it will be told."""
+        """Records a violation; `actions` and `times` are read only if it will be reported."""
         collection = self._carried if carried else self._found
         collection.count[rule] += 1
         if collection.count[rule] <= SHOWN_PER_RULE:
             distinct = tuple(dict.fromkeys(actions))
-            collection.told.append(Violation(rule, RULES[rule], message, distinct, tuple(times)))
+            collection.shown.append(Violation(rule, RULES[rule], message, distinct, tuple(times)))
 
     def merge(self, other: Violations) -> None:
-        """Takes over all that `other` collected."""
+        """Adds all violations of `other`."""
         self._found.merge(other._found)
         self._carried.merge(other._carried)
 
@@ -234,27 +235,27 @@ class Violations:
 
     @property
     def only_undecided(self) -> bool:
-        """Whether all that was found is that a search gave up."""
+        """Whether the only finding is that a search gave up."""
         return set(self._found.count) == {"undecided"}
 
     @property
     def found(self) -> tuple[Violation, ...]:
-        """All that will be told, by the number of the rule, what has none last."""
+        """All violations to report, by the number of the rule; those without a number last."""
         return self._found.in_order
 
     @property
     def omitted(self) -> dict[str, int]:
-        """How many more there are of each rule than are told."""
+        """The number of violations of each rule that are not reported."""
         return self._found.omitted
 
     @property
     def carried(self) -> tuple[Violation, ...]:
-        """Like `found`, of what is carried."""
+        """Like `found`, for carried violations."""
         return self._carried.in_order
 
     @property
     def carried_omitted(self) -> dict[str, int]:
-        """Like `omitted`, of what is carried."""
+        """Like `omitted`, for carried violations."""
         return self._carried.omitted
 
 

@@ -93,6 +93,7 @@ def test_the_wheel_holds_every_package_and_no_other(wheel: Path) -> None:
     assert "irc_grammars/plan.lark" in expected
 
 
+@pytest.mark.slow
 def test_the_wheel_carries_licence_entry_points_and_requirements(wheel: Path) -> None:
     archive = zipfile.ZipFile(wheel)
     (about,) = {n.split("/")[0] for n in archive.namelist() if ".dist-info/" in n}

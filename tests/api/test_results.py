@@ -6,13 +6,14 @@ import builtins
 import sys
 from dataclasses import fields
 from fractions import Fraction
+from inspect import signature
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 import irc
-from irc.cli.planning import Planning
+from irc.cli.online import replan, run, simulate
 from irc.schedule import COLUMNS
 from irc.targets import EngineKeywords, SolveKeywords
 
@@ -139,7 +140,8 @@ def test_options_have_the_same_names_everywhere() -> None:
     names = {field.name for field in fields(irc.SolveOptions)}
     assert set(SolveKeywords.__annotations__) | set(EngineKeywords.__annotations__) == names
     shown = {"target", "engine", "time_limit", "memory_limit", "seed", "workers", "stability"}
-    assert {field.name for field in fields(Planning)} == shown
+    for command in (replan, simulate, run):
+        assert names & set(signature(command).parameters) == shown
     assert names - shown == {"shortcut", "on_progress"}
 
 

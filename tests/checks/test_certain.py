@@ -17,6 +17,7 @@ def test_no_task_with_a_schedule_is_called_impossible(batch: int) -> None:
     assert [seed for seed in called if has_schedule(seed)] == []
 
 
+@pytest.mark.slow
 def test_each_check_finds_something_among_the_random_tasks() -> None:
     """(The generator draws no occurrences of at most 0.)"""
     told = set().union(*(told_of(seed) for seed in range(200)))

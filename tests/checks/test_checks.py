@@ -497,7 +497,7 @@ STRUCTURE = [
     case(
         actions(', "objective": "maximize_reward"', occurs='‸{"min": 0}', reward="5"),
         "IRC208 /actions/0/occurs",
-        says="the reward of action 'a' could be collected without end",
+        says="the reward of action 'a' can be collected without limit",
         hint='give "occurs" a "max"',
     ),
     case(
@@ -551,7 +551,7 @@ STRUCTURE = [
     case(
         actions(FACT + ',\n "goals": [‸{"var": "v"}]'),
         "IRC210 /goals/0/value",
-        says="has no value true, which is meant",
+        says="has no value true, the default of 'value'",
         hint='add "value": one of `raw`, `done`',
     ),
     case(
@@ -610,7 +610,7 @@ TEMPORAL = [
         actions(',\n "precedence": [["a", "b"],\n ‸["b", "a"]]'),
         "IRC301 /precedence/1",
         says="these actions wait for each other: 'b' → 'a' → 'b'",
-        hint="remove or turn round one of these precedences",
+        hint="remove or reverse one of these precedences",
     ),
     case(
         actions(
@@ -703,7 +703,7 @@ TEMPORAL = [
             '"after": "b", "min_lag": 2}]'
         ),
         "IRC305 /precedence/1",
-        says="these contradict each other by 1 s: ",
+        says="these statements contradict each other by 1 s: ",
         hint="raise a maximum or lower a minimum",
     ),
     case(
@@ -745,8 +745,8 @@ WORLD = [
         actions(FACT + ',\n "goals": [‸{"var": "v", "value": "done"}]'),
         "IRC306 /goals/0",
         says="the goal that 'v' be 'done' cannot be reached: it is 'raw' at first and no effect "
-        "makes it so",
-        hint="let an action's effect make it 'done'; so far it can be 'raw'",
+        "gives it that value",
+        hint="add an effect that makes it 'done'; now it can be 'raw'",
     ),
     case(
         actions(FACT, conditions='[‸{"at": "all", "var": "f"}]'),
@@ -814,7 +814,7 @@ def test_each_fault_is_told_with_its_code_and_place(case: Case) -> None:
     ("text", "message"),
     [
         ("[", "f is not JSON"),
-        ("3", "f does not hold a list of instances"),
+        ("3", "f does not have a list of instances"),
         ("[{}]", "f, instance 1: expected an object with 'graph'"),
         ('[{"graph": {"edges": []}}]', "'graph' needs the lists 'durations' and 'edges'"),
         (

@@ -184,6 +184,7 @@ def test_arguments_that_do_not_exist_or_fit_are_status_2(
     assert "Usage:" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [["--workers", "10000"], ["--memory-limit", "1073741824"]])
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 def test_the_largest_limits_that_are_taken_do_no_harm(
@@ -583,7 +584,9 @@ def test_validate_as_of_a_time_carries_what_only_history_causes(tmp_path: Path) 
     schedule = written(tmp_path, entries, "schedule.json")
     result = run_irc("validate", task, schedule, "--at", "90 s")
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "note: 1 violation carried, which only what began before 1.5 min causes" in result.stdout
+    assert "note: 1 violation carried, caused only by entries that began before 1.5 min:" in (
+        result.stdout
+    )
     assert run_irc("validate", task, schedule, "--at", "0").exit_code == 1
     verdict = json.loads(
         run_irc("validate", task, schedule, "--at", "1.5", "--format", "json").stdout
@@ -738,8 +741,8 @@ def test_targets_says_why_an_engine_is_missing(monkeypatch: pytest.MonkeyPatch) 
 def test_targets_with_a_file_says_who_takes_it(kitchen: Path) -> None:
     result = run_irc("targets", kitchen)
     assert result.exit_code == 0
-    assert "cpsat takes this file" in result.stdout
-    assert "pddl21 takes this file" in result.stdout
+    assert "cpsat supports this file" in result.stdout
+    assert "pddl21 supports this file" in result.stdout
     assert Feature.RESERVOIRS.value not in result.stdout  # it has none
 
 
@@ -752,9 +755,9 @@ def test_targets_with_a_file_says_why_not(tmp_path: Path) -> None:
     text = run_irc("targets", task).stdout
     for name, target in document.items():
         refused = {r["feature"]: r["pointer"] for r in target["refused"]}
-        assert target["takes_file"] is (not refused)
+        assert target["supports_file"] is (not refused)
         assert set(refused) == {f for f, able in target["features"].items() if not able}
-        assert (f"{name} takes this file" in text) is (not refused)
+        assert (f"{name} supports this file" in text) is (not refused)
         for feature, pointer in refused.items():
             assert f"({pointer}): {Feature[feature.upper()].value}" in text
 
@@ -772,11 +775,13 @@ def test_a_target_refuses_with_the_feature_its_place_and_who_can(tmp_path: Path)
         for refused in target["refused"]:
             feature = Feature[refused["feature"].upper()]
             able = [n for n, t in targets.items() if t["features"][refused["feature"]]]
-            refusal = f": target '{name}' cannot take {feature.value}"
+            refusal = f": target '{name}' does not support {feature.value}"
             (told,) = (d for d in diagnostics if d["message"].endswith(refusal))
             assert told["line"] is not None
             assert told["hint"] == (
-                f"targets that can: {', '.join(able)}" if able else "no installed target can yet"
+                f"targets that support it: {', '.join(able)}"
+                if able
+                else "no installed target supports it yet"
             )
 
 
@@ -788,8 +793,8 @@ def test_a_refusal_names_the_targets_that_can(
     monkeypatch.setattr(CpSat, "supports", CpSat.supports - {Feature.RESOURCES})
     result = run_irc("solve", written(tmp_path, KITCHEN))
     assert result.exit_code == 1
-    assert "target 'cpsat' cannot take renewable resources" in result.stderr
-    assert "hint: targets that can: pddl21" in result.stderr
+    assert "target 'cpsat' does not support renewable resources" in result.stderr
+    assert "hint: targets that support it: pddl21" in result.stderr
 
 
 # schema

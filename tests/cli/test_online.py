@@ -218,13 +218,14 @@ def test_where_nothing_continues_what_has_run_the_old_plan_stays(van: Path) -> N
     result = replan("3", "--event", "-", "-o", "new.json", input=event)
     assert result.exit_code == 1
     assert result.stdout.startswith("at 3 min: an event  infeasible\n")
-    assert "stays on record" in result.stdout
+    assert "keeping the previous plan" in result.stdout
     assert not (van / "new.json").exists()
 
 
 # --- simulate -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_simulation_tells_each_step_and_ends_with_the_verdict(tmp_path: Path) -> None:
     result = run_irc("simulate", MORNING, "-o", tmp_path / "s.json", "--steps", tmp_path / "steps")
     heads = [line for line in result.stdout.splitlines() if line.startswith("at ")]
@@ -235,7 +236,7 @@ def test_a_simulation_tells_each_step_and_ends_with_the_verdict(tmp_path: Path) 
         "at 9 min: guest  optimal",
     ]
     assert result.stdout.endswith(
-        "4 steps, moved 4 in all\nmakespan 17 min, reward 10, changes 0\n"
+        "4 steps, moved 4 in total\nmakespan 17 min, reward 10, changes 0\n"
         "valid: makespan 17 min, reward 10\n"
     )
     documents = [json.loads(p.read_text()) for p in sorted((tmp_path / "steps").iterdir())]

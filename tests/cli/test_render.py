@@ -620,6 +620,7 @@ def test_a_schedule_read_from_a_file_can_be_shown_without_what_it_does_not_say()
     assert headline == ["unnamed task  feasible", "makespan 20 s"]
 
 
+@pytest.mark.slow
 def test_showing_an_answer_loads_no_solver() -> None:
     heavy = {"ortools", "networkx", "unified_planning", "pydantic", "matplotlib"}
     code = f"import sys, irc.cli.render; print(sorted({heavy!r} & set(sys.modules)))"

@@ -18,7 +18,7 @@ import pytest
 from irc.driver.compile import check_task, compile_task
 from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.targets import Backend, EngineFailed, Limits, Program, get_backend
+from irc.targets import Backend, Budget, EngineFailed, Program, SolveOptions, get_backend
 from irc.targets.process import ProcessLimits, run
 from irc.testing import CONFORMANCE_TASKS, ConformanceError, check_backend
 from irc_cpsat import CpSat
@@ -68,7 +68,7 @@ def test_cp_sat_finds_and_proves_every_optimum_of_big_capacities() -> None:
 def test_the_shortcut_says_what_cp_sat_says() -> None:
     taken = 0
     for task in seeded(random_task, "shortcut", 60, resources=(0, 2), tighten=0.0):
-        quick = solve_task(task, "cpsat", limits=Limits(workers=1)).schedule
+        quick = solve_task(task, SolveOptions(workers=1)).schedule
         assert judged(task, quick, optimal_makespan(task)) == "optimal"
         taken += quick.engine == "critical-path"
     assert 10 < taken < 60
@@ -205,9 +205,9 @@ class Forgetful(CpSat):
         nothing = self.nothing
 
         class Dropping(OrTools):
-            def solve(self, program: Program, limits: Limits, on_progress: Any = None) -> Any:
+            def solve(self, program: Program, options: SolveOptions, budget: Budget) -> Any:
                 less = replace(program.problem, **nothing)
-                return super().solve(replace(program, problem=less), limits, on_progress)
+                return super().solve(replace(program, problem=less), options, budget)
 
         return {"ortools": Dropping()}
 

@@ -22,6 +22,7 @@ def comes_back(task: Task) -> bool:
     return dsl_task(text).task == task and format_dsl(text) == text
 
 
+@pytest.mark.slow
 def test_every_example_and_golden_task_comes_back() -> None:
     paths = [
         path

@@ -21,6 +21,7 @@ def test_every_instance_is_there() -> None:
     assert len(INSTANCES) == 70
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 @pytest.mark.parametrize("path", INSTANCES, ids=lambda path: path.stem)
 def test_cpsat_proves_the_optimum_that_the_benchmark_states(path: Path) -> None:

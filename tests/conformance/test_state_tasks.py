@@ -31,6 +31,7 @@ def test_cpsat_finds_the_optimum_of_random_state_tasks(batch: int) -> None:
     assert found > TASKS // BATCHES // 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_matches_burn_while_what_needs_their_light_is_mended(seed: int) -> None:
     task = match_cellar(seed)

@@ -13,7 +13,7 @@ from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.problem import Problem
 from irc.schedule import Entry, Schedule, Status
-from irc.targets import Limits, ObjectiveLevel, Outcome
+from irc.targets import Budget, ObjectiveLevel, Outcome, SolveOptions
 from irc_cpsat.solving.deepening import DeepeningSearch
 from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough
 
@@ -48,26 +48,26 @@ def outcome(
 
 
 def run_with(problem: Problem, answers: Callable[[Problem, int, float], Outcome]) -> Outcome:
-    run = DeepeningSearch("ortools", problem, Limits(), None)
+    run = DeepeningSearch("ortools", problem, SolveOptions(), Budget())
     run.solve_at = answers  # type: ignore[method-assign]
     return run.run()
 
 
 @pytest.mark.parametrize("pieces", [1, 3, 7, 13])
 def test_occurrences_are_added_until_there_are_enough(pieces: int) -> None:
-    answer = solve_task(eat(pieces), limits=Limits(30, workers=1))
+    answer = solve_task(eat(pieces), SolveOptions(time_limit=30, workers=1))
     assert answer.schedule.status is Status.OPTIMAL
     assert answer.schedule.makespan == 2 * pieces + 1
 
 
 def test_within_a_deadline_too_many_occurrences_are_proven_impossible() -> None:
-    answer = solve_task(eat(7, deadline=14), limits=Limits(30, workers=1))
+    answer = solve_task(eat(7, deadline=14), SolveOptions(time_limit=30, workers=1))
     assert answer.schedule.status is Status.INFEASIBLE
 
 
 def test_occurrences_without_length_prove_nothing_where_none_suffice() -> None:
     starved = eat(65, at_once=True)
-    answer = solve_task(starved, limits=Limits(30, workers=1))
+    answer = solve_task(starved, SolveOptions(time_limit=30, workers=1))
     assert answer.schedule.status is Status.UNKNOWN
     assert "at most 64 occurrences" in answer.notes[0].message
 
@@ -75,7 +75,7 @@ def test_occurrences_without_length_prove_nothing_where_none_suffice() -> None:
 def test_more_occurrences_than_a_model_is_given_are_told() -> None:
     often = {**CHOP, "occurs": {"min": SLOTS_LIMIT + 1, "max": SLOTS_LIMIT + 9}}
     task = task_of(often)
-    answer = solve_task(task, limits=Limits(30, workers=1))
+    answer = solve_task(task, SolveOptions(time_limit=30, workers=1))
     assert answer.schedule.status is Status.UNKNOWN
     assert f"more than {SLOTS_LIMIT} occurrences" in answer.notes[0].message
 

@@ -96,7 +96,7 @@ TEXT = [
         '{"actions": [{"id": "a",\n  "id": "b", "duration": 1}],\n"actions": []}',
         ("IRC004", 2, 3),
         ("IRC004", 3, 1),
-        said="the key 'actions' stands twice",
+        said="the key 'actions' appears twice",
     ),
     bad("deep lists", f'{{"actions": {"[" * DEEP}{"]" * DEEP}}}', ("IRC006", 1, 76)),
     bad("deep lists, not closed", f'{{"actions": {"[" * DEEP}', ("IRC006", 1, 76)),

@@ -1,6 +1,6 @@
 """The catalogue of diagnostics: complete, true to what irc says, and the source of its page.
 
-`--refresh-golden` writes what irc says now into the entries (`told`) and the page anew.
+`--refresh-golden` writes what irc says now into the entries (`output`) and the page anew.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import pytest
 from typer.testing import Result
 
 from irc.diagnostics import Code, Severity
-from irc.diagnostics.catalogue import Entry, load_catalogue, load_families
+from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue, load_families
 from irc.diagnostics.catalogue.page import diagnostics_page
 from paths import ROOT
 from runs import Told, run_command, run_irc
 
-CATALOGUE = ROOT / "irc" / "catalogue"
+CATALOGUE = ROOT / "irc" / "diagnostics" / "catalogue"
 ENTRIES = list(load_catalogue().values())
 
 NOT_IN_A_TEXT = (Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED, Code.NO_CONTINUATION)
@@ -29,7 +29,7 @@ runs_planners = pytest.mark.skipif(
 )
 
 
-def told_of(entry: Entry, example: str, encoding: str, folder: Path) -> Told:
+def told_of(entry: CatalogueEntry, example: str, encoding: str, folder: Path) -> Told:
     """What the entry's command says of one of its examples."""
     for name, text in entry.files.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -41,15 +41,15 @@ def told_of(entry: Entry, example: str, encoding: str, folder: Path) -> Told:
     return run_command(entry.command, folder, engine=engine)
 
 
-def refresh(entry: Entry, told: str) -> None:
+def refresh(entry: CatalogueEntry, told: str) -> None:
     """Writes what is told into the entry."""
     for file in CATALOGUE.glob("*.toml"):
         head, found, rest = file.read_text("utf-8").partition(f"[codes.{entry.code.id}]\n")
         if found:
             # What is told, which may hold anything but three quotes, goes in as it is.
-            before, _, after = rest.partition("told = '''")
+            before, _, after = rest.partition("output = '''")
             after = after.partition("'''")[2]
-            text = f"{head}{found}{before}told = '''\n{told}\n'''{after}"
+            text = f"{head}{found}{before}output = '''\n{told}\n'''{after}"
             file.write_text(text, encoding="utf-8")
 
 
@@ -60,7 +60,7 @@ def test_every_code_has_an_entry_and_every_entry_a_code() -> None:
 @runs_planners
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
 def test_the_bad_example_is_told_this_code_and_no_other_in_these_words(
-    entry: Entry, tmp_path: Path, refresh_golden: bool
+    entry: CatalogueEntry, tmp_path: Path, refresh_golden: bool
 ) -> None:
     told = told_of(entry, entry.bad, entry.encoding, tmp_path)
     assert {code for code, _ in told.findings} == {entry.code.id}, told.text
@@ -68,19 +68,19 @@ def test_the_bad_example_is_told_this_code_and_no_other_in_these_words(
     if refresh_golden:
         refresh(entry, told.text)
     else:
-        assert told.text == entry.told
+        assert told.text == entry.output
 
 
 @runs_planners
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
-def test_of_the_good_example_nothing_is_to_be_said(entry: Entry, tmp_path: Path) -> None:
+def test_of_the_good_example_nothing_is_to_be_said(entry: CatalogueEntry, tmp_path: Path) -> None:
     told = told_of(entry, entry.good, "utf-8", tmp_path)
     assert (told.exit_code, told.text) == (0, "")
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.code.id)
-def test_an_entry_says_where_unless_no_text_is_at_fault(entry: Entry) -> None:
-    places = re.findall(rf"^  --> {re.escape(entry.file)}:\d+:\d+$", entry.told, re.MULTILINE)
+def test_an_entry_says_where_unless_no_text_is_at_fault(entry: CatalogueEntry) -> None:
+    places = re.findall(rf"^  --> {re.escape(entry.file)}:\d+:\d+$", entry.output, re.MULTILINE)
     assert places or entry.code in NOT_IN_A_TEXT
 
 
@@ -121,7 +121,7 @@ def test_a_code_is_explained_with_both_examples_and_what_is_told(given: str) -> 
     shown = explain_code(given).stdout
     entry = load_catalogue()["IRC201"]
     flat = "\n".join(line.removeprefix("    ") for line in shown.splitlines())
-    for part in (entry.bad.strip(), entry.told, entry.good.strip()):
+    for part in (entry.bad.strip(), entry.output, entry.good.strip()):
         assert part in flat
     for part in (entry.explanation, entry.remedy):
         assert part in " ".join(shown.split())

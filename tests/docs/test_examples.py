@@ -80,6 +80,7 @@ def test_nothing_is_to_be_said_of_an_example(promised: Promised) -> None:
     assert list(report) == [], report.render()
 
 
+@pytest.mark.slow
 @each_example
 def test_cpsat_proves_the_promised_makespan(promised: Promised) -> None:
     task = irc.load(promised.path).ir

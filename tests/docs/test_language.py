@@ -234,14 +234,17 @@ def hits_in_names() -> list[Hit]:
 # --- the project --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_no_page_has_a_banned_word() -> None:
     assert not (hits := hits_in_pages()), "\n".join(map(str, hits))
 
 
+@pytest.mark.slow
 def test_no_message_docstring_or_comment_has_a_banned_word() -> None:
     assert not (hits := hits_in_sources()), "\n".join(map(str, hits))
 
 
+@pytest.mark.slow
 def test_no_name_in_the_code_is_a_private_word() -> None:
     assert not (hits := hits_in_names()), "\n".join(map(str, hits))
 

@@ -33,7 +33,7 @@ def test_a_program_is_that_of_the_task_without_its_events(target: str) -> None:
     assert program.files == irc.compile(KITCHEN, target).files
     (note,) = program.notes
     assert (note.code, note.severity) == (Code.LATER_EVENTS, Severity.NOTE)
-    assert "2 events are not seen" in note.message
+    assert "without the task's 2 events" in note.message
     assert irc.compile(KITCHEN, target).notes == ()
 
 
@@ -73,7 +73,9 @@ def test_commands_tell_it_at_the_first_event_and_keep_standard_output_clean(
     assert run_irc("convert", str(tmp_path / "task.json"), "-o", str(file)).exit_code == 0
     result = run_irc(*command, str(file))
     assert result.exit_code == 0
-    place = re.search(r"note\[IRC503\]: .* 2 events are not seen\n  --> (.*):(\d+):", result.stderr)
+    place = re.search(
+        r"note\[IRC503\]: .* without the task's 2 events\n  --> (.*):(\d+):", result.stderr
+    )
     assert place is not None
     assert place[1] == str(file)
     assert "at 5" in file.read_text("utf-8").splitlines()[int(place[2]) - 1].replace('"at":', "at")

@@ -15,15 +15,14 @@ from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
 from irc.execution.continuation import Remainder
 from irc.execution.freeze import freeze
-from irc.execution.step import Means
 from irc.lowering.lower import lower
 from irc.model.quantities import Number
 from irc.passes.contention import merge_pools
-from irc.problem.objective_values import worth
-from irc.targets import get_backend
+from irc.problem.objective_values import schedule_values
+from irc.targets import Budget, get_backend
 from irc.validation import validate
 from irc_cpsat import CpSat
-from online_cases import LIMITS, replanned
+from online_cases import OPTIONS, replanned
 from oracles.online_random import OPERATIONS, play
 
 
@@ -40,9 +39,8 @@ def remainder(execution: Execution) -> Remainder:
     problem = lower(task, instants)
     problem = merge_pools(problem, overloaded(problem, history.state(at).running))
     frozen = freeze(problem, history, at, problem.whole_ticks(at))
-    means = Means(limits=LIMITS)
     backend = get_backend("cpsat")
-    return Remainder(task, frozen, history, at, backend, backend.engine(), means)
+    return Remainder(task, frozen, history, at, backend, backend.engine(), OPTIONS, Budget(20))
 
 
 def answer(left: Remainder) -> tuple[str, tuple[Number, ...], int]:
@@ -53,7 +51,7 @@ def answer(left: Remainder) -> tuple[str, tuple[Number, ...], int]:
     schedule = left.with_status(outcome.schedule, given_up)
     verdict = validate(left.task, schedule, left.at)
     assert verdict.valid, [v.message for v in verdict.violations]
-    values = worth(whole, schedule)
+    values = schedule_values(whole, schedule)
     return outcome.status.value, tuple(values[n] for n in whole.objectives), len(given_up)
 
 

@@ -17,6 +17,7 @@ from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import PreviousPlace, PreviousPlan
 from irc.schedule import Status
+from irc.targets import Budget
 from online_cases import OPTIONS, action, entry, event, plan, repaired, starts
 
 VAN = [{"id": "van"}]
@@ -118,7 +119,7 @@ def test_where_nothing_continues_the_old_plan_stays() -> None:
 def test_a_schedule_of_something_else_is_refused() -> None:
     with pytest.raises(InputError, match="does not have"):
         Execution(CHAIN, plan(entry("x", 0, 1)))
-    with pytest.raises(InputError, match="twice"):
+    with pytest.raises(InputError, match="two entries of"):
         Execution(CHAIN, plan(entry("a", 0, 4, "van"), entry("a", 4, 8, "van")))
 
 
@@ -210,7 +211,7 @@ def test_what_moved_for_no_reason_is_put_back() -> None:
     old = [entry("a", 0, 4, "van"), entry("b", 2, 4, mode="m"), entry("c", 2, 3)]
     found = plan(entry("a", 0, 4, "van"), entry("b", 0, 2, mode="m"), entry("c", 0, 1))
     verdicts = iter([False, True])
-    new = stabilised(problem, found, old, Fraction(0), lambda _: next(verdicts))
+    new = stabilised(problem, found, old, Fraction(0), lambda _: next(verdicts), Budget())
     assert starts(new) == {"a": 0, "b": 2, "c": 2}
 
 

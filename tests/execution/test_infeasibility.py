@@ -65,24 +65,24 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
     [
         (
             {"op": "set_duration", "action": "serve", "duration": 50},
-            "everything must end by 60 min, and could not before 70 min, when 'serve' does",
+            "all actions must end by 60 min, but cannot end before 70 min, the end of 'serve'",
         ),
         (
             {"op": "set_deadline", "action": "serve", "deadline": 22},
-            "'serve' must end by 22 min, and could not before 25 min",
+            "'serve' must end by 22 min, but cannot end before 25 min",
         ),
         (
             {"op": "set_release", "action": "call", "release": 33},
-            "'call' must start at 30 min, and could not before 33 min",
+            "'call' must start at 30 min, but cannot start before 33 min",
         ),
         (
             {"op": "set_release", "action": "serve", "release": 40},
-            "'serve' must start at most 15 min after the end of 'bake', and the best plan found "
+            "'serve' must start at most 15 min after the end of 'bake', but the best plan found "
             "has 20 min",
         ),
         (
             {"op": "set_capacity", "resource": "cook", "capacity": 1},
-            "'serve' needs 2 of 'cook', which has 1 at most",
+            "'serve' needs 2 of 'cook', which has at most 1",
         ),
         (
             {"op": "set_goals", "goals": [{"var": "table", "value": "bare"}]},
@@ -90,7 +90,7 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
         ),
         (
             {"op": "cancel_actions", "actions": ["lay"]},
-            "'table' does not become what is needed: 'laid' for 'serve'",
+            "'table' does not reach the needed value: 'laid' for 'serve'",
         ),
         (
             {
@@ -103,7 +103,7 @@ def told(*changes: dict[str, Any], at: int = 4, **fields: Any) -> list[str]:
                     }
                 ],
             },
-            "the stock of 'eggs' does not last",
+            "the stock of 'eggs' does not suffice",
         ),
     ],
     ids=lambda value: value.get("op") if isinstance(value, dict) else "",
@@ -117,7 +117,7 @@ def test_a_latest_start_in_the_way_is_named() -> None:
     actions = [{**a, "latest_start": 35} if a["id"] == "serve" else a for a in TASK["actions"]]
     late = {"op": "set_duration", "action": "bake", "duration": 37}
     assert told(late, actions=actions) == [
-        "'serve' must start by 35 min, and could not before 37 min"
+        "'serve' must start by 35 min, but cannot start before 37 min"
     ]
 
 
@@ -134,5 +134,5 @@ def test_of_several_limits_that_a_plan_breaks_only_those_in_the_way_are_named() 
 
 def test_limits_of_several_sorts_that_must_give_way_together_are_named_together() -> None:
     first, second = told({"op": "set_release", "action": "serve", "release": 70})
-    assert first.startswith("everything must end by 60 min, and the best plan found has 75 min")
+    assert first.startswith("all actions must end by 60 min, but the best plan found has 75 min")
     assert second.startswith("'serve' must start at most 15 min after the end of 'bake'")

@@ -177,8 +177,8 @@ def test_the_validator_orders_the_instant_of_a_change_of_the_world_by_itself() -
     walks = (Entry("walk", 2, 7), Entry("open at 2", 2, 2, rank=1))
     (violation,) = validate(task, Schedule(walks)).violations
     assert violation.message == (
-        "'walk' starts at 2 s with rank 0, before 'open at 2' with rank 1; what ended comes first, "
-        "then what an event changes, then what starts"
+        "'walk' starts at 2 s with rank 0, before 'open at 2' with rank 1; ends come first, "
+        "then changes by events, then starts"
     )
     assert not validate(task, Schedule((walks[0], Entry("open at 2", 2, 2)))).valid
     assert validate(task, Schedule((Entry("walk", 1, 6), Entry("open at 2", 2, 2)))).valid

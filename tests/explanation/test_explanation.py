@@ -30,7 +30,7 @@ from irc.problem.statements import (
     problem_of,
 )
 from irc.schedule import Entry, Schedule, Status
-from irc.targets import get_backend
+from irc.targets import Budget, get_backend
 from irc.targets.refuter import Assumptions
 from oracles.brute_force import optimal_makespan
 from oracles.conflicts import by_solving, faults_of, only, statements_of
@@ -63,6 +63,7 @@ def test_the_conflict_is_the_one_written_down_by_hand(case: Case) -> None:
     assert len(explanation.conflict) == len(case.expected)
 
 
+@pytest.mark.slow
 @each_case
 def test_removing_any_statement_of_a_conflict_resolves_it(case: Case) -> None:
     checked = Task.model_validate(case.document)
@@ -104,6 +105,7 @@ def test_the_check_by_removal_knows_wrong_conflicts() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_same_task_gets_the_same_explanation_however_it_is_ordered() -> None:
     for case in SOLVER[::5]:
         document = case.document
@@ -171,8 +173,8 @@ def test_without_time_nothing_is_called_minimal() -> None:
     problem = run_checks(document).problem
     refuter = get_backend("cpsat").refuter()
     assert refuter is not None
-    assert resource_conflict(problem, refuter, until=0.0) is None
-    undecided = resource_conflict(problem, _Undecided(refuter), until=float("inf"))
+    assert resource_conflict(problem, refuter, Budget(0)) is None
+    undecided = resource_conflict(problem, _Undecided(refuter), Budget())
     assert undecided is not None
     assert not undecided.minimal
 
@@ -184,14 +186,14 @@ class _Undecided:
         self.refuter = refuter
         self.whole: int | None = None
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         return None
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
         self.whole = self.whole or len(problem.activities)
         if len(problem.activities) < self.whole:
             return Status.UNKNOWN
-        status = self.refuter.decide(problem, horizon, seconds)
+        status = self.refuter.decide(problem, horizon, budget)
         return Status.UNKNOWN if status is Status.FEASIBLE else status
 
 
@@ -202,20 +204,20 @@ class _Misleading:
         self.refuter = refuter
         self.asked = 0
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         self.asked += 1
-        core = sorted(self.refuter.core(assumptions, seconds))
+        core = sorted(self.refuter.core(assumptions, budget))
         return frozenset(core[1:])
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
-        return self.refuter.decide(problem, horizon, seconds)
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
+        return self.refuter.decide(problem, horizon, budget)
 
 
 def test_a_solvers_core_is_not_believed() -> None:
     case = next(c for c in SOLVER if c.name == "no order of three windows")
     problem = run_checks(Task.model_validate(case.document)).problem
     misleading = _Misleading(get_backend("cpsat").refuter())
-    conflict = resource_conflict(problem, misleading, until=float("inf"))
+    conflict = resource_conflict(problem, misleading, Budget())
     assert misleading.asked == 1
     assert conflict is not None
     assert {in_words(problem, s) for s in conflict.statements} == case.expected
@@ -227,7 +229,7 @@ def test_the_solvers_core_leaves_out_what_is_far_from_the_conflict() -> None:
     parts = [*case.document["actions"], *case.document["resources"], r("shed"), *far]
     problem = run_checks(Task.model_validate(task(*parts))).problem
     listening = _Listening(get_backend("cpsat").refuter())
-    conflict = resource_conflict(problem, listening, until=float("inf"))
+    conflict = resource_conflict(problem, listening, Budget())
     assert conflict is not None
     assert {in_words(problem, s) for s in conflict.statements} == case.expected
     assert listening.core_found is not None
@@ -238,8 +240,8 @@ def test_the_solvers_core_leaves_out_what_is_far_from_the_conflict() -> None:
 class _Listening(_Misleading):
     core_found: frozenset[Statement] | None = None
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
-        self.core_found = self.refuter.core(assumptions, seconds)
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
+        self.core_found = self.refuter.core(assumptions, budget)
         return self.core_found
 
 
@@ -318,7 +320,7 @@ def test_the_lengths_of_a_chain_add_up_to_the_makespan() -> None:
         assert sum(step.end - step.start for step in chain) == makespan
         assert [step.start for step in chain[:1]] == [0]
         assert all(one.end == other.start for one, other in pairwise(chain))
-        handed_over += any(step.told.kind == "hand_over" for step in chain)
+        handed_over += any(step.statement.kind == "hand_over" for step in chain)
         _hold_with_equality(drawn, explanation)
     assert handed_over >= 10
 
@@ -328,7 +330,7 @@ def _hold_with_equality(drawn: Task, explanation: irc.Explanation) -> None:
     assert explanation.schedule is not None
     entries = {entry.id: entry for entry in explanation.schedule.entries}
     for step in explanation.chain or ():
-        kind, pointer, length = step.told.kind, step.told.pointer, step.end - step.start
+        kind, pointer, length = step.statement.kind, step.statement.pointer, step.end - step.start
         if kind == "precedence":
             arc = drawn.precedence[int(pointer[1])]
             first, second = arc.type.split("-")
@@ -354,9 +356,9 @@ def _hold_with_equality(drawn: Task, explanation: irc.Explanation) -> None:
 
 def test_a_chain_of_precedences_is_called_a_proof() -> None:
     explanation = irc.explain(EXAMPLES / "pancake_breakfast.json")
-    assert [step.told.kind for step in explanation.chain or ()].count("duration") >= 2
+    assert [step.statement.kind for step in explanation.chain or ()].count("duration") >= 2
     assert explanation.proof is not None
-    assert explanation.proof.startswith("nothing is shorter: the chain needs no resource")
+    assert explanation.proof.startswith("no schedule is shorter: the chain needs no resource")
 
 
 def test_a_hand_over_names_the_station_and_both_actions() -> None:
@@ -364,7 +366,7 @@ def test_a_hand_over_names_the_station_and_both_actions() -> None:
         r("grill"), a("patty", 6, "grill"), a("halloumi", 4, "grill"), p("patty", "halloumi", "ss")
     )
     explanation = irc.explain(document)
-    assert [step.told.text for step in explanation.chain or ()] == [
+    assert [step.statement.text for step in explanation.chain or ()] == [
         "'patty' can start at once",
         "'patty' takes 6 s",
         "'grill': 'patty' → 'halloumi'",
@@ -377,7 +379,7 @@ def test_a_hand_over_names_the_station_and_both_actions() -> None:
 
 def test_a_chain_prefers_precedence_to_a_hand_over_at_the_same_time() -> None:
     document = task(r("grill"), a("a", 6, "grill"), a("b", 4, "grill"), p("a", "b"))
-    kinds = [step.told.kind for step in irc.explain(document).chain or ()]
+    kinds = [step.statement.kind for step in irc.explain(document).chain or ()]
     assert kinds == ["time", "duration", "precedence", "duration"]
 
 
@@ -504,7 +506,7 @@ def test_names_cannot_move_the_cursor() -> None:
 def test_conflicts_without_a_text_are_told_with_pointers() -> None:
     explanation = irc.explain(SOLVER[0].document)
     assert explanation.conflict[0].line is None
-    assert str(explanation).startswith("task: infeasible, these cannot hold together\n")
+    assert str(explanation).startswith("task: infeasible, these statements cannot hold together\n")
 
 
 def test_solving_and_removal_agree_about_the_whole() -> None:

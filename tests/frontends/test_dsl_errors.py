@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 
 import irc
 from irc.diagnostics import Report, Severity
-from irc.frontends.dsl import draft, reader
+from irc.frontends.dsl import document_parts, reader
 from irc.frontends.dsl.task import dsl_task
 from irc.frontends.files import parse_task
 
@@ -56,7 +57,7 @@ STATEMENTS = [
     wrong("boil 3 min 4", ("IRC013", 1, 6), said="quotes"),
     wrong("3 min", ("IRC013", 1, 1), said="where a name is expected"),
     wrong("a 5 min -> b", ("IRC013", 1, 3)),
-    wrong('"boil" eggs 3', ("IRC010", 1, 8), said="behind the name in quotes"),
+    wrong('"boil" eggs 3', ("IRC010", 1, 8), said="after the name in quotes"),
     wrong("boil eggs 10s after", ("IRC010", 1, 19), said="ends too early; expected a name"),
     wrong("boil 3 after on", ("IRC010", 1, 14), said="has a meaning of its own"),
     wrong("put egg on pan 4 s", ("IRC010", 1, 16), said="stands before `on`"),
@@ -66,9 +67,9 @@ STATEMENTS = [
     wrong("boil 3 on [a, b", ("IRC010", 1, 15), said="`]`"),
     wrong("boil 3 occurs x", ("IRC010", 1, 15), said="expected a number"),
     wrong("boil 3 label eggs", ("IRC010", 1, 14), said='text in "quotes"'),
-    wrong("boil 3 reward 1 reward 2", ("IRC014", 1, 17), said="`reward` is said twice"),
+    wrong("boil 3 reward 1 reward 2", ("IRC014", 1, 17), said="`reward` appears twice"),
     wrong("boil 3 optional occurs 2", ("IRC014", 1, 17)),
-    wrong("boil 3 deadline -5", ("IRC010", 1, 17), said="not negative"),
+    wrong("boil 3 deadline -5", ("IRC010", 1, 17), said="cannot be negative"),
     wrong('boil 3 after a - "5 min"\na 1', ("IRC010", 1, 18), said="inside"),
     wrong("boil eggs: 3", ("IRC010", 1, 10), said='put the name in "quotes"'),
     wrong("boil (eggs) 3", ("IRC010", 1, 6), said="`(` has no meaning here"),
@@ -78,8 +79,8 @@ STATEMENTS = [
     wrong("-> b", ("IRC010", 1, 1), said="expected a statement"),
     wrong("boil 3 mode fast", ("IRC010", 1, 13), said="mode 'fast' has no duration"),
     wrong("boil " + "9" * 50, ("IRC104", 1, 6), said="40 digits"),
-    wrong("boil 3 cost " + "9" * 2000, ("IRC005", 1, 13), said="beyond all range"),
-    wrong("task a\ntask b\nx 1", ("IRC014", 2, 1), said="`task` is said twice"),
+    wrong("boil 3 cost " + "9" * 2000, ("IRC005", 1, 13), said="out of range"),
+    wrong("task a\ntask b\nx 1", ("IRC014", 2, 1), said="`task` appears twice"),
     wrong("minimize cost\nminimize makespan\nx 1", ("IRC014", 2, 1)),
     wrong("minimize makespann\nx 1", ("IRC010", 1, 10), said="`minimize makespan`"),
     wrong("unit min s\nx 1", ("IRC010", 1, 10), said="end of the statement"),
@@ -116,14 +117,14 @@ TEXTS = [
 ]
 
 BLOCKS = [
-    wrong("x 1\n  y 2\nz 3", ("IRC012", 2, 3), said="does not go on"),
-    wrong("x 1\n  onn r\nz 3", ("IRC012", 2, 3), said="does not go on"),
-    wrong("for a in b:\n    x {a} 1\n  y 2", ("IRC012", 3, 3), said="like no statement"),
+    wrong("x 1\n  y 2\nz 3", ("IRC012", 2, 3), said="does not continue"),
+    wrong("x 1\n  onn r\nz 3", ("IRC012", 2, 3), said="does not continue"),
+    wrong("for a in b:\n    x {a} 1\n  y 2", ("IRC012", 3, 3), said="no statement above this line"),
     wrong("for a in b:\n\tx {a} 1\n    y {a} 2", ("IRC012", 3, 5), said="tabs and spaces"),
-    wrong("  x 1", ("IRC012", 1, 3), said="take the blanks"),
+    wrong("  x 1", ("IRC012", 1, 3), said="remove the spaces"),
     wrong("for a in b\nx 1", ("IRC010", 1, 10), said="`:`"),
     wrong("for a b: x 1", ("IRC010", 1, 7), said="`in`"),
-    wrong("for a in b:\nx 1", ("IRC010", 1, 11), said="holds nothing"),
+    wrong("for a in b:\nx 1", ("IRC010", 1, 11), said="is empty"),
     wrong("for a in b: x {c} 1", ("IRC016", 1, 15), said="no `for c`"),
     wrong("for item in b: x {itm} 1", ("IRC016", 1, 18), said="`item`"),
     wrong("for a in b: x {a + 1} 1", ("IRC016", 1, 15), said="reckon"),
@@ -133,9 +134,9 @@ BLOCKS = [
     wrong("for a in []: x {a} 1\ny {a} 1", ("IRC016", 2, 3), said="no `for a`"),
     wrong('for a in "", b: {a} 1', ("IRC016", 1, 17), said="stands for nothing"),
     wrong("for a in b, x: y {a} min", ("IRC016", 1, 18), said="not a time"),
-    wrong("for a in b: task {a}", ("IRC010", 1, 13), said="cannot be said in a `for`"),
+    wrong("for a in b: task {a}", ("IRC010", 1, 13), said="cannot stand in a `for`"),
     wrong("for a in b: metadata {}", ("IRC010", 1, 13)),
-    wrong("x {a} 1", ("IRC016", 1, 3), said="in a `for` only"),
+    wrong("x {a} 1", ("IRC016", 1, 3), said="only in a `for`"),
     wrong("for a in 1 .. 2: x {a} 1 onn b", ("IRC010", 1, 26), said="`on`"),
     wrong("event 3: cancel a\na 1", ("IRC010", 1, 8), said="expected `at`"),
     wrong("a 1\nevent at 3: cancl a", ("IRC010", 2, 13), said="`cancel`"),
@@ -145,7 +146,7 @@ BLOCKS = [
     wrong("a 1\nevent at 3:\n  add:\n    b 1\n    resource r", ("IRC010", 3, 3), said="one kind"),
     wrong("a 1\nevent at 3:\n  add:\n    goal a", ("IRC010", 4, 5), said="cannot be added"),
     wrong("a 1\nevent at 3:\n  remove:\n    b 1", ("IRC010", 4, 5), said="only an order"),
-    wrong("a 1\nevent at 3: set state s = b at end", ("IRC010", 2, 29), said="take it away"),
+    wrong("a 1\nevent at 3: set state s = b at end", ("IRC010", 2, 29), said="remove it"),
 ]
 
 CHECKS = [
@@ -328,13 +329,13 @@ def test_a_for_that_makes_millions_is_told_at_once(text: str) -> None:
 def test_a_for_whose_end_depends_on_another_is_bounded_too(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(draft.Budget, "__init__", lambda self: set_budget(self, 100, 1000))
+    monkeypatch.setattr(document_parts.ExpansionLimit, "__init__", limited(100, 1000))
     report = told("for a in 1 .. 20:\n  for b in 1 .. {a}: x {a} {b} 1")
     assert errors(report) == [("IRC017", 2, 3)]
 
 
 def test_arrows_and_pools_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(draft.Budget, "__init__", lambda self: set_budget(self, 100, 50))
+    monkeypatch.setattr(document_parts.ExpansionLimit, "__init__", limited(100, 50))
     many = ", ".join(f"a{i}" for i in range(10))
     assert errors(told(f"{many} -> {many}")) == [("IRC017", 1, 1)]
     uses = "".join(f"x{i} 1 by p\n" for i in range(6))
@@ -342,8 +343,13 @@ def test_arrows_and_pools_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     assert errors(report)[0] == ("IRC017", 1, 10)
 
 
-def set_budget(budget: draft.Budget, statements: int, parts: int) -> None:
-    budget.statements, budget.parts = statements, parts
+def limited(statements: int, parts: int) -> Callable[[document_parts.ExpansionLimit], None]:
+    """An `__init__` with other limits."""
+
+    def init(limit: document_parts.ExpansionLimit) -> None:
+        limit.statements, limit.parts = statements, parts
+
+    return init
 
 
 PIECES = st.sampled_from(

@@ -271,6 +271,7 @@ def test_the_language_of_a_text(text: str, name: str, language: str) -> None:
     assert language_of(text, name) == language
 
 
+@pytest.mark.slow
 def test_every_command_and_call_takes_the_dsl(tmp_path: Path) -> None:
     path = tmp_path / "task.irc"
     path.write_text("resource pot\nboil 3 min on pot\neat 5 after boil\n")

@@ -32,6 +32,7 @@ def told(report: Report) -> list[tuple[str, str, int | None, int | None]]:
     ]
 
 
+@pytest.mark.slow
 def test_what_a_file_declares_is_there_where_it_is_included(tmp_path: Path) -> None:
     path = files(tmp_path, task=TASK, kitchen=KITCHEN)
     assert [r.id for r in irc.load(path).ir.resources] == ["grill", "fryer", "board"]

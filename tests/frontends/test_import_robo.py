@@ -288,7 +288,7 @@ def test_a_fault_is_told_with_instance_field_and_place(
         (("candidate_goals", 1, "id"), "mash", "the candidate goal 'mash' is given twice"),
         (("candidate_goals", 1, "cost"), {"salt": 1}, "'inventory_limits' has no 'salt'"),
         (("candidate_goals", 1, "reward"), -1, "expected a whole number, 0 or more"),
-        (("candidate_goals", 1, "state"), "raw", "it holds from the start"),
+        (("candidate_goals", 1, "state"), "raw", "it is fulfilled from the start"),
         (("candidate_goals", 1, "state"), "boiled", "it cannot be boiled"),
         (("goal", "required_states"), {"okra": "cut"}, "'required_states' wants 'okra' 'cut'"),
         (("inventory_limits", "oil"), 1.5, "expected a whole number"),
@@ -430,7 +430,7 @@ def test_a_bad_instance_in_a_folder_is_status_1_and_nothing_is_written(tmp_path:
 def test_a_folder_without_instances_is_told(tmp_path: Path) -> None:
     result = run_irc("convert", tmp_path, "--from", "robo", "-o", tmp_path / "out")
     assert result.exit_code == 1
-    assert "holds no .json files" in result.stderr
+    assert "has no .json files" in result.stderr
 
 
 # --- the benchmark ------------------------------------------------------------------------------

@@ -315,12 +315,12 @@ LAG = {
         (
             episode(delta(add_deliveries=[delivery("first", "leek", "cut")])),
             f"{ADDED}/add_deliveries/0",
-            "the order 'first' is already there",
+            "the order 'first' already exists",
         ),
         (
             episode(delta(add_candidate_goals=[candidate("first", "leek", "cut")])),
             f"{ADDED}/add_candidate_goals/0",
-            "the order 'first' is already there",
+            "the order 'first' already exists",
         ),
         (
             episode(delta(add_deliveries=[delivery("x", "leek", "fried")])),
@@ -383,12 +383,12 @@ LAG = {
         (
             episode(delta(add_candidate_goals=[candidate("c", "leek", "cut", root=1)])),
             f"{ADDED}/add_candidate_goals/0",
-            "'inventory_limits' has no 'root', which it costs",
+            "'inventory_limits' has no 'root', which this order costs",
         ),
         (
             episode(delta(add_candidate_goals=[candidate("c", "okra", "cut")])),
             f"{ADDED}/add_candidate_goals/0",
-            "it holds already, so there is nothing to choose",
+            "it is fulfilled already, so there is nothing to choose",
         ),
         (
             episode(

@@ -254,7 +254,7 @@ def test_an_item_that_is_to_be_uppermost_makes_room_first() -> None:
     verdict = irc.validate(task, carried_out(task, plan))
     assert verdict.valid, str(verdict)
     kitchen["goal"][0]["predicate"] = "item_on"
-    with pytest.raises(InputError, match="cannot be both directly on 'table_1' and upon others"):
+    with pytest.raises(InputError, match="cannot be both directly on 'table_1' and on other items"):
         imported(room)
 
 
@@ -293,12 +293,16 @@ def test_what_is_done_already_needs_nothing() -> None:
         (("items", 1, "stack-level"), 2, "with nothing below it"),
         (("items", 2, "predicates"), ["iscuttable"], "cannot be fried: it is not isfryable"),
         (("items", 2, "predicates"), ["isboilable"], "there is no predicate 'isboilable'"),
-        (("items", 2, "name"), "board", "an item cannot be called 'board'"),
+        (("items", 2, "name"), "board", "cannot have the name of a kind of station, 'board'"),
         (("config", "num_cuts"), None, "the field 'num_cuts' is missing"),
         (("config", "num_cuts", "default"), 0, "1 or more, found 0"),
-        (("config", "cook_time", "default"), 10**7, "at most 1000 are taken"),
+        (("config", "cook_time", "default"), 10**7, "at most 1000 are allowed"),
         (("width",), 5000, "at most 100 cells"),
-        (("stations",), [{"name": "table", "x": 0, "y": 0}] * 61, "at most 60 are taken, found 61"),
+        (
+            ("stations",),
+            [{"name": "table", "x": 0, "y": 0}] * 61,
+            "at most 60 are allowed, found 61",
+        ),
         (("width",), "five", "expected a whole number"),
         (("goal", 1, "predicate"), "isboiling", "there is no goal predicate"),
         (("goal", 1, "args"), ["water"], "the kitchen has no 'water' for the id 3"),

@@ -284,6 +284,7 @@ def documented(task: Task) -> Document:
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_shuffling_arrays_and_keys_changes_no_byte_of_any_target(
     seed: int, shuffled: Shuffle

@@ -43,6 +43,7 @@ ACTIONS = {"grill patty", "grill patty twice", "cut onion", "on"}
 RESOURCES = {"grill", "fryer", "flour", "r1", "r2"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("statement", "kind", "expected"),
     [

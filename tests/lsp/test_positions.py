@@ -44,6 +44,7 @@ def test_a_column_behind_its_line_means_the_end_of_that() -> None:
     assert lines.offset(-1, -5) == 0
 
 
+@pytest.mark.slow
 @given(TEXTS, ENCODINGS, st.data())
 def test_every_place_leads_back(text: str, encoding: Encoding, data: st.DataObject) -> None:
     lines = Lines(text, encoding)
@@ -57,6 +58,7 @@ def _units(text: str, encoding: Encoding) -> int:
     return len(text.encode(f"{encoding}-le" if encoding != "utf-8" else "utf-8")) // width
 
 
+@pytest.mark.slow
 @given(TEXTS, TEXTS, ENCODINGS, st.data())
 def test_an_edit_changes_what_it_names_and_nothing_else(
     text: str, new: str, encoding: Encoding, data: st.DataObject

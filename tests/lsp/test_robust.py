@@ -27,7 +27,7 @@ from irc.lsp.documents import Documents
 from irc.lsp.findings import shown
 from irc.lsp.positions import Encoding, Lines
 from irc.lsp.service import Service
-from irc.lsp.worker import Desk
+from irc.lsp.worker import AnalysisWorker
 
 EXAMPLES = sorted(p for p in (ROOT / "examples").iterdir() if p.suffix in (".json", ".txt"))
 WRONG = sorted(
@@ -74,7 +74,7 @@ def ask_everything(text: str, language: str, offset: int, encoding: Encoding) ->
     documents = Documents()
     documents.encoding = encoding
     document = documents.open("untitled:a", 1, text, None, language)
-    service = Service(Desk(documents))
+    service = Service(AnalysisWorker(documents))
     service.markdown = True
     lines = document.lines
     at = types.Position(*lines.place(offset))

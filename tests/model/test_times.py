@@ -262,6 +262,7 @@ def test_what_is_written_is_read_back_equal(value: Any) -> None:
     assert parse_span(through_json) == value
 
 
+@pytest.mark.slow
 @given(st.integers(-(10**9), 10**9), st.integers(1, 10**6))
 def test_a_whole_number_is_always_an_int(numerator: int, denominator: int) -> None:
     value = parse_number(f"{numerator}/{denominator}")

@@ -14,12 +14,14 @@ from typing import Any
 import irc
 from irc.execution import Execution
 from irc.model import Event, Task
-from irc.targets import Limits
+from irc.targets import SolveOptions
 from oracles.online_orders import next_event, orders_task
 from oracles.online_orders_judge import Judgement, judge
 from oracles.online_orders_kitchen import Kitchen, plan_of
 
 Document = dict[str, Any]
+
+OPTIONS = SolveOptions(time_limit=20, workers=1)
 
 
 @dataclass(frozen=True)
@@ -48,31 +50,19 @@ class Played:
         }
 
 
-def play(
-    seed: int, target: str = "cpsat", engine: str = "auto", limits: Limits | None = None
-) -> Iterator[Played]:
+def play(seed: int, options: SolveOptions = OPTIONS) -> Iterator[Played]:
     """An execution with one to four events; ends early where a step has no answer.
 
     Raises what the solver and the replanner raise.
     """
-    limits = Limits(20, workers=1) if limits is None else limits
     rng = random.Random(f"orders {seed}")
     document = orders_task(rng)
     task = Task.model_validate(deepcopy(document))
     kitchen = Kitchen.of(deepcopy(document))
-    first = irc.solve(
-        task, target, engine=engine, time_limit=limits.seconds, workers=limits.workers
-    )
+    first = irc.solve(task, options=options)
     if not first.answered:
         return
-    execution = Execution(
-        task,
-        first,
-        target=target,
-        engine=engine,
-        time_limit=limits.seconds,
-        workers=limits.workers,
-    )
+    execution = Execution(task, first, options=options)
     before = _json(first.to_dict())
     events: list[Document] = []
     at = Fraction(0)

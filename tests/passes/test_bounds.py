@@ -108,6 +108,7 @@ def test_no_bound_exceeds_the_optimum(kind: str) -> None:
     assert compared > 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [0, 40, 400, 4_000])
 def test_an_early_end_of_the_budget_leaves_a_true_bound(
     steps: int, monkeypatch: pytest.MonkeyPatch
@@ -120,6 +121,7 @@ def test_an_early_end_of_the_budget_leaves_a_true_bound(
         assert best is None or value <= best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [7, 10**6 + 3, 10**15])
 def test_long_times_leave_a_true_bound(factor: int) -> None:
     for problem, best in small_problems("robots", 15):

@@ -21,7 +21,7 @@ from irc.passes.critical_path import heads_and_tails
 from irc.passes.reduction import reduce_transitively, redundant_arcs
 from irc.problem import Activity, Arc, OpenDemand, Problem
 from irc.schedule import Status
-from irc.targets import Limits, Program, get_backend
+from irc.targets import Budget, Program, SolveOptions, get_backend
 from irc.validation import validate
 from oracles.brute_force import optimal_makespan
 from oracles.generators import contended_task, random_task
@@ -96,6 +96,7 @@ def test_reduction_moves_nothing(problem: Problem) -> None:
     assert reduced.bounds.tails == p.bounds.tails
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(orders())
 def test_beyond_the_limit_fewer_arcs_go_but_none_that_is_needed(problem: Problem) -> None:
@@ -239,7 +240,7 @@ def test_the_passes_keep_the_optimum(road: str) -> None:
         changed += problem.contention.pools != lower(task).contention.pools or bool(
             problem.contention.fixed_choices
         )
-        outcome = engine.solve(Program(backend, task, problem), Limits(workers=1))
+        outcome = engine.solve(Program(backend, task, problem), SolveOptions(workers=1), Budget())
         assert outcome.status is Status.OPTIMAL
         assert outcome.schedule is not None
         assert validate(task, outcome.schedule).valid

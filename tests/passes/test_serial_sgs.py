@@ -67,6 +67,7 @@ def taken(problem: Problem, i: int, choice: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(problem.contention.pools[shared].members[0] for shared in choice)
 
 
+@pytest.mark.slow
 def test_with_pools_the_rule_keeps_the_summed_capacity() -> None:
     pooled = 0
     for seed in range(60):

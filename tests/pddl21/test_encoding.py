@@ -123,6 +123,7 @@ def read(program: Program) -> Text:
 # --- what every text keeps ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_sections_stand_in_the_order_of_the_grammar() -> None:
     for _, program in random_programs(40):
         text = read(program)
@@ -139,6 +140,7 @@ def test_sections_stand_in_the_order_of_the_grammar() -> None:
         assert text.section("domain") == text.section(":domain") == ["irc_task"]
 
 
+@pytest.mark.slow
 def test_requirements_are_exactly_those_that_are_used() -> None:
     seen = Counter[str]()
     for _, program in random_programs(60):
@@ -156,6 +158,7 @@ def test_requirements_are_exactly_those_that_are_used() -> None:
     assert len(seen) >= 4
 
 
+@pytest.mark.slow
 def test_conditions_and_goals_are_positive() -> None:
     for _, program in random_programs(40):
         text = read(program)
@@ -167,6 +170,7 @@ def test_conditions_and_goals_are_positive() -> None:
         assert all(len(fact) == 1 for fact in goal[1:])
 
 
+@pytest.mark.slow
 def test_every_fact_is_declared_once_can_come_true_and_is_asked_for() -> None:
     for _, program in random_programs(60):
         text = read(program)
@@ -203,6 +207,7 @@ def test_what_is_taken_at_the_start_is_given_back_at_the_end() -> None:
                 assert taken == [e[1:] for w, e in step.effects if e[0] == word and w == when]
 
 
+@pytest.mark.slow
 def test_every_name_in_the_text_is_told_in_the_manifest() -> None:
     for task, program in random_programs(40):
         text, names = read(program), program.names
@@ -495,6 +500,7 @@ def test_too_many_choices_are_refused_with_their_place() -> None:
 # --- scale and slack ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("epsilon", [EPSILON, Fraction(1, 10)])
 def test_all_slack_together_stays_below_one_tick(epsilon: Fraction) -> None:
     bounded = 0

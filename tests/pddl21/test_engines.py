@@ -19,7 +19,7 @@ import pytest
 
 import irc
 from irc.schedule import Status
-from irc.targets import EngineFailed, EngineMissing, Limits, Outcome, get_backend
+from irc.targets import Budget, EngineFailed, EngineMissing, Outcome, SolveOptions, get_backend
 from irc_pddl21.encoding.encode import encode
 from paths import FAKES
 
@@ -128,7 +128,8 @@ def command_line(process: Path) -> bytes:
 def outcome_of(engine: str, seconds: float = 20, task: dict[str, Any] = TASK) -> Outcome:
     """What an engine makes of a task; a net of 20 s where the limit is not what is tested."""
     program = irc.compile(task, "pddl21")
-    return get_backend("pddl21").engines()[engine].solve(program, Limits(seconds=seconds))
+    chosen = get_backend("pddl21").engines()[engine]
+    return chosen.solve(program, SolveOptions(), Budget(seconds))
 
 
 def makespan(outcome: Outcome) -> object:
@@ -142,6 +143,7 @@ def told(outcome: Outcome) -> str:
 # One planner that goes wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["exits", "fails", "crashes"])
 def test_a_plan_is_kept_however_the_planner_ends(optic, then: str) -> None:
     optic(POOR, then)
@@ -179,11 +181,13 @@ def test_a_planner_that_meets_the_bound_is_stopped_at_once(optic) -> None:
     assert makespan(outcome) == 7
 
 
+@pytest.mark.slow
 def test_the_best_of_several_plans_is_kept_not_the_last(optic) -> None:
     optic(BEST + POOR, "exits")
     assert makespan(outcome_of("optic")) == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("then", "why"), [("fails", "exit status 3: bad_alloc: cannot go on"), ("crashes", "signal 11")]
 )
@@ -193,6 +197,7 @@ def test_a_breakdown_without_a_plan_is_an_engine_failure(optic, then: str, why: 
         outcome_of("optic")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "says",
     [
@@ -240,6 +245,7 @@ def test_a_bad_plan_is_not_used_but_a_good_one_beside_it_is(optic, plan: str, wh
     assert makespan(outcome_of("optic")) == 9
 
 
+@pytest.mark.slow
 def test_damage_is_told_even_where_another_plan_is_used(optic) -> None:
     optic(POOR + OVERFLOWN, "exits")
     outcome = outcome_of("optic")
@@ -247,6 +253,7 @@ def test_damage_is_told_even_where_another_plan_is_used(optic) -> None:
     assert "'-2147483.00-647: (a)  [3.000]'" in told(outcome)
 
 
+@pytest.mark.slow
 def test_a_plan_against_the_precedence_is_put_in_order(optic) -> None:
     """A planner's times are not believed: its order on the oven is kept, the rest is re-timed."""
     optic(IN_WRONG_ORDER, "exits")
@@ -258,11 +265,13 @@ def test_a_plan_against_the_precedence_is_put_in_order(optic) -> None:
     }
 
 
+@pytest.mark.slow
 def test_a_plan_beyond_the_capacity_is_not_used(optic) -> None:
     optic(OVERBOOKED, "exits")
     assert outcome_of("optic").schedule is None
 
 
+@pytest.mark.slow
 def test_a_plan_beyond_the_capacity_does_not_displace_a_valid_one(optic) -> None:
     optic(POOR + OVERBOOKED, "exits")
     schedule = irc.solve(TASK, "pddl21", engine="optic", time_limit=20)
@@ -285,12 +294,14 @@ def test_a_plan_as_short_as_the_bound_needs_no_second_search(optic) -> None:
     assert makespan(outcome_of("optic")) == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["fails", "crashes", "hangs", "exits"])
 def test_a_planner_that_finds_none_so_short_is_asked_for_any(optic, then: str) -> None:
     optic(POOR, "exits", asked_first=("", then))
     assert makespan(outcome_of("optic", seconds=4)) == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("then", ["fails", "crashes", "exits"])
 def test_a_longer_plan_is_kept_where_the_second_search_gives_nothing(optic, then: str) -> None:
     optic("", then, asked_first=(under_a_deadline(POOR), "exits"))
@@ -300,6 +311,7 @@ def test_a_longer_plan_is_kept_where_the_second_search_gives_nothing(optic, then
 # What is claimed
 
 
+@pytest.mark.slow
 def test_optimal_is_said_only_where_the_makespan_meets_the_bound(optic) -> None:
     optic(POOR + "Problem Unsolvable\n;;;; Solution Found\n" + POOR, "exits")
     poor = irc.solve(TASK, "pddl21", engine="optic", time_limit=20)
@@ -387,12 +399,14 @@ def test_auto_without_optic_is_kairos(monkeypatch: pytest.MonkeyPatch, tmp_path:
     assert (schedule.engine, schedule.status, schedule.makespan) == ("kairos", Status.OPTIMAL, 7)
 
 
+@pytest.mark.slow
 def test_auto_takes_optics_plan_where_it_meets_the_bound(optic) -> None:
     optic(BEST, "exits")
     outcome = outcome_of("auto")
     assert (outcome.engine, makespan(outcome)) == ("optic", 7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("says", "then"),
     [("", "fails"), ("", "crashes"), ("", "exits"), (LACKS_AN_ACTION, "exits"), ("", "hangs")],
@@ -404,6 +418,7 @@ def test_auto_goes_on_with_kairos_where_optic_gives_nothing(optic, says: str, th
     assert told(outcome).startswith("optic: ")
 
 
+@pytest.mark.slow
 @without_aries
 def test_auto_is_not_taken_in_by_a_plan_beyond_the_capacity(optic) -> None:
     optic(OVERBOOKED, "exits")
@@ -411,6 +426,7 @@ def test_auto_is_not_taken_in_by_a_plan_beyond_the_capacity(optic) -> None:
     assert (schedule.status, schedule.makespan) == (Status.OPTIMAL, 7)
 
 
+@pytest.mark.slow
 @without_aries
 def test_auto_goes_on_with_kairos_where_optics_plan_is_not_the_best(optic) -> None:
     optic(POOR, "exits")

@@ -238,6 +238,7 @@ def test_a_heading_glued_to_a_progress_line_that_begins_with_a_number_is_found()
     assert names(log.best) == ["b", "a", "c"]
 
 
+@pytest.mark.slow
 def test_a_heading_behind_megabytes_of_progress_is_found() -> None:
     log = read_plans("b (9.000 | 7.000)" * 200_000 + OPTIC_FIRST)
     assert names(log.best) == ["b", "a", "c"]
@@ -450,6 +451,7 @@ def test_an_instantaneous_step_without_newline_is_whole_where_none_has_a_duratio
 # Rubbish
 
 
+@pytest.mark.slow
 @given(st.text())
 def test_no_text_makes_the_reader_fail(text: str) -> None:
     assert read_plans(text).blocks >= len(read_plans(text).plans)
@@ -481,6 +483,7 @@ PIECES = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(PIECES | st.text(max_size=3), max_size=40))
 def test_no_shuffle_of_planner_output_makes_the_reader_fail(pieces: list[str]) -> None:
     log = read_plans("".join(pieces))
@@ -622,6 +625,7 @@ def test_the_recorded_logs_are_all_there(shared_data: Path) -> None:
     assert len(logs(shared_data)) == 81 + 8
 
 
+@pytest.mark.slow
 @pytest.mark.shared_data
 def test_real_logs_give_as_many_plans_as_they_print(shared_data: Path) -> None:
     for path in logs(shared_data):

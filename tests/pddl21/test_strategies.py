@@ -14,13 +14,13 @@ from builders import Document, after_passes, lettered, task_of
 from irc.driver.compile import lower_for
 from irc.driver.solve import solve_task
 from irc.model import Task
-from irc.passes.restrict import drop_ample_stock, restrict, settle_presence
+from irc.passes.restrict import decide_presence, drop_ample_stock, restrict
 from irc.passes.serial_sgs import quick_makespan
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
 from irc.retiming.retime import retime
 from irc.schedule import Status
-from irc.targets import Limits, get_backend
+from irc.targets import Budget, SolveOptions, get_backend
 from irc.validation import validate
 from irc_pddl21.decoding.rounding import rounded
 from irc_pddl21.search.list_schedules import short_list_schedule
@@ -57,7 +57,7 @@ def test_restricting_keeps_what_is_chosen_and_drops_the_rest() -> None:
 
 def test_what_belongs_to_a_group_that_must_be_there_is_mandatory() -> None:
     group = {"id": "g", "actions": ["a", "b"], "required": False}
-    problem = settle_presence(
+    problem = decide_presence(
         problem_of({}, {}, {"occurs": "optional"}, groups=[group], goals=["b"])
     )
     assert [a.details.optional for a in problem.activities] == [False, False, True]
@@ -66,9 +66,9 @@ def test_what_belongs_to_a_group_that_must_be_there_is_mandatory() -> None:
 def test_a_group_with_a_member_that_cannot_be_is_gone() -> None:
     group = {"id": "g", "actions": ["a", "b"], "required": False, "deadline": 100}
     never: Document = {"occurs": {"min": 0, "max": 0}}
-    problem = settle_presence(problem_of(never, {"occurs": "optional"}, {}))
+    problem = decide_presence(problem_of(never, {"occurs": "optional"}, {}))
     assert [a.id for a in problem.activities] == ["b", "c"]
-    assert settle_presence(problem_of({}, {}, groups=[group])).groups
+    assert decide_presence(problem_of({}, {}, groups=[group])).groups
 
 
 def test_only_stock_that_can_run_out_or_over_is_kept() -> None:
@@ -208,7 +208,7 @@ def test_neighbourhoods_grow_and_come_to_an_end() -> None:
 
 def solved(task: Task, seconds: float = 10.0) -> irc.Schedule:
     needs_kairos()
-    schedule = solve_task(task, "pddl21", "kairos", Limits(seconds), shortcut=False).schedule
+    schedule = solve_task(task, SolveOptions("pddl21", "kairos", seconds, shortcut=False)).schedule
     assert validate(task, schedule).valid
     return schedule
 
@@ -216,7 +216,7 @@ def solved(task: Task, seconds: float = 10.0) -> irc.Schedule:
 @pytest.mark.parametrize("seed", range(4))
 def test_contended_tasks_reach_the_optimum_and_say_so(seed: int) -> None:
     task = contended_task(random.Random(f"strategy {seed}"), 8)
-    best = solve_task(task, "cpsat", limits=Limits(20.0)).schedule
+    best = solve_task(task, SolveOptions(time_limit=20)).schedule
     mine = solved(task)
     assert (mine.status, mine.makespan) == (Status.OPTIMAL, best.makespan)
 
@@ -264,6 +264,7 @@ def test_the_empty_choice_is_an_answer() -> None:
     assert (schedule.status, schedule.entries) == (Status.OPTIMAL, ())
 
 
+@pytest.mark.slow
 def test_the_cheapest_way_is_found_and_proven() -> None:
     moved = {"effects": [{"at": "end", "var": "moved", "value": True}], "occurs": "optional"}
     task = Task.model_validate(
@@ -286,7 +287,7 @@ def test_the_cheapest_way_is_found_and_proven() -> None:
 @pytest.mark.parametrize("seed", [0, 1, 5, 6])
 def test_random_reward_tasks_are_never_called_optimal_wrongly(seed: int) -> None:
     task = reward_task(seed)
-    best = solve_task(task, "cpsat", limits=Limits(30.0)).schedule
+    best = solve_task(task, SolveOptions(time_limit=30)).schedule
     mine = solved(task)
     assert mine.objective[0].value >= 0.9 * float(best.objective[0].value)
     if mine.status is Status.OPTIMAL:
@@ -332,7 +333,7 @@ def test_a_planner_gets_one_time_limit_over_all_of_its_runs() -> None:
     backend = get_backend("pddl21")
     problem = lower_for(task, backend).with_bound(1, "too low to be met")
     program = irc.targets.Program(backend, task, problem)
-    outcome = backend.engines()["kairos"].solve(program, Limits(seconds=2.0))
+    outcome = backend.engines()["kairos"].solve(program, SolveOptions(), Budget(2))
     assert outcome.seconds < 3.5
     assert outcome.status is Status.FEASIBLE
 
@@ -343,8 +344,8 @@ def test_match_cellars_are_as_short_as_on_cp_sat(seed: int) -> None:
     """Some want a mend to end before its match and to follow another mend at once."""
     needs_kairos()
     task = match_cellar(seed)
-    best = solve_task(task, "cpsat", limits=Limits(20.0)).schedule
-    mine = solve_task(task, "pddl21", "kairos", Limits(6.0)).schedule
+    best = solve_task(task, SolveOptions(time_limit=20)).schedule
+    mine = solve_task(task, SolveOptions("pddl21", "kairos", 6)).schedule
     if best.status is Status.INFEASIBLE:
         assert mine.status is Status.UNKNOWN
         return
@@ -358,10 +359,10 @@ def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int
     needs_kairos()
     task = state_task(seed)
     try:
-        mine = solve_task(task, "pddl21", "kairos", Limits(1.5)).schedule
+        mine = solve_task(task, SolveOptions("pddl21", "kairos", 1.5)).schedule
     except irc.InputError:
         return  # Refused with a reason; that CP-SAT takes it is tested elsewhere.
-    best = solve_task(task, "cpsat", limits=Limits(20.0)).schedule
+    best = solve_task(task, SolveOptions(time_limit=20)).schedule
     if not mine.answered:
         assert mine.status in (Status.UNKNOWN, Status.INFEASIBLE)
         assert mine.status is Status.UNKNOWN or best.status is Status.INFEASIBLE
@@ -377,7 +378,7 @@ def test_random_state_tasks_are_valid_and_never_called_optimal_wrongly(seed: int
 def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity() -> None:
     task = contended_task(random.Random("strategy 7"), 18)
     problem = lower_for(task, get_backend("pddl21"))
-    known = short_list_schedule(problem, problem.bounds.makespan.value, 1.0, random.Random(0))
+    known = short_list_schedule(problem, problem.bounds.makespan.value, Budget(1), random.Random(0))
     quick = quick_makespan(problem)
     assert known is not None
     assert quick is not None
@@ -389,7 +390,7 @@ def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity
 
 def test_there_is_no_hint_where_a_list_schedule_would_overlook_something() -> None:
     optional = problem_of({"occurs": "optional"}, {})
-    assert short_list_schedule(optional, 0, 1.0, random.Random(0)) is None
+    assert short_list_schedule(optional, 0, Budget(1), random.Random(0)) is None
 
 
 LAMP = {"state": [{"id": "lit"}]}

@@ -34,6 +34,7 @@ from irc.problem import (
     PreviousPlace,
     PreviousPlan,
     Problem,
+    Ranks,
     Renewable,
     Requirement,
     Reservoir,
@@ -81,7 +82,8 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Details: {
         **dict.fromkeys(("optional", "repeats", "occurrence", "modes", "due", "weight"), PLAIN),
-        **dict.fromkeys(("reward", "cost"), PLAIN),
+        **dict.fromkeys(("reward", "cost", "not_before"), PLAIN),
+        "ranks": "part",
         "previous_occurrence": "activities",
         "use_modes": "own uses",
         "stock": "part",
@@ -120,6 +122,7 @@ MEANING: dict[type, dict[str, str]] = {
         for kind, names in {
             Bound: ("value", "reason"),
             Mode: ("id", "duration_min", "duration_max"),
+            Ranks: ("start", "end", "at_least"),
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
@@ -132,7 +135,7 @@ MEANING: dict[type, dict[str, str]] = {
 def names_of_fields(kind: type) -> set[str]:
     if is_dataclass(kind):
         return {f.name for f in fields(kind)}
-    return set(kind._fields)  # type: ignore[attr-defined]
+    return set(vars(kind)["_fields"])
 
 
 @pytest.mark.parametrize("kind", MEANING, ids=lambda kind: kind.__name__)
@@ -241,6 +244,8 @@ def random_activity(rng: random.Random, i: int, n: int, resources: int, pools: i
             conditions=tuple(Condition(rng.randrange(3), k % 2, "all") for k in range(3)),
             effects=tuple(Effect(rng.randrange(3), k % 2, k > 1) for k in range(3)),
             reward=i,
+            ranks=Ranks(i, None),
+            not_before=(i, 1),
         ),
     )
 

@@ -93,6 +93,7 @@ def test_every_component_with_a_positive_cycle_shows_one(
     assert all(any(points <= members for members in contradictory) for points in shown)
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_the_chain_behind_a_time_adds_up_to_it(case: tuple[int, list[Edge], list[int]]) -> None:
     size, edges, floors = case
@@ -107,6 +108,7 @@ def test_the_chain_behind_a_time_adds_up_to_it(case: tuple[int, list[Edge], list
         assert times.cause[first] == -1
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_least_times_leave_every_time_pressed_from_behind(
     case: tuple[int, list[Edge], list[int]],
@@ -121,6 +123,7 @@ def test_least_times_leave_every_time_pressed_from_behind(
         assert t[point] == max([floors[point], *pressed])
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_distances_to_the_end_are_those_from_it_turned_round(
     case: tuple[int, list[Edge], list[int]],
@@ -131,6 +134,7 @@ def test_distances_to_the_end_are_those_from_it_turned_round(
     assert backward.t == earliest(turned, floors).t
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_components_are_those_of_networkx_in_topological_order(
     case: tuple[int, list[Edge], list[int]],
@@ -150,6 +154,7 @@ def test_components_are_those_of_networkx_in_topological_order(
     assert all(place[src] <= place[dst] for src, dst, _ in edges)
 
 
+@pytest.mark.slow
 @given(graphs())
 def test_acyclic_means_what_networkx_says(case: tuple[int, list[Edge], list[int]]) -> None:
     size, edges, _ = case
@@ -175,6 +180,7 @@ def test_a_contradiction_in_a_long_chain_is_found_in_little_time(where: int) -> 
     assert sorted(cycle) == [where, size - 1 + where]
 
 
+@pytest.mark.slow
 def test_many_small_components_in_a_row_are_settled_in_little_time() -> None:
     size = 20_000
     edges = [(2 * i, 2 * i + 1, 2) for i in range(size)]
@@ -193,6 +199,7 @@ def test_a_long_cycle_of_lags_is_settled_in_little_time(size: int) -> None:
     assert times.t == [2 * i for i in range(size)]
 
 
+@pytest.mark.slow
 def test_a_ladder_that_is_hard_for_label_correction_is_still_exact() -> None:
     rng = random.Random(7)
     size = 300

@@ -14,18 +14,19 @@ from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.grid import grid_of
 from irc.problem import PreviousPlace, PreviousPlan, Problem
-from irc.targets import Limits, Outcome, Program, get_backend
+from irc.targets import Budget, Outcome, Program, SolveOptions, get_backend
+from irc_cpsat.engines import OrTools
 from oracles.brute_force import optimal_makespan
 from oracles.coarse import coarse_task
 from oracles.generators import random_task
 
-PLAIN = Limits(20, workers=1, bounds=False, hints=False)
-USUAL = Limits(20, workers=1)
+PLAIN = OrTools(bounds=False, hints=False)
+USUAL = OrTools()
 
 
-def solved(task: Task, problem: Problem, limits: Limits) -> Outcome:
-    backend = get_backend("cpsat")
-    return backend.engines()["auto"].solve(Program(backend, task, problem), limits)
+def solved(task: Task, problem: Problem, engine: OrTools) -> Outcome:
+    program = Program(get_backend("cpsat"), task, problem)
+    return engine.solve(program, SolveOptions(workers=1), Budget(20))
 
 
 def levels(outcome: Outcome) -> list[object]:

@@ -10,7 +10,6 @@ import pytest
 import irc
 from irc.execution import replan
 from irc.schedule import Status
-from irc.targets import Limits
 from oracles.online_judge import judge_step
 from oracles.rules_random import rules_event, rules_task
 from oracles.state_brute_force import optimum
@@ -34,7 +33,6 @@ def test_answers_before_and_after_a_change_of_the_world_are_exact(target: str, s
     event = rules_event(seed, schedule) if schedule.answered else None
     if event is None:
         return
-    limits = Limits(seconds=10)
-    step = replan(task, schedule, event.at, [event], target=target, limits=limits)
+    step = replan(task, schedule, event.at, [event], target=target, time_limit=10)
     if step.schedule.status is not Status.UNKNOWN:
         assert judge_step(task, schedule, step, [event]).faults == []

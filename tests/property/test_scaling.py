@@ -134,6 +134,7 @@ def test_numbers_and_texts_can_be_mixed(seed: int) -> None:
     assert makespan(mixed) == 60 * makespan(task)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds, st.integers(1, 31))
 def test_months_are_as_long_as_the_task_says(seed: int, days: int) -> None:

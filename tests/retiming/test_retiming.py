@@ -105,6 +105,7 @@ def sharing(problem: Problem, placed: Sequence[Placed]) -> Iterator[tuple[int, i
     )
 
 
+@pytest.mark.slow
 def test_the_answer_is_the_earliest_of_its_choices_and_order() -> None:
     """Against longest paths over *all* pairs in order, by networkx."""
     for task, problem, decisions in answers(80):
@@ -398,7 +399,7 @@ def test_an_order_against_a_fixed_start_is_refused() -> None:
 def test_more_takers_than_a_pool_has_members_are_refused() -> None:
     wanted = {"duration": 3, "uses": [{"one_of": ["r1", "r2"]}]}
     problem = problem_of(wanted, wanted, {**wanted, "duration": 4})
-    with pytest.raises(AnswerError, match="nothing is left for 'c' to use"):
+    with pytest.raises(AnswerError, match="no resource is free for 'c'"):
         retime(problem, [Decision(0, 3), Decision(0, 3), Decision(2, 6)])
 
 

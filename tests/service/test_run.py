@@ -207,7 +207,7 @@ def test_a_restart_needs_no_solver_and_stands_where_the_last_run_did(
     lines = ['{"do": "advance", "to": 2}', '{"do": "fly"}', JAM, '{"do": "state"}']
     _, answers, _ = run(file, *lines, journal=True)
     monkeypatch.setattr("irc.execution.execution.solve_step", None)
-    monkeypatch.setattr("irc.cli.planning.solve_task", None)
+    monkeypatch.setattr("irc.cli.run.solve_task", None)
     _, (greeting, state), _ = run(file, '{"do": "state"}', journal=True)
     assert (greeting["recovered"], greeting["last_id"], greeting["now"]) == (2, "j", 4)
     assert greeting["state"] == answers[-1]["state"] == state["state"]
@@ -269,9 +269,10 @@ def test_wrong_use_is_told_and_nothing_is_begun(file: Path) -> None:
     assert "there is no engine 'abacus'" in errors
     code, answers, errors = run(Path("-"))
     assert (code, answers) == (2, [])
-    assert "standard input carries the requests" in errors
+    assert "standard input is for the requests" in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_beginning_of_a_journal_brings_back_the_state_of_its_last_line(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

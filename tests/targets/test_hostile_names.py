@@ -322,6 +322,7 @@ def test_any_names_are_told_apart_and_add_nothing(names: list[str]) -> None:
     assert {f"start {name}" for name in names[:3]} <= set(names_in_model)
 
 
+@pytest.mark.slow
 @given(st.lists(any_text, min_size=1, max_size=30))
 def test_the_name_table_never_hands_out_a_name_twice(texts: list[str]) -> None:
     from irc_pddl21.encoding.names import RESERVED, NameTable

@@ -410,6 +410,7 @@ def test_an_interrupt_in_the_middle_of_the_start_leaves_no_child(fake, monkeypat
     abandoned[0].stderr.close()
 
 
+@pytest.mark.slow
 def test_runs_in_several_threads_do_not_end_each_other(fake) -> None:
     quick, slow = fake("daemonises.py", "silent"), fake("closes_stdout_and_sleeps.py", "0.8")
     with ThreadPoolExecutor() as pool:

@@ -414,7 +414,7 @@ def test_what_is_carried_is_a_note_in_the_text_and_a_list_in_json() -> None:
     verdict = irc.validate(task, Schedule((Entry("a", 0, 3),)), "1 s")
     assert str(verdict) == (
         "valid: makespan 3 s\n"
-        "note: 1 violation carried, which only what began before 1 s causes:\n"
+        "note: 1 violation carried, caused only by entries that began before 1 s:\n"
         "  rule 2, deadline: 'a' ends at 3 s, after its deadline (2 s)"
     )
     document = verdict.to_dict()

@@ -10,7 +10,7 @@ from builders import rules, state_action, violations
 from irc.model import Task
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
-from irc.validation.rank_graph import Budget, RankGraph
+from irc.validation.rank_graph import RankGraph, StepBudget
 
 
 def needs(at: str, value: Any = True, var: str = "light") -> dict[str, Any]:
@@ -226,7 +226,7 @@ def test_no_rank_helps_a_repair_as_long_as_its_match() -> None:
     (violation,) = violations(task, Entry("match", 5, 13), Entry("repair", 5, 13))
     assert (violation.rule, violation.number) == ("rank", 6)
     assert violation.message == (
-        "no ranks exist: 'repair', 'match' would have to come one after the other in a circle"
+        "no ranks exist: 'repair', 'match' must come one after the other, in a circle"
     )
 
 
@@ -489,7 +489,7 @@ def test_a_dead_end_of_the_search_leaves_no_trace() -> None:
 
 
 def test_taking_back_edges_restores_the_ranks() -> None:
-    graph = RankGraph([0, 0, 0], [(1, 2, 0)], Budget(100))
+    graph = RankGraph([0, 0, 0], [(1, 2, 0)], StepBudget(100))
     start = graph.mark()
     assert graph.add(((0, 1, 1),))
     assert graph.ranks == [0, 1, 1]
@@ -538,4 +538,4 @@ def test_a_goal_can_be_that_an_action_is_there() -> None:
     assert rules(task, Entry("bonus", 0, 1)) == []
     (violation,) = violations(task)
     assert violation.rule == "goal"
-    assert violation.message == "the goal 'bonus' is not there"
+    assert violation.message == "the goal 'bonus' is missing"

@@ -218,7 +218,7 @@ def test_every_member_that_is_there_must_be_marked() -> None:
     a, b = Entry("a", 0, 1, status="abandoned"), Entry("b", 0, 1)
     (violation,) = verdict(task, a, b).violations
     assert violation.message == (
-        "the group 'g' is all or none; missing: 'c'; there and not abandoned: 'b'"
+        "the group 'g' is all or none; missing: 'c'; present and not abandoned: 'b'"
     )
     assert rules(task, a, Entry("b", 0, 1, status="abandoned")) == []
 

@@ -62,7 +62,7 @@ def test_an_entry_of_an_unknown_action_is_refused() -> None:
 def test_the_same_occurrence_twice_is_refused() -> None:
     task = one_action(occurs={"min": 0})
     (violation,) = violations(task, Entry("cut", 0, 3), Entry("cut", 3, 6))
-    assert violation.message == "occurrence 1 of 'cut' is given 2 times"
+    assert violation.message == "occurrence 1 of 'cut' stands 2 times in the schedule"
 
 
 def test_occurrences_are_numbered_from_one_without_a_gap() -> None:
@@ -190,7 +190,7 @@ def test_the_duration_is_that_of_the_chosen_mode() -> None:
 
 def test_exactly_one_of_the_modes_is_chosen() -> None:
     assert [v.message for v in violations(modes_task(), Entry("cut", 0, 4))] == [
-        "'cut' is given no mode; its modes are 'fast', 'slow'"
+        "'cut' has no mode in the schedule; its modes are 'fast', 'slow'"
     ]
     assert [v.message for v in violations(modes_task(), Entry("cut", 0, 4, mode="quick"))] == [
         "'cut' has no mode 'quick'; its modes are 'fast', 'slow'"
@@ -278,7 +278,7 @@ def test_a_minimal_lag_is_waited_for() -> None:
     assert rules(task, Entry("cut", 0, 3), Entry("stack", 5, 6)) == []
     (violation,) = violations(task, Entry("cut", 0, 3), Entry("stack", 3, 4))
     assert violation.message == (
-        "'stack' starts at 3 s, before the end of 'cut' (3 s) + lag 2 s allows it (5 s)"
+        "'stack' starts at 3 s, but must not start before 5 s: the end of 'cut' (3 s) + lag 2 s"
     )
     assert violation.actions == ("cut", "stack")
     assert violation.times == (3, 5)
@@ -295,7 +295,8 @@ def test_a_maximal_lag_bounds_the_wait() -> None:
     assert rules(task, Entry("cut", 0, 3), Entry("stack", 5, 6)) == []
     (violation,) = violations(task, Entry("cut", 0, 3), Entry("stack", 6, 7))
     assert violation.message == (
-        "'stack' starts at 6 s, later than the end of 'cut' (3 s) + maximal lag 2 s allows it (5 s)"
+        "'stack' starts at 6 s, but must not start after 5 s: "
+        "the end of 'cut' (3 s) + maximum lag 2 s"
     )
 
 

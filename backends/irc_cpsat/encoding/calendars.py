@@ -32,7 +32,7 @@ def with_windows(
 
 
 def _steps(builder: Builder, pool: ContendedPool) -> list[tuple[int, int]]:
-    """From when on the resource has which capacity; the last one is behind the horizon."""
+    """The times from which the resource has each capacity; the last one is after the horizon."""
     base = pool.capacity if pool.base is None else pool.base
     steps: list[tuple[int, int]] = []
     at = 0

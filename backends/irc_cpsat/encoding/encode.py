@@ -1,4 +1,4 @@
-"""`Problem` → CP-SAT model.
+"""Encodes a `Problem` as a CP-SAT model.
 
 An activity is an interval; a resource of which only one demand fits at a time is a
 `NoOverlap`, any other a `Cumulative`; a choice is one optional interval for each alternative.

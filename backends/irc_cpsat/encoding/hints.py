@@ -12,7 +12,7 @@ Takes = Callable[[int, int, int], bool]
 
 
 def add_hints(builder: Builder, built: Model) -> None:
-    """Adds the best hint there is, if any is wanted."""
+    """Adds the best hint that is known, if any is wanted."""
     problem = builder.problem
     if builder.hint is not None:
         decisions, choices = builder.hint

@@ -47,7 +47,7 @@ def _refuse_weights(problem: Problem, horizon: int, times: int) -> None:
         raise Refusal(
             f"the weights of this task's due dates, {weights} in all, over {horizon} ticks are "
             "beyond what CP-SAT's 64-bit sums can hold",
-            hint="smaller weights in the same proportions mean the same",
+            hint="use smaller weights in the same proportions",
         )
 
 

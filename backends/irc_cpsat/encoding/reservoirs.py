@@ -25,7 +25,7 @@ class _Happening(NamedTuple):
 
 @dataclass
 class _StockChanges:
-    """The changes of one reservoir: when, by how much, and whether they happen."""
+    """The changes of one reservoir: their times, amounts and literals."""
 
     places: list[Any] = field(default_factory=list)
     amounts: list[int] = field(default_factory=list)
@@ -83,7 +83,7 @@ def _happenings(problem: Problem) -> Iterator[_Happening]:
 
 
 def order_count(problem: Problem) -> int:
-    """How many places a moment has for happenings whose order within it may matter; at least 1."""
+    """The number of places in a moment for happenings whose order may matter; at least 1."""
     happenings = list(_happenings(problem))
     finer = _reservoirs_that_want_order(problem, happenings)
     return max(1, sum(not finer.isdisjoint(h.amounts) for h in happenings))

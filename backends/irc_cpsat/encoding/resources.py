@@ -119,7 +119,7 @@ def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.Int
 
 
 def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses, moments: int) -> None:
-    """Adds the capacity of a resource, for uses in so many moments a tick."""
+    """Adds the capacity of a resource, for uses with `moments` to a tick."""
     if not uses.intervals:
         return
     if pool.base is not None:

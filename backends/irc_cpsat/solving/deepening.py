@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +12,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.passes.unroll import unroll
 from irc.problem import Problem
 from irc.schedule import Status
-from irc.targets import EngineFailed, Limits, OnProgress, Outcome, Progress
+from irc.targets import Budget, EngineFailed, OnProgress, Outcome, Progress, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
@@ -27,16 +26,27 @@ _STATE_WORKERS = 8
 """With state, which of CP-SAT's searches succeeds differs from task to task: with fewer workers
 than this it leaves the better ones out, whatever the number of processors."""
 
+_LEAST_SECONDS = 0.1
+"""The least time for one model, or the whole limit if that is less."""
+
 
 class DeepeningSearch:
-    """Solves one problem within one time limit, which begins when the search is made."""
+    """Solves one problem within one budget."""
 
     def __init__(
-        self, engine: str, problem: Problem, limits: Limits, on_progress: OnProgress | None
+        self,
+        engine: str,
+        problem: Problem,
+        options: SolveOptions,
+        budget: Budget,
+        *,
+        bounds: bool = True,
+        hints: bool = True,
     ) -> None:
-        self.engine, self.problem = engine, problem
-        self.limits, self.on_progress = limits, on_progress
-        self._began = time.perf_counter()
+        self.engine, self.problem, self.options = engine, problem, options
+        self.budget = budget.share(1)
+        self._least = min(_LEAST_SECONDS, budget.limit)
+        self.bounds, self.hints = bounds, hints
 
     def run(self) -> Outcome:
         """The outcome at the first depth with a schedule, or at one that leaves nothing out."""
@@ -46,20 +56,20 @@ class DeepeningSearch:
         for depth in tried:
             # To refute a depth can take for ever where the next one has an answer at once.
             best = self.solve_at(self.problem, depth, 1.0 if depth == tried[-1] else _DEPTH_SHARE)
-            if best.schedule is not None or self._is_spent():
+            if best.schedule is not None or self.budget.is_over:
                 break
         if best is None:
             notes = (_too_many_occurrences(),)
-            return Outcome(Status.UNKNOWN, self.engine, seconds=self._seconds(), notes=notes)
+            return Outcome(Status.UNKNOWN, self.engine, seconds=self.budget.elapsed, notes=notes)
         return self._completed(best, depth)
 
     def solve_at(self, problem: Problem, depth: int, share: float) -> Outcome:
         """The outcome at one depth, within a share of the time that is left."""
+        budget = self.budget.share(share)
         unrolled = unroll(problem, depth)
-        left = self._seconds_left()
-        built = write_model(Builder(unrolled, self.limits.bounds, self.limits.hints))
+        built = write_model(Builder(unrolled, self.bounds, self.hints))
         try:
-            result = solve_levels(built, self._solve, None if left is None else share * left)
+            result = solve_levels(built, self._solve, budget)
         except ValueError as error:
             raise EngineFailed(f"CP-SAT rejects the model: {error}") from None
         return self.outcome_of(unrolled, built, result)
@@ -67,7 +77,7 @@ class DeepeningSearch:
     def outcome_of(self, problem: Problem, built: Model, result: LexicographicResult) -> Outcome:
         """The outcome of one depth's result, at this moment."""
         outcome = outcome_of(self.engine, problem, built, result)
-        return replace(outcome, seconds=self._seconds())
+        return replace(outcome, seconds=self.budget.elapsed)
 
     def _completed(self, best: Outcome, depth: int) -> Outcome:
         """The answer at a depth that leaves nothing out, or a note that this one may."""
@@ -77,9 +87,9 @@ class DeepeningSearch:
         needed = enough(problem, problem.deadline)
         complete = needed is not None and needed <= depth
         proven = best.status in (Status.OPTIMAL, Status.INFEASIBLE)
-        if complete and (proven or self._is_spent()):
+        if complete and (proven or self.budget.is_over):
             return best
-        if needed is not None and fits_a_model(problem, needed) and not self._is_spent():
+        if needed is not None and fits_a_model(problem, needed) and not self.budget.is_over:
             deeper = self.solve_at(problem, max(needed, depth), 1.0)
             if deeper.schedule is not None:
                 return better(best, deeper)
@@ -87,33 +97,24 @@ class DeepeningSearch:
                 return deeper
         return best if complete else _unproven(best, depth)
 
-    def _seconds(self) -> float:
-        return time.perf_counter() - self._began
-
-    def _seconds_left(self) -> float | None:
-        return None if self.limits.seconds is None else self.limits.seconds - self._seconds()
-
-    def _is_spent(self) -> bool:
-        left = self._seconds_left()
-        return left is not None and left <= 0
-
     def _solve(
-        self, model: cp_model.CpModel, objective: str, seconds: float | None
+        self, model: cp_model.CpModel, objective: str, budget: Budget
     ) -> tuple[Any, cp_model.CpSolver]:
         solver = cp_model.CpSolver()
-        parameters = solver.parameters
-        parameters.random_seed = self.limits.seed
-        if seconds is not None:
-            parameters.max_time_in_seconds = max(0.01, seconds)
-        if self.limits.memory_mb is not None:
-            parameters.max_memory_in_mb = self.limits.memory_mb
-        if self.limits.workers is not None:
-            parameters.num_workers = self.limits.workers
+        parameters, options = solver.parameters, self.options
+        parameters.random_seed = options.seed
+        if budget.is_limited:
+            parameters.max_time_in_seconds = max(self._least, budget.left)
+        if options.memory_limit is not None:
+            parameters.max_memory_in_mb = options.memory_limit
+        if options.workers is not None:
+            parameters.num_workers = options.workers
         elif self.problem.variables:
             parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
-        if self.on_progress is None or objective != "makespan":
+        if options.on_progress is None or objective != "makespan":
             return solver.solve(model), solver
-        return solver.solve(model, _ProgressReporter(self.engine, self.on_progress)), solver
+        reporter = _ProgressReporter(self.engine, options.on_progress)
+        return solver.solve(model, reporter), solver
 
 
 class _ProgressReporter(cp_model.CpSolverSolutionCallback):

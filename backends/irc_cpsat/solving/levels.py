@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -12,6 +11,7 @@ from ortools.sat.python import cp_model
 
 from irc.problem.decisions import Decision
 from irc.schedule import Status
+from irc.targets import Budget
 from irc_cpsat.encoding.builder import Model
 from irc_cpsat.encoding.objectives import set_objective
 from irc_cpsat.solving.solution import decisions_of
@@ -25,8 +25,8 @@ TIE_BREAK_SHARE = 0.05
 _TOLERANCE = 1e-6
 """Bounds are whole numbers; this only undoes their way through a double."""
 
-Solve = Callable[[cp_model.CpModel, str, float | None], tuple[Any, cp_model.CpSolver]]
-"""(model, objective, seconds left) → status, solver."""
+Solve = Callable[[cp_model.CpModel, str, Budget], tuple[Any, cp_model.CpSolver]]
+"""(model, objective, budget) → status, solver."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,24 +48,20 @@ class LexicographicResult:
     levels: list[LevelResult] = field(default_factory=list)
 
 
-def solve_levels(built: Model, solve: Solve, seconds: float | None) -> LexicographicResult:
-    """One level after another within one time limit; the best so far is kept.
+def solve_levels(built: Model, solve: Solve, budget: Budget) -> LexicographicResult:
+    """One level after another within one budget; the best so far is kept.
 
     Raises `ValueError` where CP-SAT rejects the model.
     """
-    began = time.perf_counter()
     result = LexicographicResult(Status.UNKNOWN)
     names, objectives = built.problem.levels, built.problem.objectives
     for k, name in enumerate(names):
         if k:
             _aim(built, name)
-        spent = time.perf_counter() - began
-        left = None if seconds is None else seconds - spent
-        if k and left is not None and left <= 0:
+        if k and budget.is_over:
             break
-        if k == len(objectives):
-            left = _tie_break_seconds(spent, left, seconds)
-        status, solver = solve(built.model, name, left)
+        part = budget if k < len(objectives) else budget.at_most(_tie_break_seconds(budget))
+        status, solver = solve(built.model, name, part)
         if status == cp_model.MODEL_INVALID:
             raise ValueError(built.model.validate())
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
@@ -91,10 +87,10 @@ def _is_optimal(built: Model, result: LexicographicResult) -> bool:
     return len(proven) == own and all(proven) and not built.problem.previous.stability
 
 
-def _tie_break_seconds(spent: float, left: float | None, seconds: float | None) -> float:
+def _tie_break_seconds(budget: Budget) -> float:
     """The time for a choice among equals, which must not take much longer than to find them."""
-    patience = max(TIE_BREAK_SECONDS, spent, TIE_BREAK_SHARE * (seconds or 0))
-    return patience if left is None else min(left, patience)
+    share = TIE_BREAK_SHARE * budget.limit if budget.is_limited else 0.0
+    return max(TIE_BREAK_SECONDS, budget.elapsed, share)
 
 
 def _aim(built: Model, name: str) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from irc.model.quantities import Number
 from irc.problem import Problem
-from irc.problem.objective_values import in_units, worth
+from irc.problem.objective_values import in_units, schedule_values
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule, Status
@@ -64,7 +64,7 @@ def _objective_levels(
     problem: Problem, result: LexicographicResult, schedule: Schedule
 ) -> tuple[ObjectiveLevel, ...]:
     """Each objective with a bound among the best of the previous ones; none behind a gap."""
-    values = worth(problem, schedule)
+    values = schedule_values(problem, schedule)
     reached = {level.name: level for level in result.levels}
     found = []
     certain = True

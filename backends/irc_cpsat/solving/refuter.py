@@ -17,7 +17,7 @@ from irc.problem import OpenDemand, Problem
 from irc.problem.decisions import AnswerError
 from irc.problem.statements import ORIGIN, Statement
 from irc.schedule import Status
-from irc.targets import EngineFailed
+from irc.targets import Budget, EngineFailed
 from irc.targets.refuter import Assumptions
 from irc_cpsat.encoding.builder import Builder
 from irc_cpsat.encoding.encode import write_model
@@ -27,6 +27,9 @@ _DECISION_WORK = 20.0
 """The limit of a decision in CP-SAT's own deterministic measure of work (about a second each),
 which does not depend on the machine: the same task gets the same answer."""
 
+_LEAST_SECONDS = 0.05
+"""A solver that is asked at all is given at least this."""
+
 _CORE_WORK = 0.5
 """The limit for a core. Without one the search for a conflict starts from all statements, which
 takes little longer; a core that is hard to find would be large, too."""
@@ -35,25 +38,25 @@ takes little longer; a core that is hard to find would be large, too."""
 class CpSatRefuter:
     """One worker, a fixed seed, and no objective."""
 
-    def core(self, assumptions: Assumptions, seconds: float) -> frozenset[Statement] | None:
+    def core(self, assumptions: Assumptions, budget: Budget) -> frozenset[Statement] | None:
         """The statements that CP-SAT calls sufficient for infeasibility.
 
         To be checked: google/or-tools#5141.
         """
         builder = _AssumptionBuilder(assumptions)
         model = builder.assumed()
-        solver = _solver(seconds, _CORE_WORK)
+        solver = _solver(budget, _CORE_WORK)
         if solver.solve(model) != cp_model.INFEASIBLE:
             return None
         found = solver.sufficient_assumptions_for_infeasibility()
         by_index = {literal.index: statement for statement, literal in builder.literals.items()}
         return frozenset(by_index[index] for index in found)
 
-    def decide(self, problem: Problem, horizon: int, seconds: float) -> Status:
+    def decide(self, problem: Problem, horizon: int, budget: Budget) -> Status:
         """Solves for any schedule, and re-times the one that is found."""
         builder = Builder(problem, bounds=False, hints=False, horizon=horizon)
         built = write_model(builder, objective=False)
-        solver = _solver(seconds, _DECISION_WORK)
+        solver = _solver(budget, _DECISION_WORK)
         status = solver.solve(built.model)
         if status == cp_model.INFEASIBLE:
             return Status.INFEASIBLE
@@ -66,11 +69,11 @@ class CpSatRefuter:
         return Status.UNKNOWN
 
 
-def _solver(seconds: float, work: float) -> cp_model.CpSolver:
+def _solver(budget: Budget, work: float) -> cp_model.CpSolver:
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = 0
-    solver.parameters.max_time_in_seconds = seconds
+    solver.parameters.max_time_in_seconds = max(_LEAST_SECONDS, budget.left)
     solver.parameters.max_deterministic_time = work
     return solver
 

@@ -1,4 +1,4 @@
-"""CP-SAT's values → decisions, and the exact schedule behind them."""
+"""Reads CP-SAT's values as decisions, and re-times them as the exact schedule."""
 
 from __future__ import annotations
 

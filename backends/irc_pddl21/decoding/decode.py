@@ -1,4 +1,4 @@
-"""A planner's text → the exact schedule that its best plan stands for."""
+"""Reads a planner's text as the exact schedule of its best plan."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _TOLERANCE = Fraction(3, 2000)
 """Planner time by which printed times may be off: two times rounded to three decimals."""
 
 Accept = Callable[[Schedule], str | None]
-"""Why a schedule cannot be used, or None."""
+"""The reason why a schedule cannot be used, or None."""
 
 
 def decode_plans(problem: Problem, names: Mapping[str, Any], answer: str) -> Schedule:

@@ -41,12 +41,12 @@ class OpenPlan:
 
     @property
     def is_given_up(self) -> bool:
-        """Whether there is so much damage that the rest is skipped."""
+        """Whether the plan has too many damaged lines, so that its rest is skipped."""
         return len(self.damage) >= MAX_DAMAGE_PER_PLAN
 
     @property
     def expects_durations(self) -> bool:
-        """Whether the next step should have a duration, for all that is known."""
+        """Whether the next step should have a duration, judged by the steps so far."""
         return not self.steps or any(step.duration is not None for step in self.steps)
 
     def has_figure(self, name: str) -> bool:

@@ -76,12 +76,12 @@ class PlanLog:
     blocks: int = 0
     """How many plans were printed, repetitions counted."""
     unsolvable: bool = False
-    """The planner says that there is no plan, and prints none. This is a claim, not a proof.
+    """Whether the planner says that there is no plan, and prints none. That is not a proof.
 
     The same words below a plan mean "no better one" and leave this `False`.
     """
     notes: tuple[str, ...] = ()
-    """Other facts for the user: errors that the planner reports, limits reached here."""
+    """Notes for the user: errors that the planner reports, limits reached here."""
 
     @property
     def ranked(self) -> tuple[PlanBlock, ...]:

@@ -70,7 +70,7 @@ def read_plans(text: str) -> PlanLog:
     """
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
-    return _Reader(text).read()
+    return _PlanReader(text).read()
 
 
 _COLOUR = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
@@ -100,7 +100,7 @@ _STEP_REMAINS = re.compile(_LEAD + r"[^\s:()\[]{1,64}[ \t]{0,64}(?:[:(\[]|$)")
 _COMMENTS = re.compile(r"(?:[ \t]{0,64}+;[^\n]*+\n)*+")
 
 
-class _Reader:
+class _PlanReader:
     """One pass over one text; `read` is called once."""
 
     def __init__(self, text: str) -> None:

@@ -1,4 +1,4 @@
-"""One line of a plan → its step, by the grammar `plan.lark`."""
+"""Reads a line of a plan as its step, by the grammar `plan.lark`."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class MinLag(NamedTuple):
 class SortedArcs:
     """All arcs as conditions on facts (lag 0), waits (lag > 0) and envelopes (lag < 0).
 
-    `waits` maps (point, lag) to the points that must come so much later.
+    `waits` maps (point, lag) to the points that must come that lag later.
     """
 
     conditions: list[MinLag] = field(default_factory=list)

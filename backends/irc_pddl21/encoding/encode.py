@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from irc.passes.restrict import drop_ample_stock, settle_presence
+from irc.passes.restrict import decide_presence, drop_ample_stock
 from irc.problem import Problem
 from irc_pddl21.encoding.activities import Elements, add_activities
 from irc_pddl21.encoding.arcs import sort_arcs
@@ -44,7 +44,7 @@ def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = F
 
     Raises `Refusal` where an activity has too many ways to be carried out, or none.
     """
-    problem = drop_ample_stock(settle_presence(problem))
+    problem = drop_ample_stock(decide_presence(problem))
     arcs = sort_arcs(problem)
     absences = absences_of(problem, arcs)
     scale = time_scale(

@@ -28,7 +28,7 @@ class AriesPlanner(Planner):
     under_deadlines: ClassVar[bool] = False
 
     def missing(self) -> str | None:
-        """Why aries cannot be imported, if it cannot."""
+        """The reason why aries cannot be imported, or None if it can."""
         if find_spec("unified_planning") is None or find_spec("up_aries") is None:
             return "the engine 'aries' is missing: pip install 'irc-compiler[up]'"
         return None

@@ -22,7 +22,7 @@ class KairosPlanner(Planner):
     searches: ClassVar[tuple[str, ...]] = ("novelty", "")
 
     def missing(self) -> str | None:
-        """Why kairos cannot be imported, if it cannot."""
+        """The reason why kairos cannot be imported, or None if it can."""
         if find_spec("kairos") is None:
             return (
                 "the engine 'kairos' is missing: pip install kairos-planner "
@@ -47,10 +47,10 @@ class KairosPlanner(Planner):
             str(given.domain),
             str(given.problem_file),
             f"{given.seconds:.3f}",
-            str(given.limits.memory_mb or 0),
+            str(given.options.memory_limit or 0),
             str(float(given.target)),
-            str(given.limits.workers or 1),
-            str(given.limits.seed),
+            str(given.options.workers or 1),
+            str(given.options.seed),
             "first" if given.request.first_plan else "best",
             *([given.request.search] if given.request.search else []),
         ]

@@ -36,7 +36,7 @@ class OpticPlanner(Planner):
         return None
 
     def missing(self) -> str | None:
-        """Why there is no OPTIC here."""
+        """The reason why there is no OPTIC here, or None if there is."""
         if self._found() is not None:
             return None
         named = os.environ.get("IRC_OPTIC")

@@ -10,11 +10,19 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from irc.problem import Problem
-from irc.targets import Limits, Program
+from irc.targets import Budget, Program, SolveOptions
 from irc_pddl21.encoding.time_scale import EPSILON
 
 DEFAULT_SECONDS = 60.0
 """The time limit where none is given: these planners search on after their best plan."""
+
+LEAST_SECONDS = 0.1
+"""The least time for a run: with less time left, only the first one begins."""
+
+
+def limited(budget: Budget) -> Budget:
+    """The rest of a budget, from now on; `DEFAULT_SECONDS` if it has no limit."""
+    return budget.share(1) if budget.is_limited else budget.at_most(DEFAULT_SECONDS)
 
 
 class PlanRequest(NamedTuple):
@@ -36,14 +44,14 @@ class PlanRequest(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class PlannerInput:
-    """The input of one run: a request, two files, the meaning of their names, and the limits."""
+    """The input of one run: a request, two files, the meaning of their names, what it may use."""
 
     request: PlanRequest
     program: Program
     names: Mapping[str, Any]
     domain: Path
     problem_file: Path
-    limits: Limits
+    options: SolveOptions
     seconds: float
 
     @property
@@ -68,7 +76,7 @@ class Planner(ABC):
 
     @abstractmethod
     def missing(self) -> str | None:
-        """Why the planner cannot run here and how to get it, or None if it can."""
+        """The reason why the planner cannot run here and how to get it, or None if it can."""
 
     @abstractmethod
     def command(self, given: PlannerInput) -> list[str]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 import tempfile
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,13 +17,13 @@ from irc.diagnostics import Code, Diagnostic
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, Status
 from irc.targets import (
+    Budget,
     EngineFailed,
     EngineMissing,
-    Limits,
-    OnProgress,
     Outcome,
     Program,
     Progress,
+    SolveOptions,
 )
 from irc.targets.process import CommandNotFound, Ended, ProcessLimits, ProcessResult, run
 from irc_pddl21.decoding.decode import Accept, best_of
@@ -34,11 +33,9 @@ from irc_pddl21.encoding.encode import DOMAIN_FILE, PROBLEM_FILE, encode
 from irc_pddl21.encoding.grounded import names_of
 from irc_pddl21.encoding.time_scale import EPSILON
 from irc_pddl21.objective_values import objective_values
-from irc_pddl21.planners.planner import Planner, PlannerInput, PlanRequest
+from irc_pddl21.planners.planner import LEAST_SECONDS, Planner, PlannerInput, PlanRequest
 
 DEFAULT_MEMORY_MB = 8192
-
-_LEAST_SECONDS = 0.1
 
 _STEP = re.compile(r"\s*\d+(?:\.\d+)?\s*:\s*\(")
 
@@ -47,27 +44,25 @@ def run_planner(
     planner: Planner,
     program: Program,
     request: PlanRequest,
-    limits: Limits,
-    seconds: float,
-    on_progress: OnProgress | None = None,
+    options: SolveOptions,
+    budget: Budget,
 ) -> Outcome:
-    """The outcome of one run.
+    """The outcome of one run, which gets `LEAST_SECONDS` even where the budget is over.
 
     Raises `EngineFailed` where the planner breaks down without any plan, `Refusal` where it cannot
     hold the problem's numbers.
     """
-    began = time.perf_counter()
     domain, problem_text, names = _texts(planner, program, request)
     planner.refuse(program.problem, names["planner_units_per_tick"])
     with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
         files = Path(folder, DOMAIN_FILE), Path(folder, PROBLEM_FILE)
         for path, text in zip(files, (domain, problem_text), strict=True):
             path.write_text(text, encoding="utf-8")
-        left = max(_LEAST_SECONDS, seconds - (time.perf_counter() - began))
-        given = PlannerInput(request, program, names, *files, limits, left)
-        watcher = _OutputWatcher(given, planner.name, on_progress)
+        left = max(LEAST_SECONDS, budget.left)
+        given = PlannerInput(request, program, names, *files, options, left)
+        watcher = _OutputWatcher(given, planner.name, budget)
         result = _run(planner, given, watcher, Path(folder))
-    return _outcome(planner.name, given, watcher.best, result, time.perf_counter() - began)
+    return _outcome(planner.name, given, watcher.best, result, budget.elapsed)
 
 
 def _texts(
@@ -84,7 +79,7 @@ def _texts(
 def _run(
     planner: Planner, given: PlannerInput, watcher: _OutputWatcher, folder: Path
 ) -> ProcessResult:
-    memory = given.limits.memory_mb or DEFAULT_MEMORY_MB
+    memory = given.options.memory_limit or DEFAULT_MEMORY_MB
     limits = ProcessLimits(seconds=given.seconds, memory_mb=memory)
     command, environment = planner.command(given), planner.environment(given)
     try:
@@ -96,11 +91,10 @@ def _run(
 class _OutputWatcher:
     """Follows a planner's output, re-times each plan as it ends, stops at the bound."""
 
-    def __init__(self, given: PlannerInput, engine: str, on_progress: OnProgress | None) -> None:
+    def __init__(self, given: PlannerInput, engine: str, budget: Budget) -> None:
         self.given = given
         self.engine = engine
-        self.on_progress = on_progress
-        self.began = time.perf_counter()
+        self.budget = budget
         self.lines: list[str] = []
         self.best: Schedule | None = None
 
@@ -124,9 +118,9 @@ class _OutputWatcher:
             return False
         self.best = schedule
         ticks = problem.whole_ticks(schedule.makespan)
-        if self.on_progress is not None:
-            seconds = time.perf_counter() - self.began
-            self.on_progress(Progress(seconds, ticks, problem.bounds.makespan.value, self.engine))
+        on_progress, bound = self.given.options.on_progress, problem.bounds.makespan.value
+        if on_progress is not None:
+            on_progress(Progress(self.budget.elapsed, ticks, bound, self.engine))
         return ticks <= self.given.request.enough
 
 

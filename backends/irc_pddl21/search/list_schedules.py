@@ -8,12 +8,12 @@ answer: a planner is asked to follow its order, and only the planner's own plan 
 from __future__ import annotations
 
 import random
-import time
 from dataclasses import replace
 
 from irc.passes.serial_sgs import Choice, list_schedule
 from irc.problem import Activity, Problem
 from irc.problem.decisions import Decision
+from irc.targets import Budget
 from irc_pddl21.search.neighbourhood import Places
 
 ROUNDS = 12_000
@@ -24,7 +24,7 @@ STALE_LIMIT = 800
 
 
 def short_list_schedule(
-    problem: Problem, enough: int, seconds: float, rng: random.Random
+    problem: Problem, enough: int, budget: Budget, rng: random.Random
 ) -> Places | None:
     """The shortest list schedule found; one of makespan `enough` (ticks) ends the search.
 
@@ -32,11 +32,10 @@ def short_list_schedule(
     """
     if not problem.is_plain:
         return None
-    until = time.perf_counter() + seconds
     search = _PrioritySearch(replace(problem, deadline=None), rng)
     best, shortest = search.found, search.makespan
     for _ in range(ROUNDS):
-        if (shortest is not None and shortest <= enough) or time.perf_counter() > until:
+        if (shortest is not None and shortest <= enough) or budget.is_over:
             break
         search.step()
         if search.makespan is not None and (shortest is None or search.makespan < shortest):

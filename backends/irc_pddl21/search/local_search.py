@@ -28,7 +28,7 @@ def good_selection(session: PlannerSession, space: SelectionSpace, bound: int | 
     """A good selection; one whose value is `bound` ends the search."""
     search = _LocalSearch(session, space)
     everything = range(len(space.items))
-    rng = random.Random(session.limits.seed)
+    rng = random.Random(session.options.seed)
     best = search.improved(frozenset(), list(everything))
     for _ in range(RESTARTS):
         if search.is_over or space.value(best) == bound:
@@ -46,13 +46,13 @@ class _LocalSearch:
 
     def __init__(self, session: PlannerSession, space: SelectionSpace) -> None:
         self.session, self.space = session, space
-        self.until = session.left * (1 - LOCAL_SEARCH_SHARE)
+        self.budget = session.budget.share(LOCAL_SEARCH_SHARE)
         self.plausibility = _Plausibility(space)
 
     @property
     def is_over(self) -> bool:
         """Whether the time is spent."""
-        return self.session.left <= self.until
+        return self.budget.is_over
 
     def improved(self, chosen: Selection, order: list[int]) -> Selection:
         """The selection with all items it can have, in this order, and then with exchanges."""

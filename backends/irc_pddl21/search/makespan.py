@@ -121,9 +121,9 @@ class _MakespanSearch:
 
     def _follow_list_schedule(self, attempt: int) -> None:
         """Asks for the plan that follows a list schedule, if that is shorter than the best."""
-        seconds = min(HINT_SECONDS, HINT_SHARE * self.session.left)
-        rng = random.Random(self.session.limits.seed + attempt)
-        known = short_list_schedule(self.problem, self.problem.bounds.makespan.value, seconds, rng)
+        budget = self.session.budget.share(HINT_SHARE).at_most(HINT_SECONDS)
+        rng = random.Random(self.session.options.seed + attempt)
+        known = short_list_schedule(self.problem, self.problem.bounds.makespan.value, budget, rng)
         if known is None:
             return
         if self.best is None or makespan_of(known) < ticks(self.problem, self.best):
@@ -142,12 +142,12 @@ class _MakespanSearch:
 
     def _step_down(self) -> None:
         """Asks for plans near the best a tick shorter, in ever larger neighbourhoods."""
-        rng = random.Random(self.session.limits.seed)
-        reserve = (1 - STEPS_SHARE) * self.session.left
+        rng = random.Random(self.session.options.seed)
+        budget = self.session.budget.share(STEPS_SHARE)
         while self.best is not None and not self.is_done:
             known = places_in(self.problem, self.best)
             for free in neighbourhoods(known, rng):
-                if self.is_done or self.session.left < reserve:
+                if self.is_done or budget.is_over:
                     return
                 seconds = max(STEP_SECONDS, STEP_SHARE * self.session.left)
                 deadline = ticks(self.problem, self.best) - 1

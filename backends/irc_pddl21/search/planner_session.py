@@ -1,20 +1,16 @@
-"""The runs of one planner on a program: one time limit over all of them, the best plan kept."""
+"""The runs of one planner on a program: one budget for all of them, the best plan kept."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field, replace
 
 from irc.diagnostics import Code, Diagnostic
 from irc.problem import Problem
 from irc.schedule import Schedule, Status
-from irc.targets import EngineFailed, Limits, OnProgress, Outcome, Program, Refusal
+from irc.targets import Budget, EngineFailed, Outcome, Program, Refusal, SolveOptions
 from irc_pddl21.objective_values import objective_values
-from irc_pddl21.planners.planner import DEFAULT_SECONDS, Planner, PlanRequest
+from irc_pddl21.planners.planner import LEAST_SECONDS, Planner, PlanRequest, limited
 from irc_pddl21.planners.run import run_planner
-
-LEAST_SECONDS = 0.1
-"""With less time than this no run begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +40,16 @@ class PlannerSession:
 
     planner: Planner
     program: Program
-    limits: Limits
-    on_progress: OnProgress | None = None
+    options: SolveOptions
+    budget: Budget
     tactics: Tactics = ALL_TACTICS
     best: Schedule | None = None
     notes: list[Diagnostic] = field(default_factory=list)
     runs: int = 0
     _error: Exception | None = None
-    _began: float = field(default_factory=time.perf_counter)
+
+    def __post_init__(self) -> None:
+        self.budget = limited(self.budget)
 
     @property
     def problem(self) -> Problem:
@@ -59,15 +57,9 @@ class PlannerSession:
         return self.program.problem
 
     @property
-    def spent(self) -> float:
-        """Seconds since the session began."""
-        return time.perf_counter() - self._began
-
-    @property
     def left(self) -> float:
         """Seconds until the limit."""
-        total = DEFAULT_SECONDS if self.limits.seconds is None else self.limits.seconds
-        return max(0.0, total - self.spent)
+        return self.budget.left
 
     @property
     def is_over(self) -> bool:
@@ -89,11 +81,9 @@ class PlannerSession:
             return None
         self.runs += 1
         request = PlanRequest(problem, first_plan, enough, search, shortened)
-        given = max(LEAST_SECONDS, min(seconds, self.left))
+        budget = self.budget.at_most(seconds)
         try:
-            outcome = run_planner(
-                self.planner, self.program, request, self.limits, given, self.on_progress
-            )
+            outcome = run_planner(self.planner, self.program, request, self.options, budget)
         except (EngineFailed, Refusal) as error:
             self._error = error
             return None
@@ -115,10 +105,10 @@ class PlannerSession:
         if self.best is not None:
             notes = tuple(n for n in self.notes if n.code is not Code.NO_ANSWER)
             status = status or Status.FEASIBLE
-            return Outcome(status, name, self.best, 0, self.spent, notes)
+            return Outcome(status, name, self.best, 0, self.budget.elapsed, notes)
         if self._error is not None:
             raise self._error
-        return Outcome(Status.UNKNOWN, name, None, 0, self.spent, tuple(self.notes))
+        return Outcome(Status.UNKNOWN, name, None, 0, self.budget.elapsed, tuple(self.notes))
 
 
 def ticks(problem: Problem, schedule: Schedule) -> int:

@@ -96,9 +96,10 @@ class SelectionSearch:
     def _try_hard(self, chosen: Selection) -> bool:
         """Whether the planner finds a plan that differs from the (late) list schedule in places."""
         problem = self.problem_of(chosen)
-        rng = random.Random(self.session.limits.seed)
+        rng = random.Random(self.session.options.seed)
         latest = problem.deadline or 0
-        known = short_list_schedule(problem, latest, HINT_SHARE * self.session.left, rng)
+        budget = self.session.budget.share(HINT_SHARE)
+        known = short_list_schedule(problem, latest, budget, rng)
         if known is None:
             return False
         for free in neighbourhoods(known, rng):
@@ -159,10 +160,9 @@ def plan_of(session: PlannerSession, problem: Problem) -> Schedule | None:
     latest = problem.deadline
     known: Places | None = None
     if session.tactics.hint and latest is not None:
-        rng = random.Random(session.limits.seed)
-        known = short_list_schedule(
-            problem, latest, min(HINT_SECONDS, HINT_SHARE * session.left), rng
-        )
+        rng = random.Random(session.options.seed)
+        budget = session.budget.share(HINT_SHARE).at_most(HINT_SECONDS)
+        known = short_list_schedule(problem, latest, budget, rng)
     if known is not None and latest is not None and makespan_of(known) <= latest:
         followed = near(problem, known, frozenset())
         plan = session.ask(followed, PLAN_SECONDS, enough=problem.bounds.makespan.value)

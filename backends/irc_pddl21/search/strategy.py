@@ -6,11 +6,11 @@ from dataclasses import replace
 from itertools import takewhile
 
 from irc.passes.critical_path import heads_and_tails
-from irc.passes.restrict import settle_presence
+from irc.passes.restrict import decide_presence
 from irc.problem import Problem
-from irc.problem.objective_values import in_units, worth
+from irc.problem.objective_values import in_units, schedule_values
 from irc.schedule import Status
-from irc.targets import Limits, ObjectiveLevel, OnProgress, Outcome, Program
+from irc.targets import Budget, ObjectiveLevel, Outcome, Program, SolveOptions
 from irc_pddl21.objective_values import objective_values
 from irc_pddl21.planners.planner import Planner
 from irc_pddl21.search.makespan import shorten
@@ -27,16 +27,16 @@ from irc_pddl21.search.selection_search import SelectionSearch, shortest_of_best
 def solve_with(
     planner: Planner,
     program: Program,
-    limits: Limits,
-    on_progress: OnProgress | None = None,
+    options: SolveOptions,
+    budget: Budget,
     tactics: Tactics = ALL_TACTICS,
 ) -> Outcome:
-    """The best answer of one planner within the limits, with an honest status.
+    """The best answer of one planner within the budget, with its status.
 
     The objectives are taken one after the other: reward and cost by selecting optional items, the
     makespan by deadlines. Raises `EngineFailed` or `Refusal` where no run gave an answer.
     """
-    session = PlannerSession(planner, program, limits, on_progress, tactics)
+    session = PlannerSession(planner, program, options, budget, tactics)
     problem = program.problem
     first = tuple(takewhile(lambda name: name in SELECTIVE, problem.objectives))
     rest = problem.objectives[len(first) :]
@@ -49,7 +49,7 @@ def solve_with(
 
 def _with_fixed_presence(problem: Problem) -> Problem:
     """The problem in which all that must be present is mandatory, its makespan not bounded yet."""
-    fixed = settle_presence(problem)
+    fixed = decide_presence(problem)
     return fixed if fixed is problem else heads_and_tails(fixed)
 
 
@@ -94,7 +94,7 @@ def _bounds_of(
 ) -> dict[str, int]:
     """The bounds on the objectives of a selection: on the first, and on all where it is proven."""
     assert session.best is not None
-    values = worth(session.problem, session.best)
+    values = schedule_values(session.problem, session.best)
     if search.is_proven:
         return {name: int(values[name]) for name in weights.names}
     if search.bound is None or search.value is None:
@@ -110,7 +110,7 @@ def _outcome(session: PlannerSession, bounds: dict[str, int]) -> Outcome:
     problem = session.problem
     if outcome.schedule is None:
         return outcome
-    values = worth(problem, outcome.schedule)
+    values = schedule_values(problem, outcome.schedule)
     levels: list[ObjectiveLevel] = []
     proven = True
     for name in problem.objectives:
@@ -138,7 +138,7 @@ def better(problem: Problem, old: Outcome | None, new: Outcome) -> Outcome:
 
 
 def proven(problem: Problem, outcome: Outcome) -> bool:
-    """Whether nothing better can come."""
+    """Whether no better answer is possible."""
     if outcome.status is Status.OPTIMAL:
         return True
     schedule = outcome.schedule

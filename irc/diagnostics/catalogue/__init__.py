@@ -1,17 +1,18 @@
-"""What each diagnostic means: an explanation, what to do, a bad and a good example.
+"""The catalogue: for each diagnostic an explanation, a remedy, a bad and a good example.
 
-The texts stand in the `.toml` files beside this module, one for each family of codes. They are the
-one source of `irc explain-code`, of `docs/diagnostics.md` and of the rules in SARIF. Tests run
+The texts are in the `.toml` files beside this module, one for each family of codes.
+`irc explain-code`, `docs/diagnostics.md` and the rules in SARIF are all made from them. Tests run
 every example. `python -m irc.diagnostics.catalogue` prints the page.
 
-A new code gets a table in the file of its family (or in a new file, which is found by itself):
+A new code gets a table in the file of its family, or in a new file beside the others:
 
-- `explanation`: why this is told, in a few sentences; `remedy`: what to do, in half a sentence.
-- `bad`, `good`: the text of the file `file` (default "task.json") that is told this code, and that
-  is not. `encoding` says how the bad one is saved where that is not UTF-8.
-- `told`: what irc prints about the bad one, without the summary line.
-- `command`: what is run (default: `irc check task.json`), after the commands in `before`, with the
-  further files in `files`. Where `printed_by` names an engine, the example is what that prints.
+- `explanation`: why irc reports this, in a few sentences; `remedy`: what to do, in half a sentence.
+- `bad`, `good`: a text of the file `file` (default "task.json") that triggers this code, and one
+  that does not. `encoding` is that of the bad one, if it is not UTF-8.
+- `output`: what irc prints about the bad one, without the summary line.
+- `command`: the command of the example (default: `irc check task.json`), after the commands in
+  `before`, with the further files in `files`. If `printed_by` names an engine, the example is what
+  that engine prints.
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ from irc.diagnostics.finding import Code
 
 
 @dataclass(frozen=True)
-class Entry:
-    """What the catalogue says of one code."""
+class CatalogueEntry:
+    """The catalogue's texts for one code."""
 
     code: Code
     explanation: str
     remedy: str
     bad: str
-    told: str
+    output: str
     good: str
     file: str = "task.json"
     command: str = "irc check task.json"
@@ -53,7 +54,7 @@ class Entry:
             "explanation": self.explanation,
             "remedy": self.remedy,
             "bad": self.bad,
-            "told": self.told,
+            "output": self.output,
             "good": self.good,
             "file": self.file,
             "encoding": self.encoding,
@@ -65,23 +66,23 @@ class Entry:
 
 @dataclass(frozen=True)
 class Family:
-    """Codes of one subject, as the documentation groups them."""
+    """Codes of one subject, in the order of the documentation."""
 
     title: str
     about: str
-    entries: tuple[Entry, ...]
+    entries: tuple[CatalogueEntry, ...]
 
 
 @cache
 def load_families() -> tuple[Family, ...]:
-    """All families in the order of their codes. Raises `ValueError` for a code that is none."""
+    """All families in the order of their codes. Raises `ValueError` for an unknown code."""
     texts = [item.read_text("utf-8") for item in files(__name__).iterdir() if _is_data(item.name)]
     families = [_family(tomllib.loads(text)) for text in texts]
     return tuple(sorted(families, key=lambda family: family.entries[0].code.id))
 
 
 @cache
-def load_catalogue() -> Mapping[str, Entry]:
+def load_catalogue() -> Mapping[str, CatalogueEntry]:
     """Every entry by its code ("IRC201")."""
     return {entry.code.id: entry for family in load_families() for entry in family.entries}
 
@@ -95,11 +96,11 @@ def _family(raw: Mapping[str, Any]) -> Family:
     entries = []
     for id, fields in raw["codes"].items():
         if id not in codes:
-            raise ValueError(f"the catalogue has an entry for {id}, which is no code")
+            raise ValueError(f"the catalogue has an entry for {id}, which is not a code")
         texts = {key: " ".join(fields[key].split()) for key in _FLOWING}
-        texts["told"] = fields["told"].strip()
+        texts["output"] = fields["output"].strip()
         lists = {"before": tuple(fields.get("before", ()))}
-        entries.append(Entry(codes[id], **{**fields, **texts, **lists}))
+        entries.append(CatalogueEntry(codes[id], **{**fields, **texts, **lists}))
     return Family(raw["title"], " ".join(raw["about"].split()), tuple(entries))
 
 

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from importlib.resources import files
 from textwrap import fill
 
-from irc.diagnostics.catalogue import Entry, Family, load_families
+from irc.diagnostics.catalogue import CatalogueEntry, Family, load_families
 
 _LANGUAGES = {"json": "json", "irc": "text", "txt": "text"}
 
 
 def diagnostics_page() -> str:
-    """The whole page in Markdown: the introduction, a table of all codes, then each of them."""
+    """The whole page in Markdown: the introduction, tables of all codes, then each code."""
     families = load_families()
     lines = [files(__package__).joinpath("introduction.md").read_text("utf-8").rstrip(), ""]
     for family in families:
@@ -27,7 +27,7 @@ def diagnostics_page() -> str:
 def _table(family: Family) -> Iterator[str]:
     yield f"**{family.title}**"
     yield ""
-    yield "| code | severity | what it is about | what to do |"
+    yield "| code | severity | meaning | what to do |"
     yield "|---|---|---|---|"
     for entry in family.entries:
         code = entry.code
@@ -36,7 +36,7 @@ def _table(family: Family) -> Iterator[str]:
     yield ""
 
 
-def _section(entry: Entry) -> Iterator[str]:
+def _section(entry: CatalogueEntry) -> Iterator[str]:
     code = entry.code
     yield f"### {code.id}"
     yield ""
@@ -50,11 +50,11 @@ def _section(entry: Entry) -> Iterator[str]:
         yield from _fenced(f"With `{name}`:", text, _language(name))
     yield from _fenced(_bad_title(entry), entry.bad, _language(entry.file))
     commands = " and then ".join(f"`{command}`" for command in (*entry.before, entry.command))
-    yield from _fenced(f"{commands} says", entry.told, "text")
+    yield from _fenced(f"{commands} prints", entry.output, "text")
     yield from _fenced("Good:", entry.good, _language(entry.file))
 
 
-def _bad_title(entry: Entry) -> str:
+def _bad_title(entry: CatalogueEntry) -> str:
     if entry.printed_by is not None:
         return f"Bad, printed by the engine {entry.printed_by}:"
     saved = "" if entry.encoding == "utf-8" else f", saved as {entry.encoding.upper()}"

@@ -1,1 +1,1 @@
-"""The DSL (`.irc` files): text → plain document with places, and task → text."""
+"""The DSL (`.irc` files): in, text; out, the plain document with places; and a task as text."""

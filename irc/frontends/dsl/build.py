@@ -1,4 +1,4 @@
-"""The tree of a statement → the parts of the document that it states."""
+"""Builds the parts of the document from the tree of a statement."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from irc.diagnostics import Code, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.frontends.dsl import nodes
-from irc.frontends.dsl.draft import Budget, Element, Places, Sink
+from irc.frontends.dsl.document_parts import Element, ExpansionLimit, Places, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.lexer import Lexeme
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
@@ -25,7 +25,7 @@ _OBJECTIVES = (
 
 @dataclass(slots=True)
 class PoolUse:
-    """A use of something that may turn out to be a pool, wherever that is declared."""
+    """A use of a name that may be a pool, which may be declared anywhere."""
 
     use: Element
     pointer: Pointer
@@ -33,7 +33,7 @@ class PoolUse:
 
 @dataclass(slots=True)
 class Pool:
-    """A choice with a name, and where it stands."""
+    """A named choice and its place."""
 
     members: list[str]
     places: list[Placed]
@@ -44,9 +44,9 @@ class Pool:
 
 @dataclass(slots=True)
 class Builder:
-    """Builds elements and notes where their parts stand, if anybody asked for that."""
+    """Builds elements, and records the places of their parts if `places` is given."""
 
-    budget: Budget
+    expansion: ExpansionLimit
     places: Places | None = None
     source: Source | None = None
     """The included file that is being read; None for the task's own text."""
@@ -54,12 +54,12 @@ class Builder:
     uses: list[PoolUse] = field(default_factory=list)
 
     def mark(self, pointer: Pointer, start: int, end: int, key: int | None = None) -> None:
-        """Notes where a part of the document stands."""
+        """Records the place of a part of the document."""
         if self.places is not None:
             self.places.add(pointer, start, end, key, self.source)
 
     def mark_node(self, pointer: Pointer, node: Any, key: Any = None) -> None:
-        """The same for what a node of the tree states, and for its keyword."""
+        """Records the place of a node of the tree, and of its keyword."""
         if self.places is not None:
             start = None if key is None else span(key)[0]
             self.places.add(pointer, *span(node), start, self.source)
@@ -67,10 +67,10 @@ class Builder:
     def put_field(
         self, element: Element, field: str, found: Placed, at: Pointer, key: Any = None
     ) -> None:
-        """A field of an element, which may be said only once."""
+        """Sets a field of an element. Raises `Fault` if the element has it already."""
         if field in element:
             start = found.start if key is None else span(key)[0]
-            raise said_twice(f"`{_word(field)}`", start, found.end)
+            raise repeated_clause(f"`{_word(field)}`", start, found.end)
         element[field] = found.value
         if self.places is not None:
             self.mark((*at, field), found.start, found.end, None if key is None else span(key)[0])
@@ -78,7 +78,7 @@ class Builder:
     # --- actions ---
 
     def action(self, tree: Any, sink: Sink) -> None:
-        """`boil eggs 4 min on stove after heat water + 3 s .. 2 min`."""
+        """Adds an action: `boil eggs 4 min on stove after heat water + 3 s .. 2 min`."""
         at = sink.next("actions")
         begin = nodes.head(part(tree, "head"))
         element: Element = {"id": begin.name.value}
@@ -97,9 +97,9 @@ class Builder:
         if arcs and sink.base:
             raise Fault(
                 Code.DSL_SYNTAX,
-                "an order cannot stand with a new action of an event",
+                "a new action of an event cannot have an order in its statement",
                 *span(arcs[0].children[0]),
-                "state it as a change of its own: `add a -> b`",
+                "write it as a change of its own: `add a -> b`",
             )
         sink.put("actions", element)
         for clause in arcs:
@@ -172,7 +172,7 @@ class Builder:
                 f"the mode {begin.name.value!r} has no duration",
                 begin.name.start,
                 begin.name.end,
-                "write it behind the name, as in `mode fast 4 min`",
+                "write it after the name, as in `mode fast 4 min`",
             )
         for clause in parts(node, "uses"):
             self._uses(mode, clause, pointer)
@@ -256,14 +256,14 @@ class Builder:
     # --- order ---
 
     def order(self, tree: Any, sink: Sink, *, plain: bool = False) -> None:
-        """`a, b -> c + 3 s -> end of d`. With `plain` neither ends nor lags may be said."""
+        """Adds precedences: `a, b -> c + 3 s -> end of d`; `plain` allows neither ends nor lags."""
         first = tree.children[0]
         sources = [self._first(first)]
         sources += [self._end(node, "end") for node in parts(tree, "end") if node is not first]
         for step in parts(tree, "targets"):
             ends = parts(step, "end")
             lag = part(step, "lag", "most")
-            self.budget.take(
+            self.expansion.take(
                 len(sources) * len(ends) if len(sources) * len(ends) > 1 else 0,
                 "this order",
                 *span(tree),
@@ -275,9 +275,9 @@ class Builder:
                     if plain and (lag is not None or (source.value[0], target.value[0]) != _PLAIN):
                         raise Fault(
                             Code.DSL_SYNTAX,
-                            "`remove` takes away every order between two actions",
+                            "`remove` removes every order between two actions",
                             *stretch,
-                            "name the two actions only, as in `remove a -> b`",
+                            "name only the two actions, as in `remove a -> b`",
                         )
                     self._arc(sink, source, target, lag, stretch)
             sources = [self._end(node, "end") for node in ends]
@@ -289,7 +289,7 @@ class Builder:
         return self._end(node, "end")
 
     def _end(self, node: Any, default: str) -> Placed:
-        """(which end, of which action), and where the name stands."""
+        """(the end, the id of the action) with the place of the name."""
         side = part(node, "START_OF", "END_OF")
         found = name(part(node, "name"))
         said = default if side is None else kind(side).removesuffix("_OF").lower()
@@ -326,7 +326,7 @@ class Builder:
     # --- resources, state, groups, goals ---
 
     def resource(self, tree: Any, sink: Sink) -> None:
-        """`resource grill, fryer`; `resource robots = r1, r2`; `stock flour initial 3`."""
+        """Adds resources: `resource grill, fryer`; `resource robots = r1, r2`; `stock flour`."""
         lists = parts(tree, "names")
         declared = names(lists[-1])
         for node in parts(lists[-1], "name"):
@@ -395,11 +395,11 @@ class Builder:
         self.put_field(element, "initial", nodes.integer(number), at, key)
 
     def pool(self, tree: Any, _sink: Sink) -> None:
-        """`pool robots = r1, r2`."""
+        """Adds a pool: `pool robots = r1, r2`."""
         self.add_pool(name(part(tree, "name")), names(part(tree, "names")))
 
     def add_pool(self, found: Placed, members: list[Placed]) -> None:
-        """Gives a choice a name."""
+        """Adds a name for a choice. Raises `Fault` if the name has other members."""
         listed = [m.value for m in members]
         known = self.pools.setdefault(
             found.value, Pool(listed, members, found.start, found.end, self.source)
@@ -414,7 +414,7 @@ class Builder:
             )
 
     def state(self, tree: Any, sink: Sink) -> None:
-        """`state lit`; `state chicken = raw, grilled initial raw`."""
+        """Adds state variables: `state lit`; `state chicken = raw, grilled initial raw`."""
         values, initial = part(tree, "values"), part(tree, "value")
         for found in names(part(tree, "names")):
             at = sink.next("state")
@@ -432,7 +432,7 @@ class Builder:
             sink.put("state", element)
 
     def group(self, tree: Any, sink: Sink) -> None:
-        """`group order 1 = bake, ice optional reward 30 deadline 90`."""
+        """Adds a group: `group order 1 = bake, ice optional reward 30 deadline 90`."""
         at = sink.next("groups")
         found, members = name(part(tree, "name")), names(part(tree, "names"))
         element: Element = {"id": found.value, "actions": [m.value for m in members]}
@@ -447,7 +447,7 @@ class Builder:
         sink.put("groups", element)
 
     def goal(self, tree: Any, sink: Sink) -> None:
-        """`goal serve soup, chicken = grilled`."""
+        """Adds goals: `goal serve soup, chicken = grilled`."""
         for node in parts(part(tree, "goals"), "goal_item"):
             at = sink.next("goals")
             sink.put("goals", self._goal(node, at))
@@ -506,9 +506,9 @@ def _no_objective(said: str, word: Any) -> Fault:
     )
 
 
-def said_twice(what: str, start: int, end: int) -> Fault:
-    """Something that can be said once is said again."""
-    return Fault(Code.DSL_TWICE, f"{what} is said twice", start, end, "keep one of the two")
+def repeated_clause(what: str, start: int, end: int) -> Fault:
+    """The fault of a statement or clause that may appear once and appears again."""
+    return Fault(Code.DSL_TWICE, f"{what} appears twice", start, end, "keep one of the two")
 
 
 def _word(field: str) -> str:

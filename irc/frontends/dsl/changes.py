@@ -1,4 +1,4 @@
-"""The statements in the body of an event → the typed changes of the IR."""
+"""Builds the typed changes of the IR from the statements in the body of an event."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from irc.diagnostics import Code
 from irc.diagnostics.source import Pointer
 from irc.frontends.dsl import nodes
 from irc.frontends.dsl.build import Builder
-from irc.frontends.dsl.draft import Element, Sink
+from irc.frontends.dsl.document_parts import Element, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
 
@@ -20,7 +20,7 @@ ADDED = {
     "groups": "add_groups",
     "state": "add_state",
 }
-"""The array that an added statement fills → the operation."""
+"""The operation for each array to which an added statement belongs."""
 
 _NOTHING = {f"NO_{part.upper()}": part for part in ADDED}
 
@@ -34,38 +34,38 @@ _STATEMENTS: dict[str, Callable[[Builder, Any, Sink], None]] = {
 
 
 def change(builder: Builder, tree: Any, at: Pointer) -> Element:
-    """The change that one statement states; `at` is where it will stand."""
+    """The change of one statement; `at` is its pointer."""
     builder.mark_node(at, tree)
     builder.mark_node((*at, "op"), tree.children[0])
     return _CHANGES[str(tree.data)](builder, tree, at)
 
 
 def added(builder: Builder, tree: Any, sink: Sink) -> None:
-    """A statement in the block of `add:`."""
+    """Reads a statement in the block of `add:`."""
     read = _STATEMENTS.get(str(tree.data))
     if read is None:
         raise Fault(
             Code.DSL_SYNTAX,
             "this cannot be added by an event",
             *span(tree),
-            "actions, orders, resources, state variables and groups can",
+            "an event can add actions, orders, resources, state variables and groups",
         )
     read(builder, tree, sink)
 
 
 def addition(sink: Sink, start: int, end: int) -> Element:
-    """The change that the statements of one `add` make together."""
+    """The change of all statements of one `add`."""
     filled = [part for part, elements in sink.arrays.items() if elements]
     if len(filled) != 1:
         message = "nothing is added" if not filled else "one `add:` adds parts of one kind only"
         raise Fault(
-            Code.DSL_SYNTAX, message, start, end, "give each kind of part an `add:` of its own"
+            Code.DSL_SYNTAX, message, start, end, "write a separate `add:` for each kind of part"
         )
     return {"op": ADDED[filled[0]], filled[0]: sink.arrays[filled[0]]}
 
 
 def removal(sink: Sink) -> Element:
-    """The change that the orders of one `remove` make together."""
+    """The change of all orders of one `remove`."""
     return {"op": "remove_precedence", "precedence": sink.arrays.get("precedence", [])}
 
 
@@ -159,7 +159,7 @@ def _state(builder: Builder, tree: Any, at: Pointer) -> Element:
             Code.DSL_SYNTAX,
             f"found `{moment}`: the change is at the time of its event",
             *span(moment),
-            "take it away",
+            "remove it",
         )
     builder.fact(element, fact, at)
     return element

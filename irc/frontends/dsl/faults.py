@@ -1,4 +1,4 @@
-"""A fault of one statement, raised where it is found and told where the statement is read."""
+"""The fault of one statement, which the reader of the statement catches and reports."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from irc.errors import IrcError
 
 
 class Fault(IrcError):
-    """What is wrong with a statement: the code, the words, and the offsets in its text."""
+    """A fault of a statement: the code, the message, and the offsets in its text."""
 
     def __init__(
         self, code: Code, message: str, start: int, end: int, hint: str | None = None

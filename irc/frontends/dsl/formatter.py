@@ -18,17 +18,16 @@ from irc.frontends.dsl.lines import Outline, Statement, outline
 INDENT = 4
 _MOST_BLANK_LINES = 2
 _WIDEST_COLUMN = 44
-"""A longer name stays out of the columns."""
+"""Longer names are not put into columns."""
 
 _SPELLED = {"ARROW": "->", "DOTS": "..", "TIMES": "*", "MINUS": "-"}
 _NOTHING_BEFORE = {"COMMA", "COLON", "CLOSE"}
 
 
 def formatted(text: str, name: str = "<text>") -> str:
-    """The text in the one layout, saying the same.
+    """The text in the standard layout, with the same meaning.
 
-    Raises `InputError` with the faults of a text that cannot be read; what it includes is not
-    looked at.
+    Raises `InputError` with the faults of a text that cannot be read; included files are not read.
     """
     from irc.frontends.dsl.reader import syntax_faults
 
@@ -39,7 +38,7 @@ def formatted(text: str, name: str = "<text>") -> str:
 
 
 def format_dsl(text: str) -> str:
-    """The layout of a text without faults."""
+    """The text in the standard layout, if it has no faults."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     lines = _Layout(text, outline(text)).lines()
     _columns(lines)
@@ -63,7 +62,7 @@ class _Line:
 
 @dataclass(slots=True)
 class _Place:
-    """What a line begins or goes on with."""
+    """The statement that a line begins or continues, with its depth."""
 
     statement: Statement
     depth: int
@@ -73,7 +72,7 @@ class _Place:
 
 
 class _Layout:
-    """Sets the lines of a text one by one."""
+    """Formats the lines of a text one by one."""
 
     def __init__(self, text: str, found: Outline) -> None:
         self.text = text
@@ -90,7 +89,7 @@ class _Layout:
             self._note(statement.body or (), depth + 1, change=inner)
 
     def lines(self) -> list[_Line]:
-        """Every line of the text, set."""
+        """Every line of the text, formatted."""
         found: list[_Line] = []
         begin = 0
         for raw in self.text.split("\n"):
@@ -183,7 +182,7 @@ def _spaced(tokens: Sequence[Lexeme], i: int) -> bool:
 
 
 def _is_sign(tokens: Sequence[Lexeme], i: int) -> bool:
-    """Whether a minus belongs to the number behind it, not to the lag of a reference."""
+    """Whether a minus belongs to the number after it, not to the lag of a reference."""
     if i == 0:
         return False
     before = tokens[i - 1]
@@ -193,7 +192,7 @@ def _is_sign(tokens: Sequence[Lexeme], i: int) -> bool:
 
 
 def _columns(lines: list[_Line]) -> None:
-    """Sets neighbouring actions in columns."""
+    """Puts neighbouring actions into columns."""
     at = 0
     while at < len(lines):
         end = at

@@ -17,14 +17,14 @@ Start = Literal["statement", "change"]
 
 @cache
 def _parser() -> Lark:
-    # Loaded only for a text with a statement that is not of the plainest kind.
+    # Imported only for a text with a statement that is not of the plainest kind.
     from lark import Lark
     from lark.lexer import Lexer, LexerState
 
     from irc_grammars import read_grammar
 
     class Given(Lexer):
-        """The tokens are made before: which words are a name depends on the statement."""
+        """Returns tokens made before, because the words of a name depend on the statement."""
 
         def __init__(self, _conf: Any) -> None:
             pass
@@ -49,9 +49,9 @@ _LONGEST_SHAPE = 200
 
 
 class StatementParser:
-    """Parses statements, and remembers the trees of those that have the same kinds of tokens.
+    """Parses statements, and keeps the tree for each sequence of kinds of tokens.
 
-    What an LALR parser does depends on nothing but the kinds of the tokens, so a statement like an
+    An LALR parser depends only on the kinds of the tokens, so a statement with the kinds of an
     earlier one has the same tree with other leaves.
     """
 

@@ -33,11 +33,11 @@ class Library:
     """Reads included files, each once, and remembers them: places are looked up later."""
 
     folder: Path | None
-    """The folder that includes must stay in; None where the text has none."""
+    """The folder of allowed includes; None if the text has none."""
     known: dict[tuple[Path | None, str], Included] = field(default_factory=dict)
-    """What was found for a name, beside which folder."""
+    """The file that was found for a folder and a name."""
     kept: bool = False
-    """Whether only what is already known is given: places are those of the text read before."""
+    """Whether only known files are returned, because places belong to the text read before."""
     count: int = 0
     bytes: int = 0
 
@@ -50,7 +50,7 @@ class Library:
         if self.folder is None:
             raise refuse("a text that is not a file cannot include one", "save it beside the file")
         if not name or "\x00" in name:
-            raise refuse("this names no file")
+            raise refuse("this is not the name of a file")
         if PurePosixPath(name).is_absolute() or PureWindowsPath(name).anchor:
             raise refuse(
                 "an include must not be an absolute path", "name a file in the task's own folder"
@@ -62,10 +62,10 @@ class Library:
         if known is not None:
             return known
         if self.kept:
-            raise refuse(f"{name!r} was not there when the task was read")
+            raise refuse(f"{name!r} did not exist when the task was read")
         try:
             root = self.folder.resolve(strict=True)
-            # Before anything is looked for, so that nobody learns what there is outside.
+            # Check this before looking for the file, so that no message reveals files outside.
             path = ((beside or root).joinpath(*PurePosixPath(name).parts)).resolve()
             if not path.is_relative_to(root):
                 raise refuse(

@@ -1,4 +1,4 @@
-"""What is said of a place in a text where no token begins."""
+"""The messages for places in a text where no token begins."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LEX_FAULTS: dict[str, tuple[Code, str, str | None]] = {
         "a control character in quotes",
         "write it as an escape such as \\t",
     ),
-    "surrogate": (Code.DSL_TEXT, "this text holds half a character (a lone surrogate)", None),
+    "surrogate": (Code.DSL_TEXT, "this text has half a character (a lone surrogate)", None),
     "brace": (
         Code.DSL_TEMPLATE,
         "this brace has no partner on its line",
@@ -38,7 +38,7 @@ _CHARACTER_HINTS = {
 
 
 def unlexed(fault: LexFault, text: str) -> Fault:
-    """The fault as it is told."""
+    """The fault with its message."""
     known = _LEX_FAULTS.get(fault.kind)
     if known is not None:
         code, message, hint = known

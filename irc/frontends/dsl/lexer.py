@@ -1,7 +1,7 @@
-"""The words of the DSL: one line of text → tokens, and which names need no quotes.
+"""The words of the DSL: splits a line of text into tokens; decides which names need quotes.
 
-A token never reaches over the end of a line, and every rule is one regular expression that reads
-its text once, so a line is read in linear time whatever stands in it.
+A token ends at the end of its line at the latest, and every rule is one regular expression that
+reads its text once, so that every line is read in linear time.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _CHAR = (
     r"[0-9A-Za-z_\u00aa-\u167f\u1681-\u180d\u180f-\u1fff"
     r"\u3001-\ud7ff\ue000-\ufefe\U00010000-\U0010ffff]"
 )
-"""What unquoted names are made of: all but ASCII punctuation, blanks and typographic signs."""
+"""The characters of unquoted names: all but ASCII punctuation, spaces and typographic signs."""
 
 _TEMPLATE = r"\{[^{}\"\n]*\}"
 _UNIT = "|".join(sorted({*UNIT_SECONDS, *MONTH_NAMES}, key=lambda u: (-len(u), u)))
@@ -130,9 +130,9 @@ _LONGEST = 4
 
 
 class Lexeme:
-    """A token: its kind, its text (of a quoted one: what it says) and where it stands.
+    """A token: its kind, its text (for a quoted one, the text without quotes) and its place.
 
-    It has what Lark asks of its own tokens, so that none is made twice.
+    It has the attributes of Lark's own tokens, so that no second token is made.
     """
 
     __slots__ = ("end_pos", "start_pos", "type", "value")
@@ -156,7 +156,7 @@ class Lexeme:
 
 @dataclass(frozen=True, slots=True)
 class LexFault:
-    """A place that is no token: `kind` says why."""
+    """A place without a token; `kind` is the reason."""
 
     kind: str
     start: int
@@ -164,7 +164,7 @@ class LexFault:
 
 
 def lexemes(text: str, start: int, end: int) -> Iterator[Lexeme | LexFault]:
-    """The tokens of text[start:end] (within one line), comments among them, blanks left out."""
+    """The tokens of text[start:end] (within one line), with comments, without spaces."""
     at = start
     match = TOKEN.match
     while at < end:
@@ -193,21 +193,21 @@ _STRING_BODY = re.compile(r'"(?:[^"\\\x00-\x1f]|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}
 
 
 def _fault(text: str, at: int, end: int) -> LexFault:
-    """What is wrong at a place where no token begins; the next one is looked for behind it."""
+    """The fault at a place where no token begins; the next token is searched after it."""
     if text[at] != '"':
         return LexFault("brace" if text[at] in "{}" else "character", at, at + 1)
     body = _STRING_BODY.match(text, at, end)
     stop = body.end() if body else at + 1
     if stop >= end:
         return LexFault("unclosed", at, end)
-    # What follows on the line could be inside or outside of the text: it is not looked at.
+    # The rest of the line could be inside or outside of the text, so it is skipped.
     return LexFault("escape" if text[stop] == "\\" else "control", stop, end)
 
 
 def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
-    """The tokens of a statement with its words told apart: names, clauses, statement words.
+    """The tokens of a statement with the kind of each word: name, clause or statement word.
 
-    With `change` it is one of an event's body.
+    With `change` the statement is a change of an event.
     """
     if not tokens:
         return tokens
@@ -267,7 +267,7 @@ def _phrase(
 
 
 def needs_quotes(name: str) -> bool:
-    """Whether a name, written without quotes, would not be read as that very name."""
+    """Whether a name without quotes would not be read as the same name."""
     if (
         not name
         or len(name) > _LONGEST_PLAIN
@@ -286,9 +286,9 @@ def needs_quotes(name: str) -> bool:
 
 
 def clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
-    """A word behind a number that looks like a misspelt clause, and that clause.
+    """(a word after a number that looks like a misspelt clause, that clause).
 
-    `boil 3 deadlin 20` is hardly an action called "boil 3 deadlin": it is not read as one.
+    `boil 3 deadlin 20` is probably not an action called "boil 3 deadlin", so it is not read so.
     """
     number = next((i for i, word in enumerate(words) if word.type == "INT"), len(words))
     for word in words[number + 1 :]:
@@ -299,7 +299,9 @@ def clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
 
 
 def resource_clause_like(words: Sequence[Lexeme]) -> tuple[Lexeme, str] | None:
-    """A word before a number that looks like a misspelt clause of a resource: `board capcity 2`."""
+    """(a word before a number that looks like a misspelt clause of a resource, that clause), as in
+    `board capcity 2`.
+    """
     for word, number in pairwise(words):
         if word.type == "WORD" and number.type == "INT":
             meant = _clause_near(word.value)
@@ -328,7 +330,7 @@ _LONGEST_PLAIN = 80
 
 
 def quoted(text: str) -> str:
-    """A text in double quotes, with escapes for all that would not show."""
+    """A text in double quotes, with escapes for all invisible characters."""
     plain = json.dumps(text, ensure_ascii=False)
     if plain.isprintable():
         return plain

@@ -1,7 +1,7 @@
-"""Lines → statements: continuation lines, and blocks by indentation.
+"""Splits lines into statements: continuation lines, and blocks by indentation.
 
-A line indented deeper than the statement above it goes on with that statement, or, where that
-statement ends in a colon, begins its body. A line that begins with a closing bracket goes on too.
+A line with more indentation than the statement above it continues that statement, or begins its
+body if that statement ends in a colon. A line that begins with a closing bracket continues it too.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ _FIRST = re.compile(r"(for|event|add|remove|metadata)(?![\w{'’.&-])")
 
 @dataclass(slots=True)
 class Statement:
-    """One statement: the stretches of text it stands in, and its body where it is a block."""
+    """One statement: its spans of text, and its body if it is a block."""
 
     spans: list[tuple[int, int]]
     first: str = ""
-    """Its first word, where that may open a block or free-form data."""
+    """Its first word, if that may open a block or free-form data."""
     body: list[Statement] | None = None
     tokens: list[Lexeme] | None = None
-    """Set where the statement is a part of a line: what follows a colon."""
+    """The tokens, if the statement is the part of a line after a colon."""
     open: bool = False
 
     @property
@@ -46,7 +46,7 @@ class Statement:
 
 @dataclass(slots=True)
 class Outline:
-    """The statements of a text, and what is wrong with their indentation."""
+    """The statements of a text, and the faults of their indentation."""
 
     statements: list[Statement] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
@@ -95,7 +95,7 @@ def _extend(statement: Statement, begin: int, end: int, text: str) -> None:
 
 
 def _note_colon(statement: Statement, text: str) -> None:
-    """Whether the statement so far ends in a colon, so that a body follows."""
+    """Records whether the statement so far ends in a colon, so that a body follows."""
     if statement.first not in _OPENERS:
         return
     begin, end = statement.spans[-1]
@@ -111,7 +111,7 @@ def _note_colon(statement: Statement, text: str) -> None:
 def _level(
     levels: list[tuple[str, list[Statement]]], indent: str, begin: int, found: Outline
 ) -> list[Statement]:
-    """The list that a statement with this indentation belongs to."""
+    """The list of statements to which a statement with this indentation belongs."""
     current, siblings = levels[-1]
     if len(indent) > len(current) and indent.startswith(current):
         last = siblings[-1] if siblings else None
@@ -126,10 +126,10 @@ def _level(
         found.faults.append(
             Fault(
                 Code.DSL_INDENTATION,
-                "this line is indented, but no statement above it goes on or has a body",
+                "this line is indented, but no statement above it continues or has a body",
                 begin,
                 begin + 1,
-                "take the blanks before it away",
+                "remove the spaces before it",
             )
         )
         return siblings
@@ -141,12 +141,12 @@ def _level(
         found.faults.append(
             Fault(
                 Code.DSL_INDENTATION,
-                "tabs and spaces are mixed, so it cannot be told what this line belongs to"
+                "tabs and spaces are mixed, so it is not clear to what this line belongs"
                 if mixed
-                else "this line is indented like no statement above it",
+                else "no statement above this line has the same indentation",
                 begin,
                 begin + 1,
-                "indent the lines of a block alike, with spaces",
+                "indent all lines of a block equally, with spaces",
             )
         )
     return siblings

@@ -13,7 +13,7 @@ _REST = re.compile(r"[ \t\r]*(?:#[^\n]*)?")
 
 
 def metadata(text: str, start: int, end: int) -> Placed:
-    """The object in text[start:end], as a JSON document would have it. Raises `Fault`."""
+    """The object in text[start:end], read as JSON. Raises `Fault`."""
     from irc.frontends.json.document import decode_object
 
     found = _BLANK.match(text, start, end)
@@ -21,12 +21,12 @@ def metadata(text: str, start: int, end: int) -> Placed:
     if not text.startswith("{", begin) or begin >= end:
         raise Fault(
             Code.DSL_SYNTAX,
-            "expected an object in braces behind `metadata`",
+            "expected an object in braces after `metadata`",
             min(begin, end - 1),
             end,
             'as in metadata {"ticket": 4711}',
         )
-    # What follows the statement must not be read as a part of it: cut there.
+    # Cut the text at the end of the statement, so that nothing after it is read.
     decoded = decode_object(text[:end], begin)
     if not isinstance(decoded, tuple):
         raise Fault(decoded.code, decoded.message, decoded.offset, decoded.offset + 1, decoded.hint)
@@ -35,6 +35,6 @@ def metadata(text: str, start: int, end: int) -> Placed:
     after = rest.end() if rest else stop
     if after < end:
         raise Fault(
-            Code.DSL_SYNTAX, "found something behind the object of `metadata`", after, after + 1
+            Code.DSL_SYNTAX, "found more text after the object of `metadata`", after, after + 1
         )
     return Placed(value, begin, stop)

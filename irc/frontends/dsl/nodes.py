@@ -1,4 +1,4 @@
-"""Reading the small parts of a statement's tree: names, numbers, times, and where they stand."""
+"""Reads the small parts of a statement's tree: names, numbers and times, with their places."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _PLAIN_NUMBER = re.compile(r"[0-9./]+(?:[eE][+-]?[0-9]+)?")
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A value and where it stands."""
+    """A value and its place."""
 
     value: Any
     start: int
@@ -40,7 +40,7 @@ def kind(node: Any) -> str:
     """The rule of a tree, the type of a token, "" for an absent part."""
     if node is None:
         return ""
-    # The name of a rule is a text of Lark's own kind, which is slow to compare.
+    # The name of a rule is of Lark's own text type, which is slow to compare.
     return node.type if type(node) is Lexeme else _rule(node)
 
 
@@ -49,7 +49,7 @@ def _rule(node: Any) -> str:
 
 
 def span(node: Node) -> tuple[int, int]:
-    """Where a node stands: from its first token to its last."""
+    """The span of a node, from its first token to its last."""
     first: Any = node
     while not isinstance(first, Lexeme):
         first = next(child for child in first.children if child is not None)
@@ -70,7 +70,7 @@ def part(node: Any, *kinds: str) -> Any:
 
 
 def name(node: Any) -> Placed:
-    """A name (or value) node: its words, or what stands in quotes."""
+    """The text of a name or value: its words, or the text in quotes."""
     words = node.children
     if len(words) == 1:
         return Placed(words[0].value, words[0].start_pos, words[0].end_pos)
@@ -79,7 +79,7 @@ def name(node: Any) -> Placed:
 
 
 def no_resource_clause(node: Any) -> None:
-    """Refuses an unquoted name of a resource that is rather a misspelt clause."""
+    """Refuses an unquoted name of a resource that looks like a misspelt clause."""
     if node.children[0].type == "STRING":
         return
     misspelt = resource_clause_like(node.children)
@@ -94,7 +94,7 @@ def no_resource_clause(node: Any) -> None:
 
 
 def text(token: Lexeme) -> Placed:
-    """What stands in quotes."""
+    """The text in quotes."""
     return Placed(str(token), token.start_pos, token.end_pos)
 
 
@@ -113,7 +113,7 @@ def value(node: Any) -> Placed:
 
 
 def integer(node: Any) -> Placed:
-    """A whole number, with its sign where there is one."""
+    """A whole number, with its sign if it has one."""
     start, end = span(node)
     if kind(node) == "INT":
         return Placed(_int(node), start, end)
@@ -123,12 +123,12 @@ def integer(node: Any) -> Placed:
 
 def _int(token: Lexeme) -> int:
     if len(token) > _MOST_DIGITS:
-        raise Fault(Code.BAD_NUMBER, "a number beyond all range", *span(token))
+        raise Fault(Code.BAD_NUMBER, "a number out of range", *span(token))
     return int(token.value)
 
 
 def time(node: Any, *, negative: bool = False) -> Placed:
-    """A time as JSON would have it: a number, or text; `parse_span` judges it later."""
+    """A time in the form of JSON: a number or a text, which `parse_span` reads later."""
     if kind(node) == "signed":
         minus = part(node, "MINUS")
         found = time(part(node, "INT", "TIME", "STRING"), negative=minus is not None)
@@ -138,13 +138,17 @@ def time(node: Any, *, negative: bool = False) -> Placed:
         return Placed(-int(node.value) if negative else int(node.value), start, end)
     if negative and kind(node) == "STRING":
         raise Fault(
-            Code.DSL_SYNTAX, "a sign before a quoted time", start, end, "put the sign inside"
+            Code.DSL_SYNTAX,
+            "there is a sign before a quoted time",
+            start,
+            end,
+            "put the sign inside the quotes",
         )
     return Placed(f"-{node}" if negative else str(node), start, end)
 
 
 def alike(low: Any, high: Any) -> None:
-    """Refuses a range of which only one end has a unit: `5 .. 10 min` can be meant in two ways."""
+    """Refuses a range of which only one end has a unit: `5 .. 10 min` has two meanings."""
     tokens = [part(n, "INT", "TIME", "STRING") if kind(n) == "signed" else n for n in (low, high)]
     if any(t is None or kind(t) == "STRING" for t in tokens):
         return
@@ -153,7 +157,7 @@ def alike(low: Any, high: Any) -> None:
         return
     without = tokens[0] if bare[0] else tokens[1]
     if not str(without).strip("0."):
-        return  # Nothing is nothing in every unit.
+        return  # 0 is the same in every unit.
     raise Fault(
         Code.DSL_SYNTAX,
         f"one end of this range has a unit and `{without}` has none",
@@ -164,7 +168,7 @@ def alike(low: Any, high: Any) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """How an action (or mode) begins: its name, and its duration where one is given."""
+    """The beginning of an action or mode: its name, and its duration if it has one."""
 
     name: Placed
     time: Any
@@ -172,7 +176,7 @@ class Head:
 
 
 def head(node: Any) -> Head:
-    """Parts the words of a head: the last piece is the duration if it is a number or a time."""
+    """Splits the words of a head: the last piece is the duration if it is a number or a time."""
     pieces = list(node.children)
     first, last = pieces[0], pieces[-1]
     if kind(first) == "STRING":
@@ -187,7 +191,7 @@ def head(node: Any) -> Head:
 
 
 def plain_head(node: Any) -> Placed:
-    """A head that is a name and nothing else."""
+    """The name of a head that has no duration."""
     pieces = list(node.children)
     if kind(pieces[0]) == "STRING" and len(pieces) == 1:
         return text(pieces[0])
@@ -216,7 +220,7 @@ def _plain(words: list[Any]) -> Placed:
         word, meant = misspelt
         raise Fault(
             Code.DSL_SYNTAX,
-            f"found `{word}` behind a number; expected a clause such as `on`, `by`, `after`",
+            f"found `{word}` after a number; expected a clause such as `on`, `by`, `after`",
             *span(word),
             f'did you mean `{meant}`? If it belongs to the name, put the name in "quotes"',
         )
@@ -225,18 +229,18 @@ def _plain(words: list[Any]) -> Placed:
 
 
 def _after(token: Lexeme, what: str) -> Fault:
-    """Something stands behind a duration: a misspelt clause, or a name that needs quotes."""
+    """The fault of a word after a duration: a misspelt clause, or a name that needs quotes."""
     near = did_you_mean(str(token), sorted(CLAUSE_WORDS))
     return Fault(
         Code.DSL_SYNTAX,
-        f"found `{token}` behind {what}; expected a clause such as `on`, `by`, `after`",
+        f"found `{token}` after {what}; expected a clause such as `on`, `by`, `after`",
         *span(token),
         near or 'if it belongs to the name, put the name in "quotes"',
     )
 
 
 def no_duration(found: Head) -> Fault:
-    """An action that is neither long nor short: often something else, misspelt."""
+    """The fault of an action without a duration, which is often another, misspelt statement."""
     words = str(found.name.value).split()
     near = did_you_mean(words[0], sorted(STATEMENT_WORDS)) if words else None
     return Fault(
@@ -244,7 +248,7 @@ def no_duration(found: Head) -> Fault:
         f"the action {_shown(found.name.value)} has no duration",
         found.name.start,
         found.name.end,
-        near or "write it behind the name, as in `boil eggs 4 min`",
+        near or "write it after the name, as in `boil eggs 4 min`",
     )
 
 

@@ -1,4 +1,4 @@
-"""Precedences as the DSL writes them: with the action that waits, or as arrows."""
+"""Writes precedences in the DSL: in the statement of the waiting action, or as arrows."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _WIDEST = 96
 def by_action(
     precedence: Sequence[Precedence], ids: Sequence[str]
 ) -> dict[int, list[Precedence]] | None:
-    """The precedences by the index of the action that waits; None where their order forbids that.
+    """The precedences by the index of the waiting action; None if their order forbids that.
 
-    Read back, they come in the order of the actions: only if that is theirs can they stand there.
+    Read back, they come in the order of the actions, so they must already have that order.
     """
     index: dict[str, int] = {}
     for i, id in enumerate(ids):

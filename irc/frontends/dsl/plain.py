@@ -1,7 +1,7 @@
-"""The commonest statements, read without the grammar, exactly as the grammar would read them.
+"""Reads the most common statements without the grammar, exactly as the grammar does.
 
-`boil eggs 4 min on stove by robots after heat water` and `a, b -> c -> d`, in plain words. What is
-the least bit unusual is left to the grammar; a test compares the two.
+These are `boil eggs 4 min on stove by robots after heat water` and `a, b -> c -> d`, in plain
+words. The grammar reads all other statements; a test compares the two.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import re
 from itertools import pairwise
 
 from irc.frontends.dsl.build import Builder, PoolUse
-from irc.frontends.dsl.draft import Element, Sink
+from irc.frontends.dsl.document_parts import Element, Sink
 from irc.frontends.dsl.lexer import CLAUSE_WORDS, PHRASES, STATEMENT_WORDS
 from irc.frontends.dsl.lines import Statement
 from irc.model.quantities import MONTH_NAMES, UNIT_SECONDS
@@ -29,13 +29,13 @@ _SPECIAL = CLAUSE_WORDS | {word for phrase in PHRASES for word in phrase}
 
 
 def plain_statement(statement: Statement, text: str, sink: Sink, builder: Builder) -> bool:
-    """Whether the statement was one of the plainest kind, which has then been read."""
+    """Reads a statement if it is of the plainest kind; returns whether it is."""
     if statement.body is not None or statement.tokens is not None or len(statement.spans) > 1:
         return False
     begin, end = statement.spans[0]
     if end - begin > _LONGEST:
         return False
-    # No text in quotes is plain, so that a # begins a comment.
+    # A text in quotes is never plain, so a # always begins a comment.
     line = text[begin:end].partition("#")[0].rstrip(" \t\r")
     if line.split(" ", 1)[0] in STATEMENT_WORDS:
         return False
@@ -46,7 +46,7 @@ def plain_statement(statement: Statement, text: str, sink: Sink, builder: Builde
 
 
 def _split(listed: str) -> list[str] | None:
-    """The names of a list; None where a word of one may have a meaning of its own."""
+    """The names of a list; None if a word of a name may have a meaning of its own."""
     if not _SPECIAL.isdisjoint(listed.replace(",", "").split(" ")):
         return None
     return listed.split(", ")
@@ -86,7 +86,7 @@ def _order(line: str, statement: Statement, sink: Sink, builder: Builder) -> boo
         return False
     for sources, targets in pairwise(sides):
         if (count := len(sources) * len(targets)) > 1:
-            builder.budget.take(count, "this order", statement.start, statement.end)
+            builder.expansion.take(count, "this order", statement.start, statement.end)
     sink.arrays["precedence"] += arcs
     return True
 
@@ -94,7 +94,7 @@ def _order(line: str, statement: Statement, sink: Sink, builder: Builder) -> boo
 def _unwanted(
     builder: Builder, sink: Sink, action: tuple[str | int, ...] | None, arcs: list[Element]
 ) -> bool:
-    """Whether nobody asks where the parts of the statement stand."""
+    """Whether the places of the statement's parts are not wanted."""
     places = builder.places
     if places is None or places.elements is None:
         return places is None

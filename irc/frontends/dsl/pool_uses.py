@@ -1,4 +1,4 @@
-"""Uses of pools → choices of their members, once the whole text is read."""
+"""Replaces uses of pools by choices of their members, after the whole text is read."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from irc.diagnostics import Code, did_you_mean
 from irc.diagnostics.source import Source
 from irc.frontends.dsl.build import Builder, Pool, PoolUse
-from irc.frontends.dsl.draft import Sink
+from irc.frontends.dsl.document_parts import Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.nodes import Placed
 
-Told = tuple[Fault, Source | None]
-"""A fault, and the included file it stands in."""
+PlacedFault = tuple[Fault, Source | None]
+"""A fault, and the included file that contains it."""
 
 
-def resolved_pools(builder: Builder, sink: Sink, *, faulty: bool) -> Iterator[Told]:
-    """Puts the members of pools in their places; what is wrong with pools comes out.
+def resolved_pools(builder: Builder, sink: Sink, *, faulty: bool) -> Iterator[PlacedFault]:
+    """Replaces uses of pools by their members; yields the faults of pools.
 
-    With `faulty` a statement that could not be read may have declared anything.
+    With `faulty`, some statement could not be read and may have declared anything.
     """
     if not builder.pools:
         return
@@ -31,14 +31,14 @@ def resolved_pools(builder: Builder, sink: Sink, *, faulty: bool) -> Iterator[To
         if pool is None or use.use["resource"] in declared:
             continue
         try:
-            builder.budget.take(len(pool.members), "this pool", pool.start, pool.end)
+            builder.expansion.take(len(pool.members), "this pool", pool.start, pool.end)
         except Fault as fault:
             yield fault, pool.source
             return
         _choose(builder, use, pool)
 
 
-def _clashes(builder: Builder, declared: set[str]) -> Iterator[Told]:
+def _clashes(builder: Builder, declared: set[str]) -> Iterator[PlacedFault]:
     for name, pool in builder.pools.items():
         if name in declared:
             message = f"{name!r} is the name of a pool and of a resource"
@@ -46,8 +46,8 @@ def _clashes(builder: Builder, declared: set[str]) -> Iterator[Told]:
             yield Fault(Code.DSL_POOL, message, pool.start, pool.end, hint), pool.source
 
 
-def _unknown_members(builder: Builder, sink: Sink, declared: set[str]) -> Iterator[Told]:
-    """Members of unused pools that nothing declares; in used ones, the checks find them."""
+def _unknown_members(builder: Builder, sink: Sink, declared: set[str]) -> Iterator[PlacedFault]:
+    """The faults of undeclared members of unused pools; the checks find those of used pools."""
     used = {use.use.get("resource") for use in builder.uses}
     known = declared | {
         resource["id"]

@@ -1,4 +1,4 @@
-"""Repeated choices of a task, and short names for them."""
+"""Finds the repeated choices of a task, and short names for them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ENDING = re.compile(r"[\W\d_]+\Z")
 
 
 def pools(task: Task) -> dict[Choice, str]:
-    """The choices that stand more than once in a task, each with a name that nothing else has."""
+    """The choices that a task has more than once, each with a name that is not used yet."""
     uses = list(_uses(task))
     counts = Counter(use.one_of for use in uses if use.one_of is not None and len(use.one_of) > 1)
     taken = {use.resource for use in uses if use.resource is not None}
@@ -57,7 +57,7 @@ def _added(changes: Iterable[object]) -> Iterator[Resource]:
 
 
 def _stem(choice: Choice) -> str:
-    """What the members' names have in common, as a plural: "robot 1", "robot 2" → "robots"."""
+    """The common part of the members' names as a plural: "robot 1", "robot 2" → "robots"."""
     first = [_ENDING.sub("", name) for name in choice]
     if first[0] and first[0].isidentifier() and len(set(first)) == 1:
         return f"{first[0]}s"

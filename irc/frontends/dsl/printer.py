@@ -1,4 +1,4 @@
-"""A task → the text of the DSL that says the same, in short forms wherever they lose nothing."""
+"""Writes a task in the DSL, in short forms if they lose nothing."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _DEFAULT_OBJECTIVE = ("minimize_makespan",)
 
 
 def print_task(task: Task) -> str:
-    """The text of the DSL for a task: reading it gives an equal task.
+    """The text of the DSL for a task; reading it gives an equal task.
 
-    Raises `InputError` for metadata that no JSON could hold.
+    Raises `InputError` for metadata that JSON cannot express.
     """
     printer = _Printer(pools(task))
     inline = by_action(task.precedence, [a.id for a in task.actions])
@@ -71,7 +71,7 @@ def _unit(unit: str) -> str:
 
 
 def _statement(head: str, clauses: Iterable[str]) -> str:
-    """On one line if it is short, else a line for each clause."""
+    """The statement on one line if it is short, else with a line for each clause."""
     listed = [clause for clause in clauses if clause]
     line = " ".join([head, *listed])
     if len(line) <= _WIDEST or not listed:
@@ -118,7 +118,7 @@ class _Printer:
     # --- resources ---
 
     def resources(self, resources: Sequence[Resource], *, declare: bool = False) -> list[str]:
-        """Resources alike on one line; with `declare` also the pools."""
+        """The statements of resources, equal ones on one line; with `declare` also the pools."""
         members = self._whole_pools(resources) if declare else {}
         lines: list[str] = []
         at = 0
@@ -153,7 +153,7 @@ class _Printer:
         return lines
 
     def _whole_pools(self, resources: Sequence[Resource]) -> dict[int, Choice]:
-        """Pools whose members stand side by side and say nothing else: by their first index."""
+        """Pools whose members follow each other and have no other fields, by their first index."""
         ids = [resource.id for resource in resources]
         plain = [r.kind == "renewable" and not _resource_clauses(r) for r in resources]
         index = {id: i for i, id in reversed(list(enumerate(ids)))}
@@ -264,7 +264,7 @@ def _resource_clauses(resource: Resource) -> list[str]:
     said = resource.model_fields_set
     stock = resource.kind == "reservoir"
     clauses = []
-    # What has no meaning for its kind is told as it was said: a check warns of it.
+    # Fields without a meaning for its kind are written too: a check warns of them.
     if resource.capacity != 1 or (stock and "capacity" in said):
         clauses.append(f"capacity {resource.capacity}")
     clauses += [

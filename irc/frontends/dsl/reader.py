@@ -1,7 +1,7 @@
-"""A text of the DSL → the plain document, as the JSON of the IR has it, and the way to its places.
+"""Reads a text of the DSL as the plain document, in the form of the IR's JSON, with its places.
 
-Statements are read one by one, so a fault in one hides no other: `read_dsl` returns the document
-of all sound statements together with every fault.
+Statements are read one by one, so that a fault in one hides no other: `read_dsl` returns the
+document of all sound statements together with every fault.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from typing import Any
 from irc.diagnostics import Code, Diagnostic, Report
 from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.dsl import changes, nodes
-from irc.frontends.dsl.build import Builder, said_twice
-from irc.frontends.dsl.draft import Budget, Places, Sink
+from irc.frontends.dsl.build import Builder, repeated_clause
+from irc.frontends.dsl.document_parts import ExpansionLimit, Places, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.grammar import StatementParser, parse_statement
 from irc.frontends.dsl.include import Library
@@ -38,7 +38,7 @@ from irc.frontends.dsl.pool_uses import resolved_pools
 from irc.frontends.dsl.templates import Value, filled
 
 MAX_FAULTS = 1000
-"""After so many faults a text is not read on: it is something else."""
+"""Limit on faults; the rest of the text is not read, because it is probably another language."""
 
 ARRAYS = ("resources", "state", "actions", "precedence", "groups", "goals", "events")
 
@@ -47,10 +47,10 @@ Values = Mapping[str, Value]
 
 @dataclass(frozen=True)
 class DslReading:
-    """What a text of the DSL says, with every fault of it.
+    """The document of a DSL text, with every fault of the text.
 
-    `document` has the shape of the IR's JSON and holds what the sound statements state;
-    `source` finds the places of its parts. `broken` are the texts of faulty statements.
+    `document` has the shape of the IR's JSON and the contents of the sound statements; `source`
+    finds the places of its parts. `broken` are the texts of faulty statements.
     """
 
     document: dict[str, Any]
@@ -63,9 +63,9 @@ class DslReading:
 def read_dsl(
     text: str, name: str = "<text>", folder: Path | None = None, *, file: Path | None = None
 ) -> DslReading:
-    """Reads a text. `folder` is the one that its includes must stay in; `file` its own path.
+    """Reads a text. Its includes must be in `folder`; `file` is its own path.
 
-    Never raises for what stands in the text.
+    Never raises for the contents of the text.
     """
     notes = []
     if text.startswith("\ufeff"):
@@ -74,7 +74,7 @@ def read_dsl(
             Diagnostic(Code.BYTE_ORDER_MARK, "a byte-order mark at the start is ignored", offset=0)
         )
     library = Library(folder)
-    reader = _Reader(library, Builder(Budget()))
+    reader = _Reader(library, Builder(ExpansionLimit()))
     reader.read(text, file)
     return DslReading(
         reader.document(),
@@ -87,23 +87,23 @@ def read_dsl(
 
 @dataclass(frozen=True, slots=True)
 class _Locator:
-    """Finds the elements of a text that has been read, and of what it includes."""
+    """Finds the elements of a text and of its included files."""
 
     library: Library
     file: Path | None
 
     def __call__(self, text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
-        # The same texts are read again, this time with an eye on places.
+        # Read the same texts again, this time with places.
         places = Places(wanted)
         again = Library(self.library.folder, self.library.known, kept=True)
-        _Reader(again, Builder(Budget(), places)).read(text, self.file)
+        _Reader(again, Builder(ExpansionLimit(), places)).read(text, self.file)
         return places.found
 
 
 def readable_statements(text: str, most: int) -> int:
-    """How many of the first statements (at most so many) are good ones of this language."""
+    """The number of sound statements among the first `most` statements of a text."""
     text = text.removeprefix("\ufeff")
-    reader = _Reader(Library(None), Builder(Budget()), text=text)
+    reader = _Reader(Library(None), Builder(ExpansionLimit()), text=text)
     try:
         statements = outline(text).statements[:most]
     except Fault:
@@ -122,9 +122,9 @@ def readable_statements(text: str, most: int) -> int:
 
 
 def syntax_faults(text: str, name: str) -> Report:
-    """What is wrong with the statements of a text in themselves; nothing it includes is read."""
+    """The faults of a text's own statements; included files are not read."""
     text = text.removeprefix("\ufeff")
-    reader = _Reader(Library(None), Builder(Budget()), includes=False)
+    reader = _Reader(Library(None), Builder(ExpansionLimit()), includes=False)
     reader.read(text, None)
     return Report(tuple(reader.faults.values()), Source(name, text))
 
@@ -140,12 +140,12 @@ class _Reader:
     parser: StatementParser = field(default_factory=StatementParser)
     text: str = ""
     path: Path | None = None
-    """The file that is being read, if it is one."""
+    """The folder of the file that is being read, if it is a file."""
     within: tuple[Path, ...] = ()
-    """The files that include the one being read, and itself."""
+    """The files that include the one being read, and this file itself."""
     statements: int = 0
     stopped: bool = False
-    """Whether the text has grown as far as it may."""
+    """Whether the text has reached a limit of expansion."""
     includes: bool = True
     """Whether included files are read."""
 
@@ -201,7 +201,7 @@ class _Reader:
 
     def _tell(self, fault: Fault, statement: Statement | None = None) -> None:
         within = self.builder.source
-        # In a `for` the same place is read many times; once is enough to tell of it.
+        # In a `for` the same place is read many times; report a fault there once.
         key = (fault.code, fault.start, within and within.name)
         if key in self.faults:
             return
@@ -218,13 +218,13 @@ class _Reader:
         if len(self.faults) == MAX_FAULTS:
             self.faults[("last",)] = Diagnostic(
                 Code.TOO_LARGE,
-                f"more than {MAX_FAULTS} faults: the text is not read on from here",
+                f"more than {MAX_FAULTS} faults: the rest of the text is not read",
                 offset=fault.start,
                 within=within,
             )
 
     def document(self) -> dict[str, Any]:
-        """The document, without the arrays that nothing fills."""
+        """The document without its empty arrays."""
         arrays = self.sink.arrays
         filled_arrays = {part: arrays[part] for part in ARRAYS if arrays[part] or part == "actions"}
         return {**self.fields, **filled_arrays}
@@ -232,7 +232,7 @@ class _Reader:
     # --- statements ---
 
     def _statement(self, statement: Statement, values: Values) -> None:
-        """A statement of the task."""
+        """Reads a statement of the task."""
         if plain_statement(statement, self.text, self.sink, self.builder):
             return
         if statement.first == "metadata":
@@ -252,9 +252,9 @@ class _Reader:
             if values:
                 raise Fault(
                     Code.DSL_SYNTAX,
-                    f"`{raw[0].value}` cannot be said in a `for`",
+                    f"`{raw[0].value}` cannot stand in a `for`",
                     *span(tree),
-                    "it concerns the task as a whole",
+                    "it is about the whole task",
                 )
             if rule == "include":
                 if self.includes:
@@ -265,7 +265,7 @@ class _Reader:
         _ELEMENTS[rule](self.builder, tree, self.sink)
 
     def _tokens(self, statement: Statement) -> list[Lexeme]:
-        """The raw tokens of a statement. Raises `Fault` at the first place that is none."""
+        """The raw tokens of a statement. Raises `Fault` at the first place without a token."""
         if statement.tokens is not None:
             return statement.tokens
         found: list[Lexeme] = []
@@ -279,25 +279,25 @@ class _Reader:
             if 0 < first < len(found) and _of_name(found, first - 1) and _of_name(found, first):
                 raise Fault(
                     Code.DSL_INDENTATION,
-                    "this line is indented, but does not go on with the statement above it",
+                    "this line is indented, but does not continue the statement above it",
                     found[first].start_pos,
                     found[first].end_pos,
-                    "take the blanks before it away; a name or a time stands on one line",
+                    "remove the spaces before it; a name or a time must be on one line",
                 )
         return found
 
     def _field(self, rule: str, tree: Any) -> None:
-        """What concerns the task as a whole, said once."""
-        key, said = tree.children[0], tree.children[-1]
+        """Reads a field of the whole task, which may appear once."""
+        key, value_node = tree.children[0], tree.children[-1]
         if rule == "objective":
             field_name, value = "objective", self.builder.aims(tree, ("objective",))
             start, end = span(tree)
         else:
             field_name = _TASK_FIELDS[rule]
-            placed = _SAID[rule](said)
+            placed = _FIELD_VALUES[rule](value_node)
             value, start, end = placed.value, placed.start, placed.end
         if field_name in self.fields:
-            raise said_twice(f"`{key if rule != 'objective' else 'minimize'}`", *span(tree))
+            raise repeated_clause(f"`{key if rule != 'objective' else 'minimize'}`", *span(tree))
         self.fields[field_name] = value
         self.builder.mark((field_name,), start, end, span(tree)[0])
 
@@ -305,30 +305,30 @@ class _Reader:
         if values:
             raise Fault(
                 Code.DSL_SYNTAX,
-                "`metadata` cannot be said in a `for`",
+                "`metadata` cannot stand in a `for`",
                 statement.start,
                 statement.end,
-                "it concerns the task as a whole",
+                "it is about the whole task",
             )
         found = metadata(self.text, statement.start + len("metadata"), statement.end)
         if "metadata" in self.fields:
-            raise said_twice("`metadata`", statement.start, statement.end)
+            raise repeated_clause("`metadata`", statement.start, statement.end)
         self.fields["metadata"] = found.value
         self.builder.mark(("metadata",), found.start, found.end, statement.start)
 
     # --- include ---
 
     def _include(self, tree: Any) -> None:
-        said = nodes.text(part(tree, "STRING"))
-        included = self.library.open(str(said.value), self.path, said.start, said.end)
+        file = nodes.text(part(tree, "STRING"))
+        included = self.library.open(str(file.value), self.path, file.start, file.end)
         if included.path in self.within:
             chain = [p.name for p in self.within[self.within.index(included.path) :]]
             raise Fault(
                 Code.DSL_INCLUDE,
-                f"this include never ends: {' → '.join([*chain, included.path.name])}",
-                said.start,
-                said.end,
-                "take it away",
+                f"this include is circular: {' → '.join([*chain, included.path.name])}",
+                file.start,
+                file.end,
+                "remove it",
             )
         outer = (self.text, self.path, self.within, self.builder.source)
         self.text, self.path = included.source.text, included.path.parent
@@ -357,30 +357,30 @@ class _Reader:
                 if variable in values
                 else f"`{variable}` cannot be the name of a `for`",
                 *span(part(tree, "WORD")),
-                "choose another one word",
+                "choose another word",
             )
         if not values:
             self._foresee(statement, tree)
         if len(values) >= MAX_NESTING:
             raise Fault(Code.TOO_LARGE, f"`for`s nested more than {MAX_NESTING} deep", *span(tree))
         listed = self._listed(tree)
-        self.builder.budget.repeat(len(listed) * len(body), *span(tree))
+        self.builder.expansion.repeat(len(listed) * len(body), *span(tree))
         for value in listed:
             if self.stopped:
                 break
             self._each(body, read, {**values, variable: value})
 
     def _foresee(self, statement: Statement, tree: Any) -> None:
-        """Raises `Fault` where a `for`, with those in it, makes too many statements.
+        """Raises `Fault` if a `for`, with those in it, produces too many statements.
 
-        So that this is told at once, not after most of them have been made.
+        This reports the fault at once, not after most of the statements were made.
         """
         count = self._weight(statement)
-        if count > self.builder.budget.statements:
-            self.builder.budget.repeat(count, *span(tree))
+        if count > self.builder.expansion.statements:
+            self.builder.expansion.repeat(count, *span(tree))
 
     def _weight(self, statement: Statement, depth: int = 0) -> int:
-        """How many statements a statement makes, as far as its text alone can tell."""
+        """The number of statements that a statement produces, estimated from its text alone."""
         if depth > MAX_NESTING:
             return 1
         try:
@@ -394,10 +394,10 @@ class _Reader:
                 return inner
             return inner * len(self._listed(self.parser.parse(classified(header))))
         except Fault:
-            return 1  # It is told where the statement is read.
+            return 1  # The fault is reported when the statement is read.
 
     def _listed(self, tree: Any) -> Sequence[Value]:
-        """What a `for` goes through."""
+        """The values of a `for`."""
         numbers = [n for n in tree.children if kind(n) == "INT"]
         if not numbers:
             return [found.value for found in nodes.names(part(tree, "names"))]
@@ -411,7 +411,7 @@ class _Reader:
                 "write the smaller number first",
             )
         if high - low >= sys.maxsize:
-            raise Fault(Code.BAD_NUMBER, "a number beyond all range", *span(numbers[1]))
+            raise Fault(Code.BAD_NUMBER, "a number out of range", *span(numbers[1]))
         return range(low, high + 1)
 
     # --- events ---
@@ -439,7 +439,7 @@ class _Reader:
         self.sink.put("events", event)
 
     def _change(self, statement: Statement, values: Values) -> None:
-        """A statement in the body of an event."""
+        """Reads a statement in the body of an event."""
         raw = self._tokens(statement)
         if raw[0].value == "for" and raw[0].type == "WORD":
             self._for(statement, raw, values, self._change)
@@ -453,7 +453,7 @@ class _Reader:
         self.sink.put("changes", changes.change(self.builder, tree, at))
 
     def _block(self, statement: Statement, raw: list[Lexeme], values: Values, at: Pointer) -> None:
-        """`add:` or `remove:` with a body: one change of many parts."""
+        """Reads `add:` or `remove:` with a body: one change of many parts."""
         body, outer = _body(statement, raw), self.sink
         adds = raw[0].value == "add"
         self.builder.mark(at, raw[0].start_pos, raw[0].end_pos)
@@ -462,7 +462,7 @@ class _Reader:
         self._each(body, self._added if adds else self._removed, values)
         inner, self.sink = self.sink, outer
         if len(self.faults) > before and not any(inner.arrays.values()):
-            return  # All of it is faulty, and told.
+            return  # All of its parts are faulty and reported.
         found = (
             changes.addition(inner, raw[0].start_pos, raw[0].end_pos)
             if adds
@@ -501,7 +501,7 @@ class _Reader:
 
 
 def _of_name(tokens: list[Lexeme], i: int) -> bool:
-    """Whether a raw token may be a part of a name, or a duration."""
+    """Whether a raw token may be part of a name, or a duration."""
     token = tokens[i]
     if token.type == "WORD":
         if i == 0 and token.value in STATEMENT_WORDS:
@@ -515,12 +515,12 @@ def _colon(raw: list[Lexeme]) -> int:
 
 
 def _body(statement: Statement, raw: list[Lexeme]) -> list[Statement]:
-    """What a block holds: the lines below it, or the rest of its own line."""
+    """The statements of a block: the lines below it, or the rest of its own line."""
     colon = _colon(raw)
     if colon < 0:
         raise Fault(
             Code.DSL_SYNTAX,
-            f"`{raw[0].value}` needs a `:` before what it holds",
+            f"`{raw[0].value}` needs a `:` before its contents",
             raw[-1].end_pos - 1,
             raw[-1].end_pos,
         )
@@ -533,7 +533,7 @@ def _body(statement: Statement, raw: list[Lexeme]) -> list[Statement]:
     if statement.body is None and raw[0].value != "event":
         raise Fault(
             Code.DSL_SYNTAX,
-            f"this `{raw[0].value}` holds nothing",
+            f"this `{raw[0].value}` is empty",
             raw[colon].start_pos,
             raw[colon].end_pos,
             "indent the lines that belong to it",
@@ -548,7 +548,7 @@ def _no_body(statement: Statement, raw: list[Lexeme]) -> None:
             "this statement cannot have a body",
             raw[-1].start_pos,
             raw[-1].end_pos,
-            "take the `:` away",
+            "remove the `:`",
         )
 
 
@@ -563,7 +563,7 @@ _TASK_FIELDS = {
     "objective": "objective",
     "include": "",
 }
-_SAID: dict[str, Callable[[Any], nodes.Placed]] = {
+_FIELD_VALUES: dict[str, Callable[[Any], nodes.Placed]] = {
     "task": nodes.name,
     "irc": nodes.text,
     "description": nodes.text,

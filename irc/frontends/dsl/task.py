@@ -14,10 +14,10 @@ from irc.model.from_document import to_task
 
 @dataclass(frozen=True)
 class DslTask:
-    """What a text says as a task (None where no task can be made of it), and all findings so far.
+    """The task of a text (None if it has faults of shape), and all findings so far.
 
-    The findings are those about text and shape; with any of them also what the checks say of the
-    sound statements. The report is not located yet.
+    The findings are about text and shape; if there are any, also about the sound statements, from
+    the checks. The report is not located yet.
     """
 
     reading: DslReading
@@ -26,9 +26,9 @@ class DslTask:
 
 
 def dsl_task(text: str, name: str = "<text>", path: Path | None = None) -> DslTask:
-    """Reads a text as far as it goes; `path` is its file, where it has one.
+    """Reads a text as far as possible; `path` is its file, if it has one.
 
-    Never raises for what stands in the text, so an editor can show all of it.
+    Never raises for the contents of the text, so that an editor can show all findings.
     """
     folder = None if path is None else path.parent
     reading = read_dsl(text, name, folder, file=path)

@@ -1,4 +1,4 @@
-"""`{name}` in the body of a `for`: each token with a value in its place."""
+"""Fills `{name}` in the body of a `for` with values."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _INSIDE = re.compile(r"\s*([^\W\d]\w*)\s*(?:([+-])\s*([0-9]{1,9})\s*)?")
 def filled(tokens: Sequence[Lexeme], values: Mapping[str, Value]) -> list[Lexeme]:
     """The tokens with every `{name}` and `{name + 1}` filled in.
 
-    A value is never read as anything but a part of a name, or as a number where it stands for a
-    whole number: what a list says cannot turn into a clause. Raises `Fault`.
+    A value is read only as part of a name, or as a number if it is the whole token, so that a
+    value in a list cannot become a clause. Raises `Fault`.
     """
     return [_filled(token, values) if "{" in token.value else token for token in tokens]
 
@@ -74,7 +74,7 @@ def _value(inside: re.Match[str] | None, token: Lexeme, values: Mapping[str, Val
     if inside[1] not in values:
         hint = did_you_mean(inside[1], values)
         if hint is None and not values:
-            hint = 'braces have a meaning in a `for` only; else put the name in "quotes"'
+            hint = 'braces have a meaning only in a `for`; otherwise put the name in "quotes"'
         raise Fault(
             Code.DSL_TEMPLATE,
             f"there is no `for {inside[1]}` around this",

@@ -1,4 +1,4 @@
-"""What is said of a statement that the grammar cannot read: what was found, what was expected."""
+"""The messages for statements that the grammar cannot read: found and expected words."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from irc.frontends.dsl.lexer import CLAUSE_WORDS, PHRASES, Lexeme
 
 _QUOTE = 'put the name in "quotes"'
 
-_SAID = {
+_NAMES = {
     "STRING": 'text in "quotes"',
     "WORD": "a name",
     "INT": "a number",
@@ -28,9 +28,9 @@ _SAID = {
     "JSON": "an object in braces",
     "$END": "the end of the statement",
 }
-"""How messages call what may follow, in the order they name it; the rest are words as they are."""
+"""The words for what may follow, in the order of messages; other words stand for themselves."""
 
-_UNSAID = frozenset(["MINUS", "NO_ACTIONS", "NO_PRECEDENCE", "NO_RESOURCES", "NO_GROUPS"]) | {
+_UNNAMED = frozenset(["MINUS", "NO_ACTIONS", "NO_PRECEDENCE", "NO_RESOURCES", "NO_GROUPS"]) | {
     *("NO_STATE", "START_OF", "END_OF", "OF_GROUP", "SET_DEADLINE_OF_ACTION"),
     *("SET_DEADLINE_OF_GROUP", "CANCEL_GROUP"),
 }
@@ -42,7 +42,7 @@ _TOGETHER = (
     ("a clause such as `capacity`, `label`", frozenset(["CAPACITY", "LABEL", "INITIAL"])),
     ("a clause such as `reward`, `deadline`", frozenset(["REWARD", "DUE", "OPTIONAL"])),
 )
-"""Many words that may begin the same thing are named by that thing."""
+"""Sets of words with a common name for messages."""
 
 _OWN_MEANING = frozenset(
     {word.upper() for word in CLAUSE_WORDS} | set(PHRASES.values()) - {"OF_GROUP"}
@@ -50,7 +50,7 @@ _OWN_MEANING = frozenset(
 
 
 def unexpected(error: Any, tokens: Sequence[Lexeme]) -> Fault:
-    """The fault that Lark's error is about. No name of a token stands in it."""
+    """The fault for an error of Lark, without the names of tokens."""
     accepted = set(error.accepts or error.expected)
     token: Any = error.token
     if token.type == "$END":
@@ -73,9 +73,9 @@ def unexpected(error: Any, tokens: Sequence[Lexeme]) -> Fault:
 def _hint(token: Lexeme, accepted: set[str], tokens: Sequence[Lexeme]) -> str | None:
     before = tokens[tokens.index(token) - 1] if token is not tokens[0] else None
     if token.value == "of" and before is not None and before.type == "SET_DEADLINE":
-        return "say of what: `set deadline of action NAME = …`, or `of group NAME = …`"
+        return "name its kind: `set deadline of action NAME = …`, or `of group NAME = …`"
     if token.type == "WORD":
-        words = sorted(_word(k) for k in accepted if k not in _UNSAID and k not in _SAID)
+        words = sorted(_word(k) for k in accepted if k not in _UNNAMED and k not in _NAMES)
         return did_you_mean(token.value, words)
     of_name = "WORD" in accepted or (before is not None and before.type in ("WORD", "INT"))
     if token.type in _OWN_MEANING and of_name:
@@ -92,7 +92,7 @@ def _hint(token: Lexeme, accepted: set[str], tokens: Sequence[Lexeme]) -> str | 
             return f"the duration stands before `{early}`; if that belongs to the name, {_QUOTE}"
         return f"a lag is written `+ {token}`" if "PLUS" in accepted else None
     if token.type == "MINUS" and "TIME" in accepted:
-        return "a time is not negative here"
+        return "a time cannot be negative here"
     if token.type in ("COLON", "EQUALS", "OPEN", "CLOSE", "TIMES", "PLUS", "MINUS"):
         return f"if it belongs to a name, {_QUOTE}"
     return None
@@ -103,22 +103,22 @@ def _word(kind: str) -> str:
 
 
 def _listed(kinds: Iterable[str]) -> str:
-    left = set(kinds) - _UNSAID
+    left = set(kinds) - _UNNAMED
     together = []
     for what, words in _TOGETHER:
         if words <= left:
             together.append(what)
-            left &= set(_SAID)
+            left &= set(_NAMES)
     if together[:1] == ["a statement"]:
         return "a statement"
     if "TIME" in left:
         left -= {"INT"} if "WORD" in left else {"INT", "STRING"}
     if "WORD" in left:
         left -= {"INT", "STRING", "OPEN"}
-    order = list(_SAID)
-    said = sorted(left & set(_SAID), key=order.index)
-    names = [_SAID[kind] for kind in said]
-    names += together + [f"`{_word(kind)}`" for kind in sorted(left - set(_SAID))]
+    order = list(_NAMES)
+    said = sorted(left & set(_NAMES), key=order.index)
+    names = [_NAMES[kind] for kind in said]
+    names += together + [f"`{_word(kind)}`" for kind in sorted(left - set(_NAMES))]
     return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 

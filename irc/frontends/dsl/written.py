@@ -1,4 +1,4 @@
-"""How the DSL writes small things: names, values, times, ranges, free-form data."""
+"""Writes small parts in the DSL: names, values, times, ranges, free-form data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _WIDEST = 88
 
 
 def name(text: str) -> str:
-    """A name, in quotes exactly where it needs them."""
+    """A name, in quotes if it needs them."""
     return quoted(text) if needs_quotes(text) else text
 
 
@@ -28,7 +28,7 @@ def names(texts: Iterable[str]) -> str:
 
 
 def last_name(text: str) -> str:
-    """A name at whose end a number would be read as a duration."""
+    """A name that may not end in a number, which would be read as a duration."""
     written = name(text)
     return quoted(text) if written[-1:].isdigit() and written.split()[-1].isdigit() else written
 
@@ -41,20 +41,20 @@ def value(said: bool | str) -> str:
 
 
 def bare(said: Instant) -> str:
-    """A time without regard to its sign."""
+    """The text of a time, with or without a sign."""
     if isinstance(said, (int, Fraction)):
         return format_number(said)
     return said.text if isinstance(said, Quantity) else said.isoformat()
 
 
 def time(said: Instant) -> str:
-    """A time where no sign is read: as it is if it can stand without quotes."""
+    """A time at a place without signs, without quotes if possible."""
     text = bare(said)
     return text if _is_time(text) else quoted(text)
 
 
 def signed(said: Instant) -> str:
-    """A time where a sign is read."""
+    """A time at a place where a sign may stand."""
     text = bare(said)
     return text if _is_time(text.removeprefix("-")) else quoted(text)
 
@@ -68,7 +68,7 @@ def _is_time(text: str) -> bool:
 
 
 def span(low: Instant, high: Instant, *, sign: bool = False) -> str:
-    """`low .. high`; the end without a unit is quoted where the other one has one."""
+    """A range `low .. high`; an end without a unit is quoted if the other one has a unit."""
     write = signed if sign else time
     least, most = time(low), write(high)
     if least[0] != '"' and most[0] != '"' and _has_unit(low) != _has_unit(high):
@@ -84,7 +84,7 @@ def _has_unit(said: Instant) -> bool:
 
 
 def lag(low: Instant, high: Instant | None) -> str:
-    """What stands behind a reference: ` + 3 s .. 2 min`; empty where there is no lag."""
+    """The lag after a reference: ` + 3 s .. 2 min`; empty if there is none."""
     if type(low) is int and low == 0:
         return "" if high is None else f" + 0 .. {signed(high)}"
     text = bare(low)

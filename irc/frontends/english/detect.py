@@ -1,4 +1,4 @@
-"""Is a text a task in English? Decided without reading it as one."""
+"""Decides whether a text is a task in English, without parsing it."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _STEP = re.compile(
 
 
 def is_english(text: str, name: str) -> bool:
-    """Whether a text is to be read as English rather than as JSON.
+    """Whether a text is read as English rather than as JSON.
 
-    What holds a JSON object is JSON, as ever; a text file is English, and so is what has steps.
+    A text with a JSON object is JSON; a text file is English, and so is a text with steps.
     """
     if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or _JSON_OBJECT.search(text):
         return False

@@ -1,4 +1,4 @@
-"""The lines of a text: list items with their markers, and paragraphs."""
+"""Splits the lines of a text into list items with their markers, and paragraphs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 Span = tuple[int, int]
-"""[start, end) in the text."""
+"""A span [start, end) of the text."""
 
 _NOUN = r"(?:step|task|activity|action|stage|phase|job|operation|subtask)"
 _LABEL = r"(?:[0-9]{1,9}[a-z]?|[A-Za-z]{1,2}[0-9]{1,5}|[A-Za-z])"
@@ -74,7 +74,7 @@ class Item:
     body: Span
     label: str | None
     named: bool
-    """The marker has a noun: "Step 3." rather than "3."."""
+    """Whether the marker has a noun: "Step 3." rather than "3."."""
     indent: int
     more: list[Span] = field(default_factory=list)
 
@@ -90,7 +90,7 @@ Block = Item | Paragraph
 
 
 def without_emphasis(text: str) -> str:
-    """The text with Markdown's emphasis blanked out, every character in its place."""
+    """The text with spaces instead of Markdown's emphasis, so that no offset changes."""
     return _EMPHASIS.sub(lambda m: " " * len(m[0]), text) if "*" in text or "__" in text else text
 
 
@@ -147,7 +147,7 @@ def _add(text: str, line: Span, blocks: list[Block], broken: bool) -> None:
 
 
 def _continues(text: str, last: Block | None) -> bool:
-    """Whether the last line stops where no sentence does, so that this one goes on with it."""
+    """Whether the last line ends inside a sentence, so that this line continues it."""
     if last is None:
         return False
     lines: Sequence[Span] = (

@@ -21,7 +21,7 @@ from irc.frontends.english.statements import (
     Frame,
     Free,
     Length,
-    Order,
+    Ordering,
     OthersAfter,
     Place,
     Point,
@@ -29,8 +29,8 @@ from irc.frontends.english.statements import (
     Refs,
     Refused,
     Statement,
+    StoryPart,
     Takes,
-    Told,
 )
 from irc.frontends.english.units import UNITS, unit_size
 from irc.frontends.english.words import Word
@@ -42,11 +42,11 @@ _ORDINALS = ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth",
 
 
 class Inexact(IrcError):
-    """A part of a sentence that is not exact; the text is a key of the reasons for refusal."""
+    """A part of a sentence that is not exact; the message is a key of `REASONS`."""
 
 
 def meaning(derivation: Derivation, words: Sequence[Word]) -> tuple[Statement, ...]:
-    """What a derivation says. Raises `Inexact`."""
+    """The statements of a derivation. Raises `Inexact`."""
     return _flat(_value(derivation, words))
 
 
@@ -219,7 +219,7 @@ def _point(edge: str) -> Callable[[list[Any], _Place], Point]:
     return make
 
 
-# Order
+# Ordering
 
 
 def _start(refs: Refs) -> Point:
@@ -234,61 +234,61 @@ def _without_when(values: list[Any]) -> list[Any]:
     return [v for v in values if v is not None]
 
 
-def _precedes(values: list[Any], _place: _Place) -> Order:
-    return Order(_end(values[0]), _start(values[1]))
+def _precedes(values: list[Any], _place: _Place) -> Ordering:
+    return Ordering(_end(values[0]), _start(values[1]))
 
 
-def _follows(values: list[Any], _place: _Place) -> Order:
-    return Order(_end(values[1]), _start(values[0]))
+def _follows(values: list[Any], _place: _Place) -> Ordering:
+    return Ordering(_end(values[1]), _start(values[0]))
 
 
-def _before(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], Order]:
-    def make(values: list[Any], _place: _Place) -> Order:
-        return Order(edge(values[0]), values[1])
+def _before(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], Ordering]:
+    def make(values: list[Any], _place: _Place) -> Ordering:
+        return Ordering(edge(values[0]), values[1])
 
     return make
 
 
-def _after(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], Order]:
-    def make(values: list[Any], _place: _Place) -> Order:
+def _after(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], Ordering]:
+    def make(values: list[Any], _place: _Place) -> Ordering:
         refs, point = _without_when(values)
-        return Order(point, edge(refs))
+        return Ordering(point, edge(refs))
 
     return make
 
 
-def _after_and_before(values: list[Any], _place: _Place) -> list[Order]:
+def _after_and_before(values: list[Any], _place: _Place) -> list[Ordering]:
     refs, after, before = values
-    return [Order(after, _start(refs)), Order(_end(refs), before)]
+    return [Ordering(after, _start(refs)), Ordering(_end(refs), before)]
 
 
-def _before_and_after(values: list[Any], place: _Place) -> list[Order]:
+def _before_and_after(values: list[Any], place: _Place) -> list[Ordering]:
     refs, before, after = values
     return _after_and_before([refs, after, before], place)
 
 
-def _in_between(values: list[Any], _place: _Place) -> list[Order]:
+def _in_between(values: list[Any], _place: _Place) -> list[Ordering]:
     refs, first, second = values
-    return [Order(_end((first,)), _start(refs)), Order(_end(refs), _start((second,)))]
+    return [Ordering(_end((first,)), _start(refs)), Ordering(_end(refs), _start((second,)))]
 
 
-def _front_after(values: list[Any], _place: _Place) -> Order:
+def _front_after(values: list[Any], _place: _Place) -> Ordering:
     point, refs = _without_when(values)
-    return Order(point, _start(refs))
+    return Ordering(point, _start(refs))
 
 
-def _front_before(values: list[Any], _place: _Place) -> Order:
+def _front_before(values: list[Any], _place: _Place) -> Ordering:
     point, refs = values
-    return Order(_end(refs), point)
+    return Ordering(_end(refs), point)
 
 
-def _points(values: list[Any], _place: _Place) -> Order:
+def _points(values: list[Any], _place: _Place) -> Ordering:
     before, after = _without_when(values)
-    return Order(before, after)
+    return Ordering(before, after)
 
 
-def _point_start(values: list[Any], _place: _Place) -> Order:
-    return Order(values[0], _start(values[1]))
+def _point_start(values: list[Any], _place: _Place) -> Ordering:
+    return Ordering(values[0], _start(values[1]))
 
 
 # Lags
@@ -303,52 +303,52 @@ def _exact_length(time: Any) -> Length:
 _ZERO = Length("0 s", Fraction(0), Fraction(0), "s")
 
 
-def _lag(least: bool, most: bool) -> Callable[[list[Any], _Place], Order]:
-    def make(values: list[Any], _place: _Place) -> Order:
+def _lag(least: bool, most: bool) -> Callable[[list[Any], _Place], Ordering]:
+    def make(values: list[Any], _place: _Place) -> Ordering:
         refs, time, point = values
         time = _exact_length(time)
-        return Order(point, _start(refs), time if least else None, time if most else None)
+        return Ordering(point, _start(refs), time if least else None, time if most else None)
 
     return make
 
 
-def _lag_none(values: list[Any], _place: _Place) -> Order:
-    return Order(values[1], _start(values[0]), None, _ZERO)
+def _lag_none(values: list[Any], _place: _Place) -> Ordering:
+    return Ordering(values[1], _start(values[0]), None, _ZERO)
 
 
-def _follows_at_once(values: list[Any], _place: _Place) -> Order:
-    return Order(_end(values[1]), _start(values[0]), None, _ZERO)
+def _follows_at_once(values: list[Any], _place: _Place) -> Ordering:
+    return Ordering(_end(values[1]), _start(values[0]), None, _ZERO)
 
 
-def _lag_within(values: list[Any], _place: _Place) -> Order:
+def _lag_within(values: list[Any], _place: _Place) -> Ordering:
     refs, time, others = values
-    return Order(_end(others), _start(refs), None, _exact_length(time))
+    return Ordering(_end(others), _start(refs), None, _exact_length(time))
 
 
-def _lag_between(values: list[Any], place: _Place) -> Order:
+def _lag_between(values: list[Any], place: _Place) -> Ordering:
     time, first, second = values
     time = _exact_length(time)
     least = None if place.has("AT_MOST") else time
-    return Order(_end(first), _start(second), least, None if place.has("AT_LEAST") else time)
+    return Ordering(_end(first), _start(second), least, None if place.has("AT_LEAST") else time)
 
 
-def _lag_wait(values: list[Any], place: _Place) -> Order:
+def _lag_wait(values: list[Any], place: _Place) -> Ordering:
     time, after, before = values
     if before.edge != "start":
         raise Inexact("lag_end")
     time = _exact_length(time)
-    return Order(after, before, time, None if place.has("AT_LEAST") else time)
+    return Ordering(after, before, time, None if place.has("AT_LEAST") else time)
 
 
-def _same(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], list[Order]]:
-    def make(values: list[Any], _place: _Place) -> list[Order]:
+def _same(edge: Callable[[Refs], Point]) -> Callable[[list[Any], _Place], list[Ordering]]:
+    def make(values: list[Any], _place: _Place) -> list[Ordering]:
         members = _flat(values)
         if any(ref.kind.startswith("all") or ref.kind == "range" for ref in members):
             raise Inexact("together")
         if len(members) < 2:
             raise Inexact("alone")
         return [
-            Order(edge((first,)), edge((second,)), None, _ZERO)
+            Ordering(edge((first,)), edge((second,)), None, _ZERO)
             for first, second in itertools.pairwise(members)
         ]
 
@@ -362,8 +362,8 @@ def _chain(values: list[Any], _place: _Place) -> Chain:
     return Chain(tuple(values))
 
 
-def _told(when: Any) -> Callable[[list[Any], _Place], Told]:
-    return lambda values, _place: Told(when, values[0])
+def _story_part(when: Any) -> Callable[[list[Any], _Place], StoryPart]:
+    return lambda values, _place: StoryPart(when, values[0])
 
 
 def _placed(where: Any) -> Callable[[list[Any], _Place], Place]:
@@ -413,20 +413,20 @@ def _note_lasts(values: list[Any], place: _Place) -> Takes:
     return Takes(_this(place), values[0], False)
 
 
-def _note_after(values: list[Any], place: _Place) -> Order:
-    return Order(_without_when(values)[0], _start(_this(place)))
+def _note_after(values: list[Any], place: _Place) -> Ordering:
+    return Ordering(_without_when(values)[0], _start(_this(place)))
 
 
-def _note_before(values: list[Any], place: _Place) -> Order:
-    return Order(_end(_this(place)), values[0])
+def _note_before(values: list[Any], place: _Place) -> Ordering:
+    return Ordering(_end(_this(place)), values[0])
 
 
-def _note_needs(values: list[Any], place: _Place) -> Order:
-    return Order(_end(values[0]), _start(_this(place)))
+def _note_needs(values: list[Any], place: _Place) -> Ordering:
+    return Ordering(_end(values[0]), _start(_this(place)))
 
 
-def _note_precedes(values: list[Any], place: _Place) -> Order:
-    return Order(_end(_this(place)), _start(values[0]))
+def _note_precedes(values: list[Any], place: _Place) -> Ordering:
+    return Ordering(_end(_this(place)), _start(values[0]))
 
 
 def _as_is(values: list[Any], _place: _Place) -> Any:
@@ -446,7 +446,7 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     "opener": _nothing,
     "note": _as_is,
     "note_part": _as_is,
-    "told": _as_is,
+    "story": _as_is,
     "field": _as_is,
     "when": _nothing,
     # references
@@ -516,13 +516,13 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     "same_end": _same(_end),
     # sequences
     "chain": _chain,
-    "opens": _told("first"),
-    "continues": _told("then"),
-    "concludes": _told("finally"),
+    "opens": _story_part("first"),
+    "continues": _story_part("then"),
+    "concludes": _story_part("finally"),
     # freedom and limits
     "free": _free("each other"),
     "unconstrained": _free("all"),
-    "all_told": _frame("all told"),
+    "no_orders": _frame("no orders"),
     "all_free": _frame("plain"),
     "one_at_a_time": lambda _values, _place: AtATime(1),
     "some_at_a_time": _at_most,

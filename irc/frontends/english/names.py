@@ -1,4 +1,4 @@
-"""Steps named by their own text: "Boil the water", boiling water, "the water is boiled" not."""
+"""Finds steps by their own text: "Boil the water", "boiling water", not "the water is boiled"."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 _WORD = re.compile(r"[^\W_]+(?:['’][^\W_]+)*")
 _ARTICLES = frozenset(["the", "a", "an"])
 _SIGNS = frozenset(",-'/&;:")
-"""Signs inside of a name that do not count."""
+"""Signs in a name that are ignored."""
 
 _LONGEST = 40
 _VOWELS = "aeiou"
@@ -17,13 +17,13 @@ Key = tuple[str, ...]
 
 
 def key_of(text: str) -> Key:
-    """The words of a step's text by which it is known: no case, signs or articles."""
+    """The words of a step's text for comparison: without case, signs and articles."""
     words = (w.lower().replace("’", "'") for w in _WORD.findall(text))
     return tuple(w for w in words if w not in _ARTICLES)
 
 
 def _gerunds(verb: str) -> set[str]:
-    """The ways in which the -ing form of a verb may be spelled."""
+    """The possible spellings of the -ing form of a verb."""
     forms = {verb + "ing"}
     if verb.endswith("ie"):
         forms.add(verb[:-2] + "ying")
@@ -34,8 +34,8 @@ def _gerunds(verb: str) -> set[str]:
     return forms
 
 
-class Names:
-    """Which steps (by position) a text names."""
+class StepNames:
+    """An index of the steps (by position) by their texts."""
 
     def __init__(self, titles: Sequence[str]) -> None:
         self._steps: dict[Key, list[int]] = {}
@@ -65,7 +65,7 @@ class Names:
         return self._steps.get(key_of(text), ())
 
     def match(self, texts: Sequence[str], at: int, shortest: int) -> int:
-        """How many of the words from `at` on name a step: the longest name; 0 for none."""
+        """The number of words from `at` on that name a step: the longest name; 0 for none."""
         for key in self._by_first.get(texts[at], ())[:100]:
             if len(key) >= shortest and (count := _matches(key, texts, at)):
                 return count

@@ -1,4 +1,4 @@
-"""Sentences as words → derivations, by the Lark grammar. Sentences of one shape are parsed once."""
+"""Parses sentences by the Lark grammar; sentences of one shape are parsed once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from irc.frontends.english.words import Vocabulary, Word
 from irc_grammars import read_grammar
 
 LONGEST = 150
-"""Sentences of more words are refused: the parser's time grows faster than their length."""
+"""Longer sentences are refused: the parser's time grows faster than their length."""
 
 _MOST_DERIVATIONS = 24
 _MOST_SHAPES = 50_000
@@ -27,11 +27,11 @@ Derivation = Tree[Token]
 
 
 class TooManyReadings(IrcError):
-    """A sentence that falls apart in more ways than are compared."""
+    """A sentence has more derivations than are compared."""
 
 
 class _Shape(Lexer):
-    """The lexer of a shape, which is a text of terminals with blanks between."""
+    """The lexer of a shape, which is a text of terminals separated by spaces."""
 
     def __init__(self, _configuration: Any) -> None:
         pass
@@ -42,7 +42,7 @@ class _Shape(Lexer):
 
 
 class SentenceParser:
-    """The grammar, with the shapes it has already parsed."""
+    """The parser of the grammar, with the shapes that it has parsed."""
 
     def __init__(self) -> None:
         self._lark = Lark(
@@ -58,7 +58,7 @@ class SentenceParser:
         self._parsed: dict[tuple[str, str], tuple[Derivation, ...]] = {}
 
     def derivations(self, words: Sequence[Word], start: str) -> tuple[Derivation, ...]:
-        """Every way in which the words make a `start`. Raises `TooManyReadings`."""
+        """Every derivation of the words from the rule `start`. Raises `TooManyReadings`."""
         kinds = [word.kind for word in words]
         if not kinds or len(kinds) > LONGEST or not self._known.issuperset(kinds):
             return ()
@@ -82,7 +82,7 @@ class SentenceParser:
 
 @cache
 def sentence_parser() -> SentenceParser:
-    """The one parser: building it takes longer than reading most texts."""
+    """The only parser, because building one takes longer than reading most texts."""
     return SentenceParser()
 
 
@@ -101,7 +101,7 @@ def _terminals(rules: Sequence[Rule]) -> frozenset[str]:
 
 
 def _alternatives(node: Derivation | Token) -> Iterator[Any]:
-    """The derivations that a tree with `_ambig` nodes stands for."""
+    """The derivations in a tree with `_ambig` nodes."""
     if isinstance(node, Token):
         yield node
     elif node.data == "_ambig":

@@ -18,9 +18,9 @@ from irc.frontends.english.layout import (
     blocks_of,
     without_emphasis,
 )
-from irc.frontends.english.names import Names
-from irc.frontends.english.reasons import Problem, Unclear, not_understood, shown
-from irc.frontends.english.references import Said, Step
+from irc.frontends.english.names import StepNames
+from irc.frontends.english.reasons import TextFault, Unclear, not_understood, shown
+from irc.frontends.english.references import ListedStep, SentenceSpan
 from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Frame, Statement
 from irc.frontends.english.steps import StepText, hidden_order, is_optional, order_cue, read_step
@@ -37,9 +37,9 @@ _KINDS = ("named", "numbered", "bullet")
 
 
 def read_english(text: str, name: str) -> RawDocument:
-    """The raw IR document that an English text means.
+    """The raw IR document of an English text.
 
-    Raises `InputError` with every sentence that is not understood and every fault of the whole.
+    Raises `InputError` with every sentence that is not understood and every fault of the text.
     """
     findings = Findings()
     if text.startswith("\ufeff"):
@@ -49,7 +49,7 @@ def read_english(text: str, name: str) -> RawDocument:
     if len(text) > MAX_CHARACTERS:
         findings.add(
             Code.TOO_LARGE,
-            f"the text has {len(text):,} characters; at most {MAX_CHARACTERS:,} are read "
+            f"the text has {len(text):,} characters; irc reads at most {MAX_CHARACTERS:,} "
             "as English",
         )
         raise InputError(Report(tuple(findings.items), source))
@@ -64,7 +64,7 @@ def read_english(text: str, name: str) -> RawDocument:
 
 @dataclass(frozen=True, slots=True)
 class _Locator:
-    """Knows the places of all elements."""
+    """Finds the places of elements."""
 
     places: Mapping[Pointer, Range]
 
@@ -72,17 +72,8 @@ class _Locator:
         return {pointer: self.places[pointer] for pointer in wanted if pointer in self.places}
 
 
-@dataclass
-class _Told:
-    """A step with its item, or sentences with the step they may call "it"."""
-
-    step: StepText | None
-    item: Item | None
-    sentences: list[Sentence]
-
-
 class _Text:
-    """One text on its way to a document."""
+    """The reading of one text."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -92,27 +83,27 @@ class _Text:
             without_emphasis(text), frozenset(x for x in labels if isinstance(x, str))
         )
         self.starts: list[int] = []
-        """Where the steps stand, once they are known."""
+        """The offsets of the steps, once they are known."""
         self.own: dict[int, int] = {}
-        """How many of an item's lines are its own text."""
+        """The number of lines of an item that are its own text."""
 
     def assembled(self) -> Assembly:
-        """All statements of the text, taken up in order."""
+        """All statements of the text, collected in order."""
         items = self._step_items()
-        steps = [self._step(item, told) for item, told in items]
-        names = Names([step.title for step in steps])
+        steps = [self._step(item, step_text) for item, step_text in items]
+        names = StepNames([step.title for step in steps])
         self.reader.names = names
         assembly = Assembly(self.text, steps, names)
         if not steps:
             assembly.problems.append(self._no_steps())
         self.reader.steps_at = steps[0].place.start if steps else len(self.text)
         position_of = {id(item): position for position, (item, _) in enumerate(items)}
-        told_of = {id(item): told for item, told in items}
+        text_of = {id(item): step_text for item, step_text in items}
         if not steps:
             return assembly
         for block in self.blocks:
             position = position_of.get(id(block))
-            self._take(block, position, told_of.get(id(block)), assembly)
+            self._take(block, position, text_of.get(id(block)), assembly)
             if len(assembly.problems) > _MOST_PROBLEMS:
                 return assembly
         self._judge_labels(assembly)
@@ -142,13 +133,13 @@ class _Text:
             if indent is None:
                 indent = block.indent
             lines = self._own_lines(block)
-            told = read_step(self.reader, lines)
+            step_text = read_step(self.reader, lines)
             self.own[id(block)] = len(lines)
-            if not told.timed and (
+            if not step_text.timed and (
                 self._is_said(block) or block.indent > indent or not (listing or block.named)
             ):
                 continue
-            chosen.append((block, told))
+            chosen.append((block, step_text))
             listing = listing and not self._heads_orders(block.more)
         return chosen
 
@@ -160,7 +151,7 @@ class _Text:
             return True
 
     def _own_lines(self, item: Item) -> list[Span]:
-        """The lines of an item's own text: those below it only as far as it goes on there."""
+        """The lines of an item's own text: its first line and the lines that continue it."""
         lines = [item.body]
         for line in item.more:
             if self._understood(sentences_of(self.reader.text, [line])) or lines[-1][1] == 0:
@@ -199,15 +190,15 @@ class _Text:
             except Unclear:
                 continue
 
-    def _step(self, item: Item, told: StepText) -> Step:
-        start, end = told.title
+    def _step(self, item: Item, step_text: StepText) -> ListedStep:
+        start, end = step_text.title
         title = " ".join(self.reader.text[start:end].split()).rstrip(" .,;:-–—")
-        return Step(_label(item), title, Range(item.line[0], item.line[1]))
+        return ListedStep(_label(item), title, Range(item.line[0], item.line[1]))
 
-    # What is said
+    # Statements
 
     def _take(
-        self, block: Block, position: int | None, told: StepText | None, assembly: Assembly
+        self, block: Block, position: int | None, step_text: StepText | None, assembly: Assembly
     ) -> None:
         text = self.reader.text
         if isinstance(block, Paragraph):
@@ -217,19 +208,19 @@ class _Text:
                 lines = lines[1:]
             self._take_sentences(sentences_of(text, lines), None, assembly)
             return
-        if told is None:
+        if step_text is None:
             self._take_item(block, assembly)
             return
-        assembly.problems += told.problems
-        for statements, (start, end) in told.notes:
-            assembly.take(statements, Said(start, end, position))
+        assembly.problems += step_text.problems
+        for statements, (start, end) in step_text.notes:
+            assembly.take(statements, SentenceSpan(start, end, position))
         below = block.more[self.own[id(block)] - 1 :]
-        for sentence in told.rest:
+        for sentence in step_text.rest:
             self._take_remark(sentence, position, assembly)
         self._take_sentences(sentences_of(text, below), position, assembly)
 
     def _is_heading(self, line: Span) -> bool:
-        """Whether the first line is but a title: "Baking a cake"."""
+        """Whether the first line is only a title: "Baking a cake"."""
         sentences = sentences_of(self.reader.text, [line])
         if len(sentences) != 1 or self.text[line[1] - 1] in ".!?":
             return False
@@ -240,7 +231,7 @@ class _Text:
         return not understood and self.reader.heading(sentences[0].start, sentences[0].end)
 
     def _take_item(self, item: Item, assembly: Assembly) -> None:
-        """An item that is no step: a sentence of the list, with or without its marker."""
+        """Reads an item that is not a step: a sentence of the list, with or without its marker."""
         text = self.reader.text
         labelled = assembly.find.position(_label(item))
         if labelled is not None and self._is_bare_note(item):
@@ -249,7 +240,7 @@ class _Text:
             except Unclear as unclear:
                 assembly.problems.append(unclear.problem)
             else:
-                assembly.take(said, Said(item.line[0], item.line[1], labelled))
+                assembly.take(said, SentenceSpan(item.line[0], item.line[1], labelled))
             self._take_sentences(sentences_of(text, item.more), labelled, assembly)
             return
         position = self._step_above(item, assembly)
@@ -280,7 +271,7 @@ class _Text:
             assembly.problems.append(unclear.problem)
             return
         if said is not None:
-            assembly.take(said, Said(sentence.start, sentence.end, position))
+            assembly.take(said, SentenceSpan(sentence.start, sentence.end, position))
             return
         problem = not_understood(self.text, sentence.start, sentence.end)
         assembly.problems.append(problem)
@@ -301,7 +292,7 @@ class _Text:
                     assembly.problems.append(not_understood(self.text, whole.start, whole.end))
                 else:
                     self._note_title(said)
-                    assembly.take(said, Said(whole.start, whole.end, position))
+                    assembly.take(said, SentenceSpan(whole.start, whole.end, position))
             at += count
             if len(assembly.problems) > _MOST_PROBLEMS:
                 return
@@ -314,7 +305,7 @@ class _Text:
     def _next(
         self, sentences: Sequence[Sentence], at: int
     ) -> tuple[tuple[Statement, ...] | None, int]:
-        """What the next sentence says, and of how many pieces it is made."""
+        """(the statements of the next sentence, the number of its pieces)."""
         first = sentences[at]
         if first.open:
             for count in range(_MOST_JOINED, 1, -1):
@@ -341,8 +332,8 @@ class _Text:
     # The whole
 
     def _judge_labels(self, assembly: Assembly) -> None:
-        """Two steps of one number that differ; word for word the same is left to the checks."""
-        first: dict[int | str, Step] = {}
+        """Reports different steps with one number; the checks report exact repetitions."""
+        first: dict[int | str, ListedStep] = {}
         for step in assembly.steps:
             if step.label is None:
                 continue
@@ -350,7 +341,7 @@ class _Text:
             if (earlier.title, earlier.time) != (step.title, step.time):
                 line = self.text.count("\n", 0, earlier.place.start) + 1
                 assembly.problems.append(
-                    Problem(
+                    TextFault(
                         Code.DUPLICATE_ID,
                         f"step {step.label} is listed twice with different contents",
                         step.place.start,
@@ -359,29 +350,31 @@ class _Text:
                 )
 
     def _judge(self, items: Sequence[tuple[Item, StepText]], assembly: Assembly) -> None:
-        for step, (item, told) in zip(assembly.steps, items, strict=True):
+        for step, (item, step_text) in zip(assembly.steps, items, strict=True):
             quoted = shown(self.text[item.line[0] : item.line[1]])
-            if step.time is None and not told.problems:
+            if step.time is None and not step_text.problems:
                 assembly.problems.append(
-                    Problem(
+                    TextFault(
                         Code.NO_DURATION,
                         f"a step without a duration: {quoted}",
                         item.line[0],
                         'write it in parentheses at the end: "(10 minutes)"',
                     )
                 )
-            if not assembly.listed_orders and (cue := order_cue(self.text, told.title)):
+            if not assembly.listed_orders and (cue := order_cue(self.text, step_text.title)):
                 assembly.problems.append(
-                    Problem(
+                    TextFault(
                         Code.AMBIGUOUS,
                         f"{shown(cue[0])} in the text of a step: after which steps? {quoted}",
                         cue.start(),
                         'say the order in a sentence: "Step 2 must precede step 3."',
                     )
                 )
-            if not assembly.listed_orders and (hidden := hidden_order(self.reader, told.title)):
+            if not assembly.listed_orders and (
+                hidden := hidden_order(self.reader, step_text.title)
+            ):
                 assembly.problems.append(
-                    Problem(
+                    TextFault(
                         Code.AMBIGUOUS,
                         f"the text of a step speaks of another step or of the order: {quoted}",
                         hidden,
@@ -389,9 +382,9 @@ class _Text:
                         'all orders with "These ordering constraints must be obeyed:"',
                     )
                 )
-            if not assembly.all_needed and is_optional(self.text, told.title):
+            if not assembly.all_needed and is_optional(self.text, step_text.title):
                 assembly.problems.append(
-                    Problem(
+                    TextFault(
                         Code.VAGUE,
                         f"is the step left out or not? {quoted}",
                         item.line[0],
@@ -404,7 +397,7 @@ class _Text:
             and not assembly.problems
         ):
             assembly.problems.append(
-                Problem(
+                TextFault(
                     Code.NO_ORDER,
                     "the text does not say in which order the steps must be done",
                     assembly.steps[0].place.start,
@@ -413,9 +406,9 @@ class _Text:
                 )
             )
 
-    def _no_steps(self) -> Problem:
+    def _no_steps(self) -> TextFault:
         stripped = self.text.lstrip()
-        return Problem(
+        return TextFault(
             Code.NO_STEPS,
             "the text is empty" if not stripped else "there is no list of steps in the text",
             min(len(self.text) - len(stripped), max(0, len(self.text) - 1)),

@@ -1,4 +1,4 @@
-"""Why a sentence is refused, in words that help to write it again."""
+"""The reasons why a sentence is refused, with hints on how to write it."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _LONGEST_QUOTED = 120
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
-    """What is wrong with a part of the text, and where."""
+class TextFault:
+    """A fault of a part of the text, with its place."""
 
     code: Code
     message: str
@@ -31,7 +31,7 @@ class Problem:
 class Unclear(IrcError):
     """A part of the text that is understood but not exact."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: TextFault) -> None:
         self.problem = problem
         super().__init__(problem.message)
 
@@ -49,17 +49,17 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
     ),
     "permission": (
         Code.AMBIGUOUS,
-        "a permission is no order",
-        'say "must" if it is an order, "can be done in parallel" if it is none',
+        "a permission is not an order",
+        'say "must" if it is an order, "can be done in parallel" if it is not',
     ),
     "lag": (
         Code.AMBIGUOUS,
-        "is the wait exactly, at least, or at most so long?",
+        "is the wait exactly, at least, or at most this long?",
         'say "at least 10 minutes after", "at most 10 minutes after" or "exactly 10 minutes after"',
     ),
     "lag_end": (
         Code.AMBIGUOUS,
-        "is it the start or the end of the step that is bound?",
+        "does the limit apply to the start or to the end of the step?",
         'say "must start at most 1 hour after step 2"',
     ),
     "lag range": (
@@ -69,7 +69,7 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
     ),
     "lag of several": (
         Code.AMBIGUOUS,
-        "a longest wait after several steps cannot be told exactly",
+        "a maximum wait after several steps is not exact",
         "name one step to count from",
     ),
     "together": (
@@ -77,11 +77,11 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
         "must the steps start together, end together, or both?",
         'say "must start at the same time", or "can be done in parallel" if they only may',
     ),
-    "alone": (Code.AMBIGUOUS, "one step is at the same time as what?", "name two or more steps"),
+    "alone": (Code.AMBIGUOUS, "this names only one step", "name two or more steps"),
     "label": (
         Code.AMBIGUOUS,
-        "this number is not a step's number as it stands",
-        'write plain whole numbers, with a blank behind each comma: "steps 1, 100"',
+        "this number does not look like the number of a step",
+        'write plain whole numbers, with a space after each comma: "steps 1, 100"',
     ),
     "units": (
         Code.AMBIGUOUS,
@@ -95,7 +95,7 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
     ),
     "each": (
         Code.AMBIGUOUS,
-        "does each of the steps take so long, or all of them together?",
+        "does each of the steps take this long, or all of them together?",
         'say "take 5 minutes each"',
     ),
     "three apart": (
@@ -105,18 +105,18 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
     ),
     "then": (
         Code.AMBIGUOUS,
-        "after which steps? The sentence before tells no sequence that this one goes on with",
+        "after which steps? The previous sentence has no sequence that this one can continue",
         'name them: "After step 2, do step 3."',
     ),
     "finally": (
         Code.AMBIGUOUS,
-        "after all other steps, or only after those just named?",
+        "after all other steps, or only after the steps just named?",
         'say "Step 4 must come last." or name the steps before it',
     ),
     "first": (
         Code.AMBIGUOUS,
-        "nothing is said of what comes after it",
-        'go on with "Then do step 2.", or say "Step 1 must come before all other steps."',
+        "the text does not say what comes after it",
+        'continue with "Then do step 2.", or say "Step 1 must come before all other steps."',
     ),
     "this": (
         Code.AMBIGUOUS,
@@ -131,14 +131,14 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
 }
 
 
-def because(reason: str, offset: int, quoted: str) -> Problem:
+def because(reason: str, offset: int, quoted: str) -> TextFault:
     """The problem for a key of `REASONS`, with the sentence in question."""
     code, why, hint = REASONS[reason]
-    return Problem(code, f"not exact enough: {shown(quoted)}: {why}", offset, hint)
+    return TextFault(code, f"not exact enough: {shown(quoted)}: {why}", offset, hint)
 
 
 def shown(text: str) -> str:
-    """A part of the text as messages quote it."""
+    """A part of the text in quotes for messages, at most 120 characters."""
     text = " ".join(text.split())
     if len(text) > _LONGEST_QUOTED:
         text = text[: _LONGEST_QUOTED - 1] + "…"
@@ -172,26 +172,26 @@ _LIMIT_HINT = (
 )
 
 
-def not_understood(text: str, start: int, end: int) -> Problem:
-    """What is most probably in the way of understanding text[start:end]."""
+def not_understood(text: str, start: int, end: int) -> TextFault:
+    """The most probable reason why text[start:end] is not understood."""
     quoted = text[start:end]
     if found := _VAGUE.search(text, start, end):
-        return Problem(
+        return TextFault(
             Code.VAGUE,
             f"vague: {shown(found[0])} in {shown(quoted)}",
             found.start(),
-            "write what is certain and exact, or leave it out",
+            "write something certain and exact, or leave it out",
         )
     condition = _CONDITION.search(text, start, end)
     if condition is None and _LIMITED.search(text, start, end):
         message = f"a limit that cannot be read exactly: {shown(quoted)}"
-        return Problem(Code.LIMITED, message, start, _LIMIT_HINT)
+        return TextFault(Code.LIMITED, message, start, _LIMIT_HINT)
     if found := condition or _RESTRICTION.search(text, start, end):
-        return Problem(
+        return TextFault(
             Code.CONDITIONAL,
             f"a negation, condition or exception that is not understood: "
             f"{shown(found[0])} in {shown(quoted)}",
             found.start(),
             'say what must hold: "Step 1 must precede step 2.", or leave the sentence out',
         )
-    return Problem(Code.NOT_UNDERSTOOD, f"not understood: {shown(quoted)}", start, UNDERSTOOD)
+    return TextFault(Code.NOT_UNDERSTOOD, f"not understood: {shown(quoted)}", start, UNDERSTOOD)

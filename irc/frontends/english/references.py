@@ -1,4 +1,4 @@
-"""References to steps → the steps (by position) that they mean."""
+"""Finds the steps (by position) that references mean."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from irc.diagnostics import Code
 from irc.diagnostics.source import Range
-from irc.frontends.english.names import Names
-from irc.frontends.english.reasons import Problem, Unclear, because, shown
+from irc.frontends.english.names import StepNames
+from irc.frontends.english.reasons import TextFault, Unclear, because, shown
 from irc.frontends.english.statements import Ref, Refs, Time
 
 MOST_EDGES = 1_000_000
@@ -16,7 +16,7 @@ MOST_EDGES = 1_000_000
 
 
 @dataclass
-class Step:
+class ListedStep:
     """A step of the list."""
 
     label: int | str | None
@@ -31,8 +31,8 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Said:
-    """Where a statement stands, and the step (by position) whose item it stands in."""
+class SentenceSpan:
+    """The span of a sentence, and the step (by position) to whose item it belongs."""
 
     start: int
     end: int
@@ -44,8 +44,8 @@ class Finder:
     """Finds the steps that references mean, in one text."""
 
     text: str
-    steps: Sequence[Step]
-    names: Names
+    steps: Sequence[ListedStep]
+    names: StepNames
     _by_label: dict[int | str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -59,45 +59,49 @@ class Finder:
         """The step with a label."""
         return None if label is None else self._by_label.get(label)
 
-    def positions(self, refs: Refs, said: Said, others: Sequence[int] | None = None) -> list[int]:
+    def positions(
+        self, refs: Refs, span: SentenceSpan, others: Sequence[int] | None = None
+    ) -> list[int]:
         """The steps that references mean. `others`: those on the other side of the order."""
         found: dict[int, None] = {}
         for ref in refs:
-            for position in self._resolved(ref, said, others):
+            for position in self._resolved(ref, span, others):
                 found[position] = None
                 if len(found) > MOST_EDGES:
-                    raise self.too_many(said)
+                    raise self.too_many(span)
         return list(found)
 
-    def _resolved(self, ref: Ref, said: Said, others: Sequence[int] | None) -> Iterator[int]:
+    def _resolved(
+        self, ref: Ref, span: SentenceSpan, others: Sequence[int] | None
+    ) -> Iterator[int]:
         count = len(self.steps)
         match ref.kind:
             case "label":
                 yield self._labelled(ref.value[0], ref)
             case "range":
-                yield from self._range(ref, said)
+                yield from self._range(ref, span)
             case "name":
                 yield self._named(ref)
             case "nth" | "first" | "last":
                 place = {"first": 1, "last": count}.get(ref.kind) or ref.value[0]
-                yield self._nth(place, ref, said)
+                yield self._nth(place, ref, span)
             case "this":
-                if said.step is None:
-                    raise Unclear(self.because("this", said, ref.start))
-                yield said.step
+                if span.step is None:
+                    raise Unclear(self.because("this", span, ref.start))
+                yield span.step
             case "all":
                 yield from (p for p in range(count) if others is None or p not in others)
             case "all_other" if others is not None:
                 beside = set(others)
                 yield from (p for p in range(count) if p not in beside)
             case "previous" | "all_previous" if others is not None and len(others) == 1:
-                yield from self._previous(ref, others[0], said)
-            case "previous" if said.step is not None:
-                yield from self._previous(ref, said.step, said)
+                yield from self._previous(ref, others[0], span)
+            case "previous" if span.step is not None:
+                yield from self._previous(ref, span.step, span)
             case _:
-                raise Unclear(self.because("nested", said, ref.start))
+                raise Unclear(self.because("nested", span, ref.start))
 
-    def _previous(self, ref: Ref, position: int, said: Said) -> Iterator[int]:
+    def _previous(self, ref: Ref, position: int, span: SentenceSpan) -> Iterator[int]:
         if ref.kind == "all_previous":
             yield from range(position)
         elif position == 0:
@@ -111,7 +115,7 @@ class Finder:
             raise Unclear(self._unknown(f"there is no step {label}", ref.start))
         return position
 
-    def _range(self, ref: Ref, said: Said) -> Iterator[int]:
+    def _range(self, ref: Ref, span: SentenceSpan) -> Iterator[int]:
         low, high = ref.value
         if not (isinstance(low, int) and isinstance(high, int)) or low > high:
             raise Unclear(self._unknown(f"{low} to {high} is no range of steps", ref.start))
@@ -126,7 +130,7 @@ class Finder:
             raise Unclear(self._unknown(f"there is no step {shown(ref.value[0])}", ref.start))
         if len(positions) > 1:
             raise Unclear(
-                Problem(
+                TextFault(
                     Code.AMBIGUOUS,
                     f"{len(positions)} steps have the text {shown(ref.value[0])}",
                     ref.start,
@@ -135,34 +139,34 @@ class Finder:
             )
         return positions[0]
 
-    def _nth(self, place: int, ref: Ref, said: Said) -> int:
+    def _nth(self, place: int, ref: Ref, span: SentenceSpan) -> int:
         """The step at a place of the list; where the steps have numbers they must agree."""
         if place > len(self.steps):
             raise Unclear(self._unknown(f"there is no step {place}", ref.start))
         label = self.steps[place - 1].label
         if isinstance(label, int) and label != place and ref.kind == "nth":
-            raise Unclear(self.because("label", said, ref.start))
+            raise Unclear(self.because("label", span, ref.start))
         return place - 1
 
-    def _unknown(self, message: str, offset: int) -> Problem:
+    def _unknown(self, message: str, offset: int) -> TextFault:
         labels = [str(s.label) for s in self.steps if s.label is not None]
         hint = "the text lists no steps"
         if labels:
             hint = f"the steps listed are {labels[0]} to {labels[-1]} ({len(labels)} steps)"
         elif self.steps:
             hint = "name a step by its text in quotes"
-        return Problem(Code.UNKNOWN_STEP, message, offset, hint)
+        return TextFault(Code.UNKNOWN_STEP, message, offset, hint)
 
-    def because(self, reason: str, said: Said, offset: int | None = None) -> Problem:
-        start = said.start if offset is None else offset
-        return because(reason, start, self.text[said.start : said.end])
+    def because(self, reason: str, span: SentenceSpan, offset: int | None = None) -> TextFault:
+        start = span.start if offset is None else offset
+        return because(reason, start, self.text[span.start : span.end])
 
-    def too_many(self, said: Said) -> Unclear:
+    def too_many(self, span: SentenceSpan) -> Unclear:
         return Unclear(
-            Problem(
+            TextFault(
                 Code.TOO_LARGE,
                 f"the sentences mean more than {MOST_EDGES:,} precedences",
-                said.start,
+                span.start,
                 "put a step of no duration between the groups",
             )
         )

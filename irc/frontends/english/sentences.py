@@ -1,4 +1,4 @@
-"""Lines → sentences, without being misled by abbreviations, decimals and parentheses."""
+"""Splits lines into sentences, with attention to abbreviations, decimals and parentheses."""
 
 from __future__ import annotations
 
@@ -56,17 +56,17 @@ _SHORT_UNITS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Sentence:
-    """[start, end) without its stop."""
+    """A sentence at [start, end), without its full stop."""
 
     start: int
     end: int
     asked: bool = False
-    """It ends with a question mark."""
+    """Whether it ends with a question mark."""
     open: bool = False
-    """Its line ends without a stop, so that the next one may go on with it."""
+    """Whether its line ends without a full stop, so that the next line may continue it."""
 
     def joined(self, last: Sentence) -> Sentence:
-        """From the start of this one to the end of a later one."""
+        """The sentence from the start of this one to the end of a later one."""
         return Sentence(self.start, last.end, last.asked, last.open)
 
 

@@ -1,4 +1,4 @@
-"""What sentences say: references to steps, points in time, and statements about them."""
+"""The statements of sentences: references to steps, points in time, and orders."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 @dataclass(frozen=True, slots=True)
 class Ref:
-    """Steps as a sentence names them, at [start, end) of the text.
+    """A reference of a sentence to steps, at [start, end) of the text.
 
     Kinds: "label", "range", "name", "nth", and the words "this", "first", "last", "previous",
     "all_previous", "all_other", "all".
@@ -41,7 +41,7 @@ class Length:
     seconds: Fraction
     months: Fraction
     unit: str
-    """The smallest unit it was written in."""
+    """The smallest unit in its text."""
 
     @property
     def document(self) -> Any:
@@ -71,8 +71,8 @@ Time = Length | Between
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """`after` comes no earlier than `before`, with a lag within bounds where they are given."""
+class Ordering:
+    """`after` is not earlier than `before`, with a lag within bounds if they are given."""
 
     before: Point
     after: Point
@@ -88,8 +88,8 @@ class Chain:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """A part of a story: "first", "then" (after what was told before) or "finally"."""
+class StoryPart:
+    """A part of a story: "first", "then" (after the previous part) or "finally"."""
 
     when: Literal["first", "then", "finally"]
     refs: Refs
@@ -97,7 +97,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Steps that come before ("first") or after ("last") all others; or in the order named."""
+    """Steps before ("first") or after ("last") all others, or in the given order."""
 
     where: Literal["first", "last", "in order"]
     refs: Refs
@@ -112,7 +112,7 @@ class OthersAfter:
 
 @dataclass(frozen=True, slots=True)
 class EachAfterPrevious:
-    """The steps follow each other as they are listed."""
+    """The steps follow each other in the order of the list."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,12 +130,12 @@ class Apart:
     refs: Refs
     others: Refs = ()
     pair: bool = False
-    """Said of two steps; of more it would be ambiguous."""
+    """Whether the sentence is about two steps; for more it would be ambiguous."""
 
 
 @dataclass(frozen=True, slots=True)
 class AtATime:
-    """At most so many steps run at any time."""
+    """At most `most` steps run at any time."""
 
     most: int
 
@@ -149,7 +149,7 @@ class Deadline:
 
 @dataclass(frozen=True, slots=True)
 class Takes:
-    """How long steps take; several need the word "each"."""
+    """The duration of steps; several steps need the word "each"."""
 
     refs: Refs
     time: Time
@@ -158,24 +158,24 @@ class Takes:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A sentence that frames the question: what it is said for, and its free text if any."""
+    """A sentence around the task, such as the question, with its free text if it has any."""
 
-    kind: Literal["plain", "titled", "orders", "all needed", "unbounded", "all told", "unit"]
+    kind: Literal["plain", "titled", "orders", "all needed", "unbounded", "no orders", "unit"]
     text: str = ""
     start: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """Understood, but not exact enough to compile: `reason` is a key of `REASONS`."""
+    """A sentence that is understood but not exact enough; `reason` is a key of `REASONS`."""
 
     reason: str
 
 
 Statement = (
-    Order
+    Ordering
     | Chain
-    | Told
+    | StoryPart
     | Place
     | OthersAfter
     | EachAfterPrevious

@@ -1,4 +1,4 @@
-"""A list item → a step: its text, and what stands beside it (duration, order)."""
+"""Reads a list item as a step: its text, and the notes beside it (duration, order)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from irc.diagnostics import Code
 from irc.frontends.english.layout import Span
-from irc.frontends.english.reasons import Problem, Unclear, not_understood, shown
+from irc.frontends.english.reasons import TextFault, Unclear, not_understood, shown
 from irc.frontends.english.sentences import Sentence, sentences_of
 from irc.frontends.english.statements import Statement, Takes
 from irc.frontends.english.understanding import Reader
@@ -69,27 +69,27 @@ _REPEATED = re.compile(r"\b(?:twice|thrice|times|each|every|per)\b|\b[0-9]+ ?[x�
 
 @dataclass
 class StepText:
-    """What one item says of its step."""
+    """The parts of one item: the title of its step, notes and sentences."""
 
     title: Span
     notes: list[tuple[tuple[Statement, ...], Span]] = field(default_factory=list)
     """Statements beside the step's text, with their places."""
     rest: list[Sentence] = field(default_factory=list)
     """Sentences after the step's own."""
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[TextFault] = field(default_factory=list)
     unreadable: bool = False
-    """A note stands here that is not understood."""
+    """Whether a note is not understood."""
 
     @property
     def timed(self) -> bool:
-        """Whether a duration stands here, be it one that is not understood."""
+        """Whether the item has a duration, or a note that may be one but is not understood."""
         return self.unreadable or any(
             isinstance(s, Takes) for statements, _ in self.notes for s in statements
         )
 
 
 def read_step(reader: Reader, lines: list[Span]) -> StepText:
-    """The step that the lines of an item tell of."""
+    """The parts of the step in the lines of an item."""
     text = reader.text
     step = StepText((lines[0][0], lines[-1][1]))
     sentences = sentences_of(text, lines)
@@ -124,7 +124,7 @@ def _without_stop(text: str, start: int, end: int) -> int:
 
 
 def _last_parenthesis(text: str, start: int, end: int) -> Span | None:
-    """[start, end) of the parenthesis that a text ends with, parentheses included."""
+    """The span of the parenthesis at the end of a text, with the parentheses."""
     if end <= start or text[end - 1] not in ")]":
         return None
     depth = 0
@@ -136,7 +136,7 @@ def _last_parenthesis(text: str, start: int, end: int) -> Span | None:
 
 
 def _take_parenthesised(reader: Reader, step: StepText) -> None:
-    """Takes "(3 minutes)", "(after step 2)" from the end of the step's text."""
+    """Moves "(3 minutes)", "(after step 2)" from the end of the step's text to the notes."""
     text = reader.text
     while True:
         start, end = step.title
@@ -147,7 +147,7 @@ def _take_parenthesised(reader: Reader, step: StepText) -> None:
 
 
 def _take_leading(reader: Reader, step: StepText) -> None:
-    """Takes "(3 minutes)" from the beginning."""
+    """Moves "(3 minutes)" from the beginning to the notes."""
     text, (start, end) = reader.text, step.title
     if start < end and text[start] in "([":
         close = text.find(")" if text[start] == "(" else "]", start, start + _LONGEST_NOTE)
@@ -159,7 +159,7 @@ def _take_leading(reader: Reader, step: StepText) -> None:
 
 
 def _take_tails(reader: Reader, step: StepText) -> None:
-    """Takes "takes 3 minutes", ": 3 minutes", ", after step 2" from the end."""
+    """Moves "takes 3 minutes", ": 3 minutes", ", after step 2" from the end to the notes."""
     start, end = step.title
     stop = _without_stop(reader.text, start, end)
     for first, last in _tails(reader.text, start, stop):
@@ -193,7 +193,7 @@ def _is_doubtful(text: str, start: int, first: int, last: int) -> bool:
 
 
 def _tails(text: str, start: int, stop: int) -> Iterator[Span]:
-    """(end of the title, start of the note) of what may be notes, the longest first."""
+    """(end of the title, start of the note) of possible notes, the longest first."""
     window = max(start, stop - _LONGEST_NOTE)
     cuts = [(m.start(), m.end()) for m in _SEPARATOR.finditer(text, window, stop)]
     cuts += [(m.start(), m.start()) for m in _TRIGGER.finditer(text, window, stop)]
@@ -203,7 +203,7 @@ def _tails(text: str, start: int, stop: int) -> Iterator[Span]:
 
 
 def _note(reader: Reader, step: StepText, span: Span, *, explicit: bool = False) -> bool:
-    """Whether a piece is a note beside the step's text, be it one with a fault."""
+    """Whether a piece is a note beside the step's text, possibly a faulty one."""
     if span[1] - span[0] > _LONGEST_NOTE:
         return False
     try:
@@ -223,7 +223,7 @@ def _note(reader: Reader, step: StepText, span: Span, *, explicit: bool = False)
 
 
 def _looks_like_note(text: str, start: int, end: int) -> bool:
-    """Whether a parenthesis is meant as a duration or an order, though it is not understood."""
+    """Whether a parenthesis that is not understood is meant as a duration or an order."""
     piece = text[start:end]
     short = len(piece.split()) <= 8
     timed = short and (
@@ -232,16 +232,16 @@ def _looks_like_note(text: str, start: int, end: int) -> bool:
     return bool(timed or (_STEP_NUMBER.search(piece) and _ORDER_WORD.search(piece)))
 
 
-def _unreadable_note(text: str, start: int, end: int) -> Problem:
+def _unreadable_note(text: str, start: int, end: int) -> TextFault:
     problem = not_understood(text, start, end)
     if bound := _BOUND.search(text, start, end):
         message = f"vague: {shown(bound[0])} in {shown(text[start:end])}"
-        return Problem(
+        return TextFault(
             Code.VAGUE, message, bound.start(), 'write one time, or a range: "(5 to 10 minutes)"'
         )
     if problem.code is not Code.NOT_UNDERSTOOD:
         return problem
-    return Problem(
+    return TextFault(
         problem.code,
         f"not understood as a duration or an order: {shown(text[start:end])}",
         start,
@@ -249,8 +249,8 @@ def _unreadable_note(text: str, start: int, end: int) -> Problem:
     )
 
 
-def _two_times(text: str, start: int, end: int) -> Problem:
-    return Problem(
+def _two_times(text: str, start: int, end: int) -> TextFault:
+    return TextFault(
         Code.AMBIGUOUS,
         f"which of these times is the step's duration? {shown(text[start:end])}",
         start,
@@ -259,7 +259,7 @@ def _two_times(text: str, start: int, end: int) -> Problem:
 
 
 def _judge_title(text: str, step: StepText) -> None:
-    """Refuses titles that speak of the order or of several durations: they are not read."""
+    """Refuses titles that contain an order or several durations, which are not read."""
     start, end = step.title
     for m in _PARENTHESIS.finditer(text, start, end):
         inner = m[0][1:-1]
@@ -269,23 +269,23 @@ def _judge_title(text: str, step: StepText) -> None:
             return
     if (number := _STEP_NUMBER.search(text, start, end)) and _ORDER_WORD.search(text, start, end):
         step.problems.append(
-            Problem(
+            TextFault(
                 Code.NOT_UNDERSTOOD,
-                f"the text of a step speaks of the order: {shown(text[start:end])}",
+                f"the text of a step contains an order: {shown(text[start:end])}",
                 number.start(),
-                "say it in a sentence of its own, or in parentheses at the end: "
+                "write it as a sentence of its own, or in parentheses at the end: "
                 '"(5 minutes, after step 2)"',
             )
         )
 
 
 def order_cue(text: str, span: Span) -> re.Match[str] | None:
-    """The word with which a step's text says that it comes after the one before: "Then …"."""
+    """The word in a step's text for "after the previous step", such as "Then …"."""
     return _CUE.match(text, *span)
 
 
 def hidden_order(reader: Reader, span: Span) -> int | None:
-    """Where a step's text names another step behind "after", or speaks of order in parentheses."""
+    """The place of an order in a step's text: after "after", or in parentheses."""
     text = reader.text
     for word in _LINK.finditer(text, *span):
         words = [m[0].lower() for m in _PLAIN_WORD.finditer(text, word.end(), span[1])]

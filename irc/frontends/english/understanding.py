@@ -1,4 +1,4 @@
-"""A piece of text → the statements it makes, or the reason why it makes none."""
+"""Finds the statements of a piece of text, or the reason why it has none."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from dataclasses import replace
 
 from irc.diagnostics import Code
 from irc.frontends.english.meaning import Inexact, meaning
-from irc.frontends.english.names import Names
+from irc.frontends.english.names import StepNames
 from irc.frontends.english.parsing import LONGEST, TooManyReadings, sentence_parser
-from irc.frontends.english.reasons import Problem, Unclear, because, not_understood, shown
+from irc.frontends.english.reasons import TextFault, Unclear, because, not_understood, shown
 from irc.frontends.english.sentences import Sentence
 from irc.frontends.english.statements import EachAfterPrevious, Frame, Refused, Statement, Takes
 from irc.frontends.english.words import Word, words_of
 
 _LONGEST_TEXT = 20_000
-"""Longer sentences are refused before they are taken apart."""
+"""Longer sentences are refused before they are parsed."""
 
 _HEADS = frozenset(["TO", "FOR", "OF", "COLON", "HASH", "MUST", "YOU_MUST", "WANT_TO", "CAN"])
 _TAILS = frozenset(
@@ -37,7 +37,7 @@ _MOST_ENDS = 5
 _LONGEST_TITLE = 8
 
 _LIMITS = frozenset(["AT_A_TIME", "AT_MOST", "NO_TWO", "OVERLAP", "CANNOT"])
-"""Words that no goal has: free text with one of them limits how the steps are done."""
+"""Words that no goal has: free text with one of them limits the steps."""
 
 _ANNOUNCING = frozenset(["HERE_ARE", "THE_FOLLOWING", "THESE"])
 _ONLY = re.compile(
@@ -54,20 +54,20 @@ _CONDITIONAL = re.compile(
 
 
 class Reader:
-    """Understands the pieces of one text; knows its steps' labels and names."""
+    """Finds the statements of pieces of one text; knows its steps' labels and names."""
 
     def __init__(self, text: str, labels: Collection[str]) -> None:
         self.text = text
         self.labels = labels
-        self.names = Names(())
+        self.names = StepNames(())
         self.steps_at = len(text)
-        """Where the first step stands."""
+        """The offset of the first step."""
         self.title: str | None = None
         """The goal that the text names; its question may repeat it."""
         self._parser = sentence_parser()
 
     def sentence(self, piece: Sentence) -> tuple[Statement, ...] | None:
-        """What a sentence says; None where it is not understood. Raises `Unclear`."""
+        """The statements of a sentence; None if it is not understood. Raises `Unclear`."""
         if piece.end - piece.start > _LONGEST_TEXT:
             raise self._too_long(piece.start, piece.end)
         words = self._words(piece)
@@ -79,7 +79,7 @@ class Reader:
         return self._framed(words, piece) if found is None else found
 
     def note(self, start: int, end: int) -> tuple[Statement, ...] | None:
-        """What a note beside a step's text says: its duration, its order. Raises `Unclear`."""
+        """The statements of a note beside a step's text, such as its duration. Raises `Unclear`."""
         if end - start > _LONGEST_TEXT:
             raise self._too_long(start, end)
         piece = Sentence(start, end)
@@ -90,16 +90,16 @@ class Reader:
 
     def _too_long(self, start: int, end: int) -> Unclear:
         return Unclear(
-            Problem(
+            TextFault(
                 Code.NOT_UNDERSTOOD,
                 f"this sentence is too long ({end - start:,} characters): "
                 f"{shown(self.text[start : start + 200])}",
                 start,
-                "write shorter sentences, each with a point at its end",
+                "write shorter sentences, each with a full stop at its end",
             )
         )
 
-    def _words(self, piece: Sentence, names: Names | None = None) -> list[Word]:
+    def _words(self, piece: Sentence, names: StepNames | None = None) -> list[Word]:
         vocabulary = self._parser.vocabulary
         words = words_of(self.text, piece.start, piece.end, vocabulary, self.labels, names)
         if piece.asked:
@@ -109,7 +109,7 @@ class Reader:
     def _readings(
         self, words: Sequence[Word], start: str, piece: Sentence
     ) -> tuple[Statement, ...] | None:
-        """The one meaning of the words. Raises `Unclear` where there are several."""
+        """The one meaning of the words. Raises `Unclear` if there are several."""
         if len(words) > LONGEST:
             raise self._too_long(piece.start, piece.end)
         quoted = self.text[piece.start : piece.end]
@@ -148,7 +148,7 @@ class Reader:
     def _framed(self, words: Sequence[Word], piece: Sentence) -> tuple[Statement, ...] | None:
         headed = bool(words) and words[0].kind in ("HASH", "GOAL")
         if headed and (self.title is not None or piece.start > self.steps_at):
-            return None  # What a second heading says is no title.
+            return None  # A second heading is not a title.
         for first, last in _free_parts(words):
             start, end = words[first].start, words[last - 1].end
             free = self.text[start:end]
@@ -184,8 +184,8 @@ def _plain(text: str) -> str:
     return " ".join(text.lower().strip(" .?!:").split())
 
 
-def _ambiguous(quoted: str, offset: int) -> Problem:
-    return Problem(
+def _ambiguous(quoted: str, offset: int) -> TextFault:
+    return TextFault(
         Code.AMBIGUOUS,
         f"this can be read in more than one way: {shown(quoted)}",
         offset,

@@ -1,4 +1,4 @@
-"""The units of time that English texts use, in terms of those the IR knows."""
+"""The units of time in English texts, as units of the IR."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A sentence → the words of the language: terminals of the grammar, each with its place."""
+"""Splits a sentence into words of the language: terminals of the grammar, with their places."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from irc.frontends.english.names import Names
+from irc.frontends.english.names import StepNames
 from irc.frontends.english.units import UNITS
 from irc.model.quantities import MAX_DIGITS
 
 WORD, OTHER = "WORD", "OTHER"
-"""Kinds that no rule of the grammar has: unknown words, and signs that are no part of it."""
+"""Kinds that no rule of the grammar has: unknown words and unknown signs."""
 
 _RAW = re.compile(
     r"""(?P<tag><[^<>\n]{0,60}>)
@@ -71,7 +71,7 @@ _NUMBER_WORDS: Mapping[str, int] = {
 }
 
 _LONG_LIST = 6
-"""Lists of at least so many numbers become one word: the parser's time grows with lists."""
+"""Lists of at least this many numbers become one word: the parser's time grows with lists."""
 
 _AMOUNT_KINDS = frozenset(["NUM", "ONE", "A", "HALF", "QUARTER_OF"])
 
@@ -88,7 +88,7 @@ class Word:
 
 
 class Vocabulary:
-    """The words and fixed phrases of the grammar: which terminal each is."""
+    """The words and fixed phrases of the grammar, with their terminals."""
 
     def __init__(self, terminals: Mapping[str, str]) -> None:
         self._phrases: dict[str, list[tuple[tuple[str, ...], str]]] = {}
@@ -99,7 +99,7 @@ class Vocabulary:
             known.sort(key=lambda entry: -len(entry[0]))
 
     def match(self, texts: Sequence[str], at: int) -> tuple[int, str] | None:
-        """How many of the words from `at` on are the longest known phrase, and its terminal."""
+        """(the number of words of the longest known phrase at `at`, its terminal)."""
         for parts, kind in self._phrases.get(texts[at], ()):
             if len(parts) == 1 or tuple(texts[at : at + len(parts)]) == parts:
                 return len(parts), kind
@@ -124,7 +124,7 @@ def words_of(
     end: int,
     vocabulary: Vocabulary,
     labels: Collection[str],
-    names: Names | None = None,
+    names: StepNames | None = None,
 ) -> list[Word]:
     """The words of text[start:end].
 
@@ -145,7 +145,7 @@ def _words(
     texts: Sequence[str],
     vocabulary: Vocabulary,
     labels: Collection[str],
-    names: Names | None,
+    names: StepNames | None,
 ) -> Iterator[Word]:
     at, before = 0, ""
     while at < len(raws):
@@ -165,8 +165,8 @@ def _words(
         at += count
 
 
-def _named(names: Names, texts: Sequence[str], at: int, vocabulary: Vocabulary) -> int:
-    """How many words from `at` on are a step's own text. One word of the language is none."""
+def _named(names: StepNames, texts: Sequence[str], at: int, vocabulary: Vocabulary) -> int:
+    """The number of words at `at` that are a step's own text; a word of the language is not."""
     word = texts[at]
     common = vocabulary.knows(word) or word in _NUMBER_WORDS or word in UNITS or not word.isalpha()
     return names.match(texts, at, 2 if common else 1)
@@ -180,7 +180,7 @@ def _kind(
     vocabulary: Vocabulary,
     labels: Collection[str],
 ) -> tuple[int, str, object]:
-    """How many raw words make the next one, its kind ("": left out), and its value."""
+    """(the number of raw words of the next word, its kind or "" to leave it out, its value)."""
     raw, text = raws[at], texts[at]
     if raw.group in ("num", "vulgar"):
         return _number(raws, at, labels)
@@ -212,7 +212,7 @@ def _hash(raws: Sequence[_Raw], at: int) -> tuple[int, str, object]:
 
 
 def _is_unit(texts: Sequence[str], at: int, before: str, vocabulary: Vocabulary) -> bool:
-    """Short units count only behind a number; "second" is an ordinal before "step"."""
+    """Whether a word is a unit: short units only after a number, "second" not before "step"."""
     counted = before in _AMOUNT_KINDS
     if texts[at] == "second":
         following = vocabulary.match(texts, at + 1) if at + 1 < len(texts) else None
@@ -235,12 +235,12 @@ def _number(raws: Sequence[_Raw], at: int, labels: Collection[str]) -> tuple[int
     if raw.text.isdigit() and (mixed := _fraction(raws, at + 1)) and mixed[1] < 1:
         return 1 + mixed[0], "NUM", whole + mixed[1]
     if following is not None and following.text in "/:" and following.start == raw.end:
-        return 1, OTHER, None  # A clock time, or a fraction that is none.
+        return 1, OTHER, None  # A clock time, or an impossible fraction.
     return 1, "NUM", whole
 
 
 def _fraction(raws: Sequence[_Raw], at: int) -> tuple[int, Fraction] | None:
-    """How many raw words from `at` on are a fraction ("1/2", "½"), and its value."""
+    """(the number of raw words at `at` that are a fraction ("1/2", "½"), its value)."""
     if at < len(raws) and raws[at].group == "vulgar":
         return 1, _VULGAR[raws[at].text]
     parts = raws[at : at + 3]
@@ -270,7 +270,7 @@ def _number_words(texts: Sequence[str], at: int) -> tuple[int, str, object]:
 
 
 def _with_long_lists(words: list[Word]) -> list[Word]:
-    """The same with each long list of numbers behind "step" as one word."""
+    """The same words, with each long list of numbers after "step" as one word."""
     if len(words) < 2 * _LONG_LIST:
         return words
     merged: list[Word] = []
@@ -292,7 +292,7 @@ def _follows_step(words: Sequence[Word]) -> bool:
 
 
 def _listed(words: Sequence[Word], at: int) -> tuple[list[Word], int]:
-    """The numbers of "1, 2, step 3" from `at` on, and where the list ends."""
+    """(the numbers of "1, 2, step 3" from `at` on, the end of the list)."""
     members: list[Word] = []
     while at < len(words) and words[at].kind in ("NUM", "LABEL"):
         following = words[at + 1].kind if at + 1 < len(words) else ""

@@ -1,1 +1,1 @@
-"""Importers of other people's formats: benchmark instances and planning domains → IR tasks."""
+"""Importers: in, benchmark instances and planning domains; out, IR tasks."""

@@ -1,4 +1,4 @@
-"""Importer for AsyncPlan-XXL: task graphs of a planning benchmark → one IR task each.
+"""Importer for AsyncPlan-XXL: makes one IR task of each task graph of a planning benchmark.
 
 Format: a list of instances with `id`, `task_title` and `graph`, where `graph.edges` are pairs of
 nodes, `graph.durations` integer seconds by node, `graph.step_to_node` the node of each step.
@@ -23,7 +23,7 @@ _EXPECTED = "expected AsyncPlan-XXL: a list of instances, each with a 'graph'"
 
 
 def import_asyncplan(text: str, name: str) -> Iterator[tuple[str, Task]]:
-    """(file stem, task) of every instance. Raises `InputError` naming the instance at fault."""
+    """(file stem, task) of every instance. Raises `InputError` with the faulty instance."""
     try:
         instances = json.loads(text)
     except json.JSONDecodeError as error:
@@ -35,7 +35,7 @@ def import_asyncplan(text: str, name: str) -> Iterator[tuple[str, Task]]:
     if single:
         instances = [instances]
     if not isinstance(instances, list):
-        raise _refused(f"{name} does not hold a list of instances", (), source)
+        raise _refused(f"{name} does not have a list of instances", (), source)
     for position, instance in enumerate(instances):
         at: Pointer = () if single else (position,)
         where = f"{name}, instance {position + 1}"

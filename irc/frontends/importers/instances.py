@@ -1,7 +1,7 @@
-"""Reading benchmark files: JSON with one instance or a list of them, every fault located.
+"""Reads benchmark files: JSON with one instance or a list of them, every fault located.
 
-An importer asks a `Part` for what it needs; what is missing or of the wrong type becomes a
-diagnostic that names the instance and the field, and reading goes on, so that one run tells all.
+An importer asks a `Part` for the fields that it needs. A missing field or a wrong type becomes a
+diagnostic with the instance and the field, and reading goes on, so that one run reports all.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from irc.model.quantities import Span, TimeError
 from irc.model.times import parse_span
 
 _DIGITS = 100
-"""Longer whole numbers are no amounts of anything."""
+"""Longer whole numbers are refused."""
 
 
 @dataclass(frozen=True)
 class Faults:
-    """What is wrong with a file, in the order of finding."""
+    """The faults of a file, in the order in which they are found."""
 
     source: Source
     findings: Findings = field(default_factory=Findings)
@@ -43,12 +43,12 @@ class Faults:
 
 @dataclass(frozen=True)
 class Part:
-    """A value of a foreign document: what it is, whose it is, and where it stands."""
+    """A value of another format's document, with its owner and its place."""
 
     value: Any
     pointer: Pointer
     owner: str
-    """How messages call the instance."""
+    """The name of the instance in messages."""
     faults: Faults
 
     def fault(self, message: str, *, hint: str | None = None, key: bool = False) -> None:
@@ -70,28 +70,28 @@ class Part:
         return Part(value, (*self.pointer, key), self.owner, self.faults)
 
     def members(self) -> dict[str, Part]:
-        """The fields of an object; none, and a fault, where it is not one."""
+        """The fields of an object; otherwise none, and a fault."""
         if not isinstance(self.value, Mapping):
             self.fault(f"expected an object, found {_shown(self.value)}")
             return {}
         return {str(key): self.child(key, value) for key, value in self.value.items()}
 
     def items(self) -> list[Part]:
-        """The entries of a list; none, and a fault, where it is not one."""
+        """The entries of a list; otherwise none, and a fault."""
         if not isinstance(self.value, list):
             self.fault(f"expected a list, found {_shown(self.value)}")
             return []
         return [self.child(position, value) for position, value in enumerate(self.value)]
 
     def text(self) -> str | None:
-        """A text that is not empty; None, and a fault, where it is not one."""
+        """A text that is not empty; otherwise None, and a fault."""
         if isinstance(self.value, str) and self.value:
             return self.value
         self.fault(f"expected a text, found {_shown(self.value)}")
         return None
 
     def whole(self, least: int = 0) -> int | None:
-        """A whole number of at least `least`; None, and a fault, where it is not one."""
+        """A whole number of at least `least`; otherwise None, and a fault."""
         value = self.value
         if isinstance(value, Decimal) and value == value.to_integral_value():
             value = int(value) if abs(value.adjusted()) < _DIGITS else value
@@ -101,13 +101,13 @@ class Part:
         return None
 
     def flag(self) -> bool:
-        """true or false; false, and a fault, where it is neither."""
+        """True or false; otherwise false, and a fault."""
         if not isinstance(self.value, bool):
             self.fault(f"expected true or false, found {_shown(self.value)}")
         return self.value is True
 
     def time(self) -> Span | None:
-        """A length of time, 0 or more; None, and a fault, where it is not one."""
+        """A length of time, 0 or more; otherwise None, and a fault."""
         try:
             span = parse_span(self.value) if not isinstance(self.value, bool) else None
         except TimeError as error:
@@ -122,7 +122,7 @@ class Part:
         return None
 
     def one_of(self, known: Collection[str], what: str) -> str | None:
-        """A text among `known`; None, and a fault with the nearest one, where it is not."""
+        """A text among `known`; otherwise None, and a fault with the nearest one."""
         text = self.text()
         if text is not None and text not in known:
             hint = did_you_mean(text, known) or f"known are {', '.join(known) or 'none'}"
@@ -131,7 +131,7 @@ class Part:
         return text
 
     def record(self, required: Collection[str], optional: Collection[str]) -> dict[str, Part]:
-        """An object's fields, after faults for those that are missing and those not known.
+        """An object's fields, after faults for missing and unknown ones.
 
         A field that is null counts as absent.
         """
@@ -148,9 +148,9 @@ class Part:
 
 
 def read_instances(text: str, name: str) -> tuple[list[Part], Faults]:
-    """The instances of a file: its objects, each called by its id where it has one.
+    """The instances of a file: its objects, each named by its id if it has one.
 
-    Raises `InputError` where the file is not JSON, or is neither an object nor a list of them.
+    Raises `InputError` if the file is not JSON, or neither an object nor a list of objects.
     """
     faults = Faults(Source(name, text, _locate))
     content = _decode(text, name, faults)
@@ -167,7 +167,7 @@ def read_instances(text: str, name: str) -> tuple[list[Part], Faults]:
 
 
 def without_empty(document: Mapping[str, Any]) -> dict[str, Any]:
-    """A task document without the lists that hold nothing; `actions` is always there."""
+    """A task document without empty lists, except `actions`."""
     return {key: value for key, value in document.items() if value != [] or key == "actions"}
 
 

@@ -1,7 +1,7 @@
-"""JSON text → the raw document, with every fault of the text located.
+"""Reads JSON text as the raw document, with every fault of the text located.
 
-A language model's answer is read as it stands: code fences and chatter around the JSON are set
-aside with a note. Exactly one JSON object must be left.
+The text may be the answer of a language model: code fences and other text around the JSON are
+ignored, with a note. There must be exactly one JSON object.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Pointer, Range, Source
 
 if TYPE_CHECKING:
-    from irc.frontends.json.scan import Fault
+    from irc.frontends.json.scan import JsonFault
 
 MAX_DEPTH = 64
 """Deeper nesting is refused: the IR itself needs eight levels."""
 
 MAX_BYTES = 512 * 1024 * 1024
-"""Larger inputs are refused before they are read into memory twice."""
+"""Larger inputs are refused before they need twice their memory."""
 
 _LONGEST_SCANNED = 4_000_000
-"""In longer texts a syntax error gets the decoder's plain words: the scanner takes seconds."""
+"""In longer texts a syntax error has the decoder's message, because the scanner takes seconds."""
 
 _SCANNED_OF_LONG = 500_000
-"""Of longer texts this much is scanned for other faults all the same."""
+"""The part of a longer text that is scanned for other faults."""
 
 _MAX_ATTEMPTS = 1000
 _BLANK = re.compile(r"\s*")
@@ -40,7 +40,7 @@ _FENCE = re.compile(r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z")
 
 @dataclass(frozen=True)
 class RawDocument:
-    """The decoded JSON object, the text it came from, and what there is to note about that."""
+    """The decoded JSON object, its text, and the notes on the text."""
 
     content: dict[str, Any]
     source: Source
@@ -48,7 +48,7 @@ class RawDocument:
 
 
 class _Unacceptable(ValueError):
-    """Raised inside the fast decoder where only the scanner can say what is wrong and where."""
+    """Raised by the fast decoder for faults that only the scanner can describe and locate."""
 
 
 def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -75,7 +75,10 @@ _DECODER = json.JSONDecoder(
 
 
 def decode_bytes(data: bytes, name: str) -> str:
-    """UTF-8 text (or UTF-16/32 with a byte-order mark); `InputError` shows the first bad byte."""
+    """The text of bytes in UTF-8, or in UTF-16 or UTF-32 with a byte-order mark.
+
+    Raises `InputError` with the place of the first invalid byte.
+    """
     if len(data) > MAX_BYTES:
         findings = Findings()
         findings.add(
@@ -124,7 +127,7 @@ def read_document(text: str, name: str) -> RawDocument:
         findings.add(
             Code.BYTE_ORDER_MARK,
             "a byte-order mark at the start is ignored",
-            hint="nothing need be done",
+            hint="no action is needed",
             offset=0,
         )
         text = text[1:]
@@ -150,7 +153,7 @@ def read_document(text: str, name: str) -> RawDocument:
 
 
 def _require_whole_task(text: str, failed: list[int], name: str, findings: Findings) -> None:
-    """Raises where the task itself is broken, so that only its parts could be read."""
+    """Raises if the task itself is faulty, so that only its parts could be read."""
     key = text.find('"actions"')
     broken = [start for start in failed if start < key]
     if broken:
@@ -158,7 +161,7 @@ def _require_whole_task(text: str, failed: list[int], name: str, findings: Findi
     if key >= 0:
         findings.add(
             Code.SYNTAX,
-            "this key stands outside of any object",
+            "this key is outside of any object",
             hint="put '{' before it",
             offset=key,
         )
@@ -170,8 +173,8 @@ def _skip_blank(text: str, at: int) -> int:
     return match.end() if match else at
 
 
-def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | Fault:
-    """The JSON object that begins at `start` and where it ends, or its first fault."""
+def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | JsonFault:
+    """(the JSON object that begins at `start`, its end), or its first fault."""
     from irc.frontends.json.scan import scan
 
     try:
@@ -213,7 +216,7 @@ class _Locator:
 
 
 def json_source(name: str, text: str, start: int = 0) -> Source:
-    """The source of a text that holds one JSON value from `start` on, whatever it stands for."""
+    """The source of a text that has one JSON value from `start` on."""
     return Source(name, text, _Locator(start))
 
 
@@ -221,9 +224,9 @@ _Found = tuple[int, int, dict[str, Any]]
 
 
 def _objects(text: str, at: int) -> tuple[list[_Found], list[int]]:
-    """All JSON objects from `at` on, and where broken ones start, each reaching further.
+    """(all JSON objects from `at` on, the starts of faulty ones, each longer than the previous).
 
-    Linear: an attempt that failed at some place is not repeated from before that place.
+    It takes linear time: after a failure at some place, reading goes on from there.
     """
     found: list[_Found] = []
     failed: list[int] = []
@@ -268,21 +271,21 @@ def _only(found: list[_Found], text: str, name: str, findings: Findings) -> _Fou
 
 
 def note_surroundings(text: str, start: int, end: int, findings: Findings) -> None:
-    """Notes what stands around the JSON of a text, if anything does."""
+    """Adds a note about text around the JSON, if there is any."""
     before, after = text[:start].strip(), text[end:].strip()
     if before or after:
         fenced = bool(_FENCE.search(text[:start]))
         what = "a code fence" if fenced else "other text"
         findings.add(
             Code.SURROUNDED,
-            f"there is {what} around the JSON document; it was set aside",
-            hint="nothing need be done; only the JSON was read",
+            f"there is {what} around the JSON document; it is ignored",
+            hint="no action is needed; only the JSON was read",
             offset=_skip_blank(text, 0) if before else _skip_blank(text, end),
         )
 
 
 def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
-    """What the scanner says about a text the decoder did not take."""
+    """The error with the scanner's faults of a text that the decoder did not accept."""
     from irc.frontends.json.scan import scan
 
     if not text[start:].strip():
@@ -301,7 +304,7 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
         )
     elif len(text) > _LONGEST_SCANNED and (error := _decoder_fault(text, start)):
         for found in scan(text[:_SCANNED_OF_LONG], start, max_depth=MAX_DEPTH).faults:
-            if found.offset < _SCANNED_OF_LONG - 1000:  # What follows is due to the cut.
+            if found.offset < _SCANNED_OF_LONG - 1000:  # Later faults come from the cut.
                 findings.add(found.code, found.message, hint=found.hint, offset=found.offset)
         findings.add(Code.SYNTAX, f"not valid JSON: {error.msg}", offset=error.pos)
     else:
@@ -314,7 +317,7 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
 
 
 def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:
-    """Where the standard library stops reading, for texts too long to scan for a better word."""
+    """The first fault that the standard library finds, for texts that are too long to scan."""
     try:
         json.JSONDecoder().raw_decode(text, start)
     except json.JSONDecodeError as error:
@@ -325,7 +328,7 @@ def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:
 
 
 def _has_surrogate(content: Any) -> bool:
-    """Whether a text anywhere holds half a character, which no output could write."""
+    """Whether some text contains half a character (a lone surrogate), which cannot be written."""
     try:
         json.dumps(content, ensure_ascii=False, default=str).encode()
     except UnicodeEncodeError:

@@ -1,4 +1,4 @@
-"""The layout of a JSON text: what fits stands on one line, the rest is indented."""
+"""The standard layout of a JSON text: what fits is on one line, the rest is indented."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Member = tuple[str, Node]
 
 
 def laid_out(text: str) -> str:
-    """A valid JSON text (nested no deeper than a task may be) in the one layout."""
+    """A valid JSON text, nested at most as deep as a task may be, in the standard layout."""
     return "".join(_lines(_node(_tokens(text)), "", 0, 0)) + "\n"
 
 
@@ -67,7 +67,7 @@ def _lines(node: Node, key: str, level: int, after: int) -> Iterator[str]:
 
 
 def _short(node: Node, room: int) -> str | None:
-    """The node on one line, if there is room for it; given up as soon as there is not."""
+    """The node on one line; None as soon as there is no room for it."""
     if isinstance(node, str):
         return node if len(node) <= room else None
     opening, members = node

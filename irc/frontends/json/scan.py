@@ -1,9 +1,9 @@
-"""A JSON scanner that knows where everything stands.
+"""A JSON scanner that finds the places of elements and the faults of the text.
 
-`json.loads` is fast but forgets positions and stops at its first complaint without saying much.
-This scanner runs only when somebody has to be told something: it finds the place of wanted
-elements, and words syntax errors for people (and for language models that repair their answer).
-It is iterative, so nesting cannot exhaust the stack.
+`json.loads` is fast but forgets positions and stops at its first error with a short message. This
+scanner runs only for diagnostics: it finds the places of wanted elements, and describes syntax
+errors for people and for language models that repair their answer. It is iterative, so nesting
+cannot exhaust the stack.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from irc.diagnostics import Code
 from irc.diagnostics.source import Pointer, Range
 
 MAX_FAULTS = 1000
-"""After so many faults of a text the rest of it is not read."""
+"""Limit on faults of a text; the rest of it is not read."""
 
 _LONGEST_NUMBER = 1000
 _LONGEST_EXPONENT = 6
 
 _SPACE = re.compile(r"[ \t\n\r]*")
-# Possessive, because a string that is never closed must not be tried again from each of its ends.
+# Possessive, so that a string without an end is not tried again at each character.
 _STRING = re.compile(r'"((?:[^"\\\x00-\x1f]++|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*+)"')
 _STRING_BODY = re.compile(r'"(?:[^"\\\x00-\x1f]++|\\(?:["\\/bfnrt]|u[0-9a-fA-F]{4}))*+')
 _NUMBER = re.compile(r"-?(?:0|[1-9]\d*)(?:\.\d+)?(?:[eE][+-]?(\d+))?", re.ASCII)
@@ -31,8 +31,8 @@ _NOT_FINITE = frozenset(("NaN", "Infinity", "-Infinity", "nan", "inf", "infinity
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
-    """Something wrong with the text itself."""
+class JsonFault:
+    """A fault of the text itself."""
 
     code: Code
     offset: int
@@ -42,10 +42,10 @@ class Fault:
 
 @dataclass
 class Scan:
-    """What a scan found: the places of the wanted elements, and all faults."""
+    """The result of a scan: the places of the wanted elements, and all faults."""
 
     places: dict[Pointer, Range] = field(default_factory=dict)
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[JsonFault] = field(default_factory=list)
     end: int = 0
 
 
@@ -82,10 +82,12 @@ class _Scanner:
 
     def _fault(self, code: Code, offset: int, message: str, hint: str | None = None) -> None:
         if len(self.scan.faults) >= MAX_FAULTS:
-            message = f"the {MAX_FAULTS} faults above are enough: the text is not read from here on"
-            self.scan.faults.append(Fault(Code.TOO_LARGE, offset, message))
+            message = (
+                f"the {MAX_FAULTS} faults above are the limit: the rest of the text is not read"
+            )
+            self.scan.faults.append(JsonFault(Code.TOO_LARGE, offset, message))
             raise _Stop
-        self.scan.faults.append(Fault(code, offset, message, hint))
+        self.scan.faults.append(JsonFault(code, offset, message, hint))
 
     def _stop(self, offset: int, message: str, hint: str | None = None) -> _Stop:
         self._fault(Code.SYNTAX, offset, message, hint)
@@ -107,7 +109,7 @@ class _Scanner:
         return at
 
     def _element(self, at: int) -> int:
-        """Reads on in the innermost open object or array: one element, or its end."""
+        """Reads one element of the innermost open object or array, or its end."""
         inner, at = self.open[-1], self._skip(at)
         closing = "}" if inner.kind == "{" else "]"
         if self.text.startswith(closing, at):
@@ -168,7 +170,7 @@ class _Scanner:
             self._fault(
                 Code.DUPLICATE_KEY,
                 key_start,
-                f"the key {key!r} stands twice in this object",
+                f"the key {key!r} appears twice in this object",
                 "keep one of the two",
             )
         inner.keys.add(key)
@@ -205,7 +207,7 @@ class _Scanner:
                 self._fault(
                     Code.SYNTAX,
                     at,
-                    "this text holds half a character (a lone surrogate)",
+                    "this text has half a character (a lone surrogate)",
                     "write the character itself, or both halves of its escape",
                 )
             return text, match.end()
@@ -235,7 +237,7 @@ class _Scanner:
                 self._fault(
                     Code.BAD_NUMBER,
                     at,
-                    "a number beyond all range",
+                    "a number out of range",
                     f"a number may have {_LONGEST_NUMBER} characters, and its exponent "
                     f"{_LONGEST_EXPONENT} digits",
                 )
@@ -258,7 +260,7 @@ _HABITS = {"True": "true", "False": "false", "None": "null", "undefined": "null"
 
 
 def _habit(text: str, at: int) -> str | None:
-    """What to do about something that other languages write so."""
+    """The hint for a notation of other languages."""
     if text.startswith(("//", "/*", "#"), at):
         return "JSON has no comments: remove it"
     if text.startswith(("'", "‘", "’", "“", "”"), at):
@@ -268,7 +270,7 @@ def _habit(text: str, at: int) -> str | None:
         return None
     if word[0] in _HABITS:
         return f"JSON writes {_HABITS[word[0]]}"
-    return "text stands in double quotes"
+    return "write text in double quotes"
 
 
 _ESCAPE = re.compile(r'\\(["\\/bfnrt]|u[0-9a-fA-F]{4})')
@@ -288,5 +290,5 @@ def _unescape(body: str) -> str:
 def scan(
     text: str, start: int = 0, wanted: Collection[Pointer] = frozenset(), max_depth: int = 1000
 ) -> Scan:
-    """Reads one JSON value from `start`: where the `wanted` elements stand, and what is wrong."""
+    """Scans one JSON value from `start` for the places of the `wanted` elements and for faults."""
     return _Scanner(text, wanted, max_depth).run(start)

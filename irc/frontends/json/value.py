@@ -1,6 +1,6 @@
-"""One JSON object or list and nothing else: what programs send, and event files.
+"""Reads one JSON object or list: requests of programs, and event files.
 
-Tasks are read by `json_document`, which looks for the one object that is a task.
+`irc.frontends.json.document` reads tasks: it looks for the one object that is a task.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _BLANK = " \t\r\n"
 _OPENING = "{["
 _OPENINGS = re.compile(r"[\[{]")
 _OF_JSON = tuple("{}[],:")
-"""What behind a JSON text belongs to a faulty one, and is no chatter."""
+"""Characters after a JSON text that belong to a faulty text, not to a comment around it."""
 
 _MOST_ATTEMPTS = 100
 
@@ -25,10 +25,10 @@ _MOST_ATTEMPTS = 100
 def read_value(
     text: str, name: str, expected: str = "a JSON object", start: int = 0
 ) -> tuple[Any, Source]:
-    """The value that a text is from `start` on, and the text as a source that knows its elements.
+    """(the value that a text has from `start` on, the text as a source that knows its elements).
 
-    `expected` says what it should hold, for texts that hold nothing. Raises `InputError` for
-    faults of syntax, duplicate keys, nesting, and for what stands behind the value.
+    `expected` describes the value, for the message on empty texts. Raises `InputError` for faults
+    of syntax, duplicate keys, nesting, and text after the value.
     """
     text = text.removeprefix("\ufeff")
     start = _skip_blank(text, start)
@@ -37,7 +37,7 @@ def read_value(
         raise _fault(source, 0, "the input is empty", f"expected {expected}")
     if text[start] not in _OPENING:
         shown = text[start : start + 12].split("\n")[0]
-        hint = "this is no JSON object or list; check that the right text was given"
+        hint = "this is not a JSON object or list; check that you gave the right text"
         raise _fault(source, start, f"expected {expected}, found {shown!r}", hint)
     decoded = decode_object(text, start)
     if not isinstance(decoded, tuple):
@@ -48,15 +48,15 @@ def read_value(
     content, end = decoded
     behind = _skip_blank(text, end)
     if behind < len(text):
-        message = f"there is something behind the JSON text: {text[behind : behind + 12]!r}"
-        raise _fault(source, behind, message, "keep exactly one; several stand in a list: [ …, … ]")
+        message = f"there is more text after the JSON: {text[behind : behind + 12]!r}"
+        raise _fault(source, behind, message, "keep exactly one; write several as a list: [ …, … ]")
     return content, source
 
 
 def find_value(text: str, name: str, expected: str) -> tuple[Any, Source, tuple[Diagnostic, ...]]:
-    """The one object, or list of objects, in a text, and notes on what stands around it.
+    """(the one object, or list of objects, in a text, its source, notes on text around it).
 
-    A language model's answer is read as it stands: code fences and chatter are set aside. Raises
+    The text may be the answer of a language model: code fences and other text are ignored. Raises
     `InputError` as `read_value` does.
     """
     text = text.removeprefix("\ufeff")
@@ -72,7 +72,7 @@ def find_value(text: str, name: str, expected: str) -> tuple[Any, Source, tuple[
             note_surroundings(text, start, end, notes)
             return content, json_source(name, text, start), tuple(notes.items)
         if start == _skip_blank(text, 0):
-            break  # It is no chatter that begins like this.
+            break  # The text begins with the faulty value, not with other text.
     return *read_value(text, name, expected, starts[0] if starts else 0), ()
 
 

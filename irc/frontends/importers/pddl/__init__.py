@@ -1,10 +1,10 @@
-"""Importer for PDDL2.1: a temporal domain and a problem → an IR task with states.
+"""Importer for PDDL2.1: makes an IR task with state of a temporal domain and a problem.
 
-Read by unified-planning (the extra `up`), grounded here. A fact that changes is a boolean state
-variable `(at truck1 depot)`; a ground action is an action of the same name as in a plan,
+unified-planning (the extra `up`) reads the text; this package grounds it. A fact that changes is a
+state variable `(at truck1 depot)`; a ground action is an action of the same name as in a plan,
 `(drive truck1 depot market)`, which may occur as often as the planner likes; a timed initial
 literal is an action with a fixed start. `irc.frontends.importers.pddl.plan` writes schedules back
-as plans of the original problem. What is taken and what is refused is in `docs/importers.md`.
+as plans of the original problem. `docs/importers.md` lists supported and refused elements.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _LONGEST = 5_000_000
 def import_pddl(domain: tuple[str, str], problem: tuple[str, str]) -> Task:
     """The task of a domain and a problem, each given as (text, name of the file).
 
-    Raises `InputError` with what is not taken, by name and place, and `EngineMissing` where
+    Raises `InputError` with the unsupported elements and their places, and `EngineMissing` if
     unified-planning is not installed.
     """
     sources = (Source(domain[1], domain[0]), Source(problem[1], problem[0]))
@@ -55,7 +55,7 @@ def import_pddl(domain: tuple[str, str], problem: tuple[str, str]) -> Task:
 
 def _form(source: Source, findings: Findings) -> Form | None:
     if len(source.text) > _LONGEST:
-        message = f"the file has {len(source.text):,} characters; at most {_LONGEST:,} are read"
+        message = f"the file has {len(source.text):,} characters; the maximum is {_LONGEST:,}"
         findings.add(Code.NOT_AN_IMPORT, message, offset=0)
         return None
     try:
@@ -66,7 +66,7 @@ def _form(source: Source, findings: Findings) -> Form | None:
 
 
 def _raise_any(sources: tuple[Source, Source], found: tuple[Findings, Findings]) -> None:
-    """Raises what was found in both files; a report shows one source, so the other's say theirs."""
+    """Raises the findings of both files; those of the second one have its name in the message."""
     shown = 0 if found[0].items else 1
     diagnostics = list(found[shown].items)
     if shown == 0:

@@ -1,9 +1,9 @@
-"""Schemas → ground actions: those that could ever happen, without what is always so.
+"""Grounds schemas: makes all actions that could ever happen, without constant conditions.
 
 unified-planning's own grounder tries every combination of objects and leaves out actions that add
-what they delete. Here the conditions that nothing can change choose the objects as they are bound,
-and an effect that adds what it deletes adds it, as PDDL2.1 has it. What the delete relaxation
-cannot reach can never happen, and is left out.
+what they delete. Here constant conditions restrict the objects while they are bound, and an effect
+that adds what it deletes adds it, as in PDDL2.1. Actions that the delete relaxation cannot reach
+can never happen, and are left out.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from irc.frontends.importers.pddl.lifted import (
 )
 
 MOST_ACTIONS = 20_000
-"""With more ground actions a problem is refused."""
+"""Problems with more ground actions are refused."""
 
 _MOST_BINDINGS = 5_000_000
 
@@ -33,11 +33,11 @@ Atom = tuple[Fact, bool]
 
 
 class TooLargeError(IrcError, ValueError):
-    """Grounding would go beyond `MOST_ACTIONS`."""
+    """Grounding needs more than `MOST_ACTIONS` actions."""
 
 
 class DurationError(IrcError, ValueError):
-    """An action with a length that is none."""
+    """An action whose duration is 0 or negative."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ class Ground:
 
     @property
     def text(self) -> str:
-        """As a plan names it: "(light match1)"."""
+        """Its name in a plan: "(light match1)"."""
         return atom_text((self.name, *self.objects))
 
 
 def atom_text(fact: Fact) -> str:
-    """ "(at truck1 depot)"."""
+    """The text of a fact: "(at truck1 depot)"."""
     return f"({' '.join(fact)})"
 
 
@@ -91,7 +91,7 @@ def ground(lifted: Lifted) -> list[Ground]:
 
 @dataclass
 class _Bindings:
-    """Finds the objects for which all that never changes is as an action needs it."""
+    """Finds the objects for which the constant conditions of an action hold."""
 
     lifted: Lifted
     changing: set[str]
@@ -133,7 +133,7 @@ class _Bindings:
 
 
 def _ready(terms: Iterable[Term]) -> int:
-    """After how many parameters all terms are known."""
+    """The number of parameters after which all terms are known."""
     return max((term + 1 for term in terms if isinstance(term, int)), default=0)
 
 
@@ -142,7 +142,7 @@ def _object(term: Term, bound: tuple[str, ...]) -> str:
 
 
 def _instance(schema: Schema, objects: tuple[str, ...], lifted: Lifted) -> Ground | None:
-    """The ground action; None where its duration has no value, so that it can never be done."""
+    """The ground action; None if its duration has no value, so that it can never happen."""
     shortest = longest = Fraction(0)
     if schema.duration is not None:
         least, most = (evaluate(e, schema, objects, lifted.numbers) for e in schema.duration)
@@ -173,19 +173,19 @@ def _instance(schema: Schema, objects: tuple[str, ...], lifted: Lifted) -> Groun
 
 @dataclass
 class _Phase:
-    """Something that becomes possible when all that it needs has been reached."""
+    """A start or an end that becomes possible when all of its conditions are reached."""
 
     waiting: int
     gives: list[Atom]
     action: int | None
-    """The action that is possible with this; None for a start, which is not yet an action."""
+    """The action that is possible with this; None for a start, whose end must be possible too."""
 
 
 def _reachable(actions: Sequence[Ground], lifted: Lifted) -> list[Ground]:
-    """The actions that could happen if nothing were ever undone: linear in their size.
+    """The actions that could happen if nothing were ever deleted, in time linear in their size.
 
-    The effects of a start need its start conditions alone, so that two actions may each need what
-    the other's start brings about.
+    The effects of a start need only its start conditions, so that two actions may each need an
+    effect of the other's start.
     """
     phases: list[_Phase] = []
     waiting: dict[Atom, list[int]] = {}

@@ -1,4 +1,4 @@
-"""unified-planning's model of a domain and a problem → plain schemas with numbered parameters."""
+"""Converts unified-planning's model to plain schemas with numbered parameters."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Term = int | str
 
 
 class UnexpectedError(IrcError, ValueError):
-    """The reader gave something that is not taken, in spite of what was looked for before."""
+    """The reader returned an unsupported element that the check of the text did not find."""
 
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """A predicate applied to terms, and whether it is meant to be true."""
+    """A predicate with terms, and whether it must be true."""
 
     predicate: str
     terms: tuple[Term, ...]
@@ -38,7 +38,7 @@ class Literal:
 
 @dataclass(frozen=True, slots=True)
 class Equality:
-    """Whether two terms must be one object or two."""
+    """Whether two terms must be the same object or different ones."""
 
     left: Term
     right: Term
@@ -51,7 +51,7 @@ class Schema:
 
     name: str
     parameters: tuple[tuple[str, ...], ...]
-    """The objects that each parameter may be."""
+    """The possible objects of each parameter."""
     conditions: tuple[tuple[str, Literal], ...]
     equalities: tuple[Equality, ...]
     effects: tuple[tuple[str, Literal], ...]
@@ -74,7 +74,7 @@ class Lifted:
 
 
 def lift(problem: Any, domain: str, name: str) -> Lifted:
-    """The plain form of what unified-planning read. Raises `UnexpectedError`."""
+    """The schemas of unified-planning's model. Raises `UnexpectedError`."""
     initial, numbers = set(), {}
     for expression, value in problem.explicit_initial_values.items():
         fact = (expression.fluent().name, *(arg.object().name for arg in expression.args))
@@ -145,12 +145,12 @@ def _when(interval: Any) -> str:
         return _moment(interval.lower)
     if interval.lower.is_from_start() and interval.upper.is_from_end():
         return "all"
-    raise UnexpectedError(f"a condition over {interval} is not taken")
+    raise UnexpectedError(f"a condition over {interval} is not supported")
 
 
 def _moment(timing: Any) -> str:
     if timing.delay != 0:
-        raise UnexpectedError(f"an effect or condition at {timing} is not taken")
+        raise UnexpectedError(f"an effect or condition at {timing} is not supported")
     return "start" if timing.is_from_start() else "end"
 
 
@@ -169,13 +169,13 @@ def _literals(
         left, right = (_term(arg, names) for arg in expression.args)
         yield Equality(left, right, value)
     elif not (expression.is_bool_constant() and expression.is_true() == value):
-        raise UnexpectedError(f"the condition {expression} is not taken")
+        raise UnexpectedError(f"the condition {expression} is not supported")
 
 
 def _effect(effect: Any, names: Mapping[str, int]) -> Literal:
     plain = effect.is_assignment() and not effect.is_conditional() and not effect.forall
     if not plain or not effect.value.is_bool_constant():
-        raise UnexpectedError(f"the effect {effect} is not taken")
+        raise UnexpectedError(f"the effect {effect} is not supported")
     terms = tuple(_term(arg, names) for arg in effect.fluent.args)
     return Literal(effect.fluent.fluent().name, terms, effect.value.is_true())
 
@@ -185,7 +185,7 @@ def _term(expression: Any, names: Mapping[str, int]) -> Term:
         return names[expression.parameter().name]
     if expression.is_object_exp():
         return str(expression.object().name)
-    raise UnexpectedError(f"the term {expression} is not taken")
+    raise UnexpectedError(f"the term {expression} is not supported")
 
 
 def evaluate(
@@ -194,7 +194,7 @@ def evaluate(
     objects: tuple[str, ...],
     numbers: Mapping[Fact, Fraction],
 ) -> Fraction | None:
-    """An expression's exact value; None where a function has none for these objects."""
+    """An expression's exact value; None if a function has none for these objects."""
     if expression.is_fluent_exp():
         terms = (_term(arg, schema.names) for arg in expression.args)
         found = (objects[term] if isinstance(term, int) else term for term in terms)
@@ -216,4 +216,4 @@ def evaluate(
         return known[0] - known[1]
     if expression.is_div():
         return None if known[1] == 0 else known[0] / known[1]
-    raise UnexpectedError(f"the duration {expression} is not taken")
+    raise UnexpectedError(f"the duration {expression} is not supported")

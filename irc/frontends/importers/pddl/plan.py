@@ -1,9 +1,9 @@
-"""A schedule of an imported task → a time-triggered plan of the original PDDL problem.
+"""Writes a schedule of an imported task as a time-triggered plan of the original PDDL problem.
 
-PDDL2.1 separates what depends on each other by some epsilon; a schedule has ranks instead, epsilons
-made infinitesimal. Here they become real again: each happening moves by a whole number of epsilons
-such that what has one rank before another at the same instant comes before it, durations stay
-exactly what they are, and timed initial literals stay where they are.
+PDDL2.1 separates dependent happenings by some epsilon; a schedule has ranks instead. Here ranks
+become epsilons: each happening moves by a whole number of epsilons, so that happenings of one
+instant come in the order of their ranks, durations do not change, and timed initial literals do not
+move.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from irc.model import DurationRange, Task
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
-from irc.validation.ranked import NoRanksError, Ranks, ranks_of
+from irc.validation.ranked import NoRanksError, ScheduleRanks, ranks_of
 
 LARGEST_EPSILON = Fraction(1, 1000)
-"""What planners customarily separate by."""
+"""The usual epsilon of planners."""
 
 
 class PlanError(IrcError, ValueError):
-    """A schedule that cannot be written as a plan; the text says why."""
+    """A schedule that cannot be written as a plan; the message says why."""
 
 
 def plan_text(task: Task, schedule: Schedule) -> str:
@@ -65,8 +65,8 @@ class _Tie:
     least: int
 
 
-def _offsets(entries: Sequence[Entry], found: Ranks) -> list[int]:
-    """By how many epsilons each rank node moves (Bellman and Ford's difference constraints)."""
+def _offsets(entries: Sequence[Entry], found: ScheduleRanks) -> list[int]:
+    """The number of epsilons by which each rank node moves (difference constraints)."""
     origin = len(found.ranks)
     ties = [_Tie(a, b, least) for a, b, least in found.edges]
     instants: dict[Number, dict[int, set[int]]] = {}
@@ -78,7 +78,7 @@ def _offsets(entries: Sequence[Entry], found: Ranks) -> list[int]:
         for time, node in ((entry.start, start), (entry.end, end)):
             instants.setdefault(time, {}).setdefault(found.ranks[node], set()).add(node)
     for ranks in instants.values():
-        # What has one rank stays together: what happens just after it needs no higher one.
+        # Happenings of one rank stay together.
         for level in ranks.values():
             first, *others = sorted(level)
             ties += [tie for b in others for tie in (_Tie(first, b, 0), _Tie(b, first, 0))]
@@ -94,13 +94,13 @@ def _offsets(entries: Sequence[Entry], found: Ranks) -> list[int]:
         if not changed:
             return [offset - offsets[origin] for offset in offsets[:origin]]
     raise PlanError(
-        "the schedule leaves no room for any epsilon: something must come just before t = 0 or "
+        "the schedule leaves no room for any epsilon: a happening must come just before t = 0 or "
         "just before a timed initial literal that it cannot come before"
     )
 
 
 def _epsilon(task: Task, entries: Iterable[Entry], moved: Sequence[tuple[int, int]]) -> Fraction:
-    """A power of ten so small that nothing overtakes anything and ranges of durations hold."""
+    """A power of ten so small that the order of times stays and ranges of durations hold."""
     steps = [step for pair in moved for step in pair]
     most = max(steps, default=0) - min(steps, default=0) + 1
     times = sorted(
@@ -122,7 +122,7 @@ def _epsilon(task: Task, entries: Iterable[Entry], moved: Sequence[tuple[int, in
 
 
 def _decimal(value: Number) -> str:
-    """The exact decimal number; `PlanError` where there is none."""
+    """The exact decimal number. Raises `PlanError` if there is none."""
     value = Fraction(value)
     digits, rest = 0, value.denominator
     for factor in (2, 5):

@@ -1,4 +1,4 @@
-"""PDDL text → unified-planning's model of it."""
+"""Reads PDDL text as a model of unified-planning."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from irc.targets import EngineMissing
 
 
 def read_problem(domain: Source, problem: Source) -> Any:
-    """What unified-planning makes of a domain and a problem.
+    """The model of unified-planning for a domain and a problem.
 
-    Raises `InputError` with its complaint, and `EngineMissing` where it is not installed.
+    Raises `InputError` with its error message, and `EngineMissing` if it is not installed.
     """
     require_unified_planning()
     import pyparsing
@@ -22,7 +22,7 @@ def read_problem(domain: Source, problem: Source) -> Any:
     from unified_planning.exceptions import UPException
     from unified_planning.io import PDDLReader
 
-    environment = get_environment()  # The reader makes metrics in no other one.
+    environment = get_environment()  # The reader makes metrics only in this one.
     environment.credits_stream = None
     strict = environment.error_used_name
     environment.error_used_name = False  # PDDL lets a type and a predicate have one name.
@@ -43,7 +43,7 @@ def read_problem(domain: Source, problem: Source) -> Any:
         TypeError,
         ValueError,
     ) as error:
-        # The reader checks much by assertion, and says in words where it says where at all.
+        # The reader checks much by assertion, and gives places only in words, if at all.
         said = str(error).strip() or type(error).__name__
         message = f"{domain.name} with {problem.name}: unified-planning cannot read this: {said}"
         raise InputError(Report((Diagnostic(Code.NOT_AN_IMPORT, message),))) from None
@@ -52,7 +52,7 @@ def read_problem(domain: Source, problem: Source) -> Any:
 
 
 def require_unified_planning() -> None:
-    """Raises `EngineMissing` where the extra `up` is not installed."""
+    """Raises `EngineMissing` if the extra `up` is not installed."""
     if find_spec("unified_planning") is None:
         raise EngineMissing(
             "PDDL is read by unified-planning, which is not installed;"
@@ -61,7 +61,7 @@ def require_unified_planning() -> None:
 
 
 def _which(text: str, domain: Source, problem: Source) -> Source:
-    """The file whose text the parser was reading: it changes case and tabs, but no length."""
+    """The source that the parser was reading; it changes case and tabs, but no lengths."""
     shown = text.strip()[:200].lower()
     return domain if domain.text.strip().replace("\t", " ").lower().startswith(shown) else problem
 

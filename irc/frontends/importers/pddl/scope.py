@@ -1,7 +1,7 @@
-"""What the importer takes of PDDL; everything else is refused by name, where it stands.
+"""Checks that a PDDL text uses only elements that the importer supports.
 
-unified-planning's reader does not keep places, so that this is looked for in the text itself,
-before the reader sees it.
+unified-planning's reader does not keep places, so this module refuses other elements in the text
+itself, with their names and places, before the reader sees them.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ _TIMED = {"at": ("start", "end"), "over": ("all",)}
 
 
 class Scope:
-    """Looks through a domain and a problem, and records what is not taken."""
+    """Checks a domain and a problem, and records unsupported elements."""
 
     def __init__(self, domain: Findings, problem: Findings) -> None:
         self.domain = domain
@@ -73,7 +73,7 @@ class Scope:
         self._variables: set[str] = set()
 
     def check_domain(self, form: Form) -> str | None:
-        """Records what is not taken of a domain; its name, if it has one."""
+        """Records unsupported elements of a domain; returns its name, if it has one."""
         name = self._define(form, "domain", _DOMAIN_SECTIONS, self.domain)
         for section in form.forms[1:]:
             if section.head in (":predicates", ":functions"):
@@ -101,7 +101,7 @@ class Scope:
         return name
 
     def check_problem(self, form: Form, domain: str | None) -> None:
-        """Records what is not taken of a problem of the domain of that name."""
+        """Records unsupported elements of a problem of the domain with this name."""
         self._define(form, "problem", _PROBLEM_SECTIONS, self.problem)
         sections = {section.head: section for section in form.forms[1:]}
         for head in (":domain", ":init", ":goal"):
@@ -138,23 +138,25 @@ class Scope:
             return None
         for section in form.forms[1:]:
             if section.head not in sections:
-                known = f"this importer takes {', '.join(sections)}"
+                known = f"this importer supports {', '.join(sections)}"
                 hint = did_you_mean(section.head, sections) or known
-                self._fault(findings, section, f"the section {section.head!r} is not taken", hint)
+                self._fault(
+                    findings, section, f"the section {section.head!r} is not supported", hint
+                )
         return first.words[1]
 
     def _requirements(self, section: Form, findings: Findings) -> None:
         for item in section.items[1:]:
             if isinstance(item, Word) and item.text not in REQUIREMENTS:
-                known = f"this importer takes {', '.join(REQUIREMENTS)}"
+                known = f"this importer supports {', '.join(REQUIREMENTS)}"
                 hint = did_you_mean(item.text, REQUIREMENTS) or known
-                message = f"the requirement {item.text!r} is not taken"
+                message = f"the requirement {item.text!r} is not supported"
                 findings.add(Code.NOT_AN_IMPORT, message, offset=item.offset, hint=hint)
 
     def _no_either(self, section: Form, findings: Findings) -> None:
         for form in section.all_forms():
             if form.head == "either":
-                self._fault(findings, form, "types of the kind (either …) are not taken")
+                self._fault(findings, form, "types of the kind (either …) are not supported")
 
     def _action(self, section: Form) -> None:
         self._parameters(section)
@@ -182,13 +184,13 @@ class Scope:
     def _parameters(self, section: Form) -> None:
         parameters = section.after(":parameters")
         if parameters is None:
-            self._fault(self.domain, section, "an action needs :parameters (…), be they none")
+            self._fault(self.domain, section, "an action needs :parameters (…), which may be empty")
         else:
             self._variables = set(_declared(parameters.items))
             self._known_types(parameters, self.domain)
 
     def _known_types(self, declarations: Form, findings: Findings) -> None:
-        """The types of what is declared are declared themselves."""
+        """Records undeclared types in a typed list."""
         self._no_either(declarations, findings)
         for item, following in pairwise(declarations.items):
             if isinstance(item, Word) and item.text == "-" and isinstance(following, Word):
@@ -201,7 +203,7 @@ class Scope:
             findings.add(Code.NOT_AN_IMPORT, message, offset=word.offset, hint=hint)
 
     def _timed(self, part: Form, what: str) -> Form | None:
-        """What is inside (at start …), (at end …) or (over all …)."""
+        """The form inside (at start …), (at end …) or (over all …)."""
         when = part.words[1] if len(part.words) == 2 and len(part.items) == 3 else None
         if when in _TIMED.get(part.head, ()) and len(part.forms) == 1:
             if part.head == "over" and what == "effect":
@@ -218,7 +220,7 @@ class Scope:
     def _duration(self, duration: Form) -> None:
         for part in _conjuncts(duration):
             if part.head in ("at", "over"):
-                self._fault(self.domain, part, "a duration constraint with a time is not taken")
+                self._fault(self.domain, part, "a duration constraint with a time is not supported")
             elif part.head not in ("=", "<=", ">=") or "?duration" not in part.words:
                 self._fault(self.domain, part, "expected (= ?duration …), (<= …) or (>= …)")
         bounds = {part.head for part in _conjuncts(duration)}
@@ -231,7 +233,7 @@ class Scope:
                 self._condition(part, findings)
         elif condition.head == "=":
             if condition.forms:
-                self._fault(findings, condition, "numeric conditions ('=') are not taken")
+                self._fault(findings, condition, "numeric conditions ('=') are not supported")
             else:
                 self._terms(condition, findings)
         else:
@@ -263,7 +265,7 @@ class Scope:
         self._terms(form, findings)
 
     def _terms(self, form: Form, findings: Findings) -> None:
-        """The parameters and objects that a literal or an equality names are declared."""
+        """Records undeclared parameters and objects of a literal or an equality."""
         for item in form.items[1:]:
             if isinstance(item, Word) and item.text.startswith("?"):
                 self._known(item, self._variables, "parameter", findings)
@@ -296,7 +298,7 @@ class Scope:
 
     def _initial_literal(self, literal: Form) -> None:
         if literal.head == "=":
-            self._fault(self.problem, literal, "timed numeric effects are not taken")
+            self._fault(self.problem, literal, "timed numeric effects are not supported")
         elif literal.head == "not" and len(literal.forms) == 1:
             self._literal(literal.forms[0], self.problem)
         else:
@@ -305,13 +307,13 @@ class Scope:
     def _metric(self, section: Form) -> None:
         wanted = section.forms[0].words if section.forms else section.words[2:]
         if section.words[1:2] != ["minimize"] or wanted != ["total-time"]:
-            message = "only the metric 'minimize (total-time)' is taken"
+            message = "only the metric 'minimize (total-time)' is supported"
             self._fault(self.problem, section, message)
 
     # --- words -----------------------------------------------------------------------------------
 
     def _refuse(self, form: Form, findings: Findings) -> None:
-        self._fault(findings, form, f"{_REFUSED[form.head]} ({form.head!r}) are not taken")
+        self._fault(findings, form, f"{_REFUSED[form.head]} ({form.head!r}) are not supported")
 
     def _fault(self, findings: Findings, form: Form, message: str, hint: str | None = None) -> None:
         findings.add(Code.NOT_AN_IMPORT, message, offset=form.offset, hint=hint)

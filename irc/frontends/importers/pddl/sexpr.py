@@ -1,4 +1,4 @@
-"""PDDL text → nested lists of tokens that know where they stand."""
+"""Reads PDDL text as nested lists of tokens with their places."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TOKEN = re.compile(r"[()]|[^\s();]+|;[^\n]*")
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A token, in lower case as PDDL does not tell the two apart."""
+    """A token, in lower case, because PDDL ignores case."""
 
     text: str
     offset: int
@@ -24,14 +24,14 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """What stands between two parentheses."""
+    """A list between two parentheses."""
 
     items: list[Word | Form] = field(default_factory=list)
     offset: int = 0
 
     @property
     def head(self) -> str:
-        """Its first word; empty where it does not begin with one."""
+        """Its first word; empty if it does not begin with one."""
         first = self.items[0] if self.items else None
         return first.text if isinstance(first, Word) else ""
 
@@ -54,7 +54,7 @@ class Form:
             waiting.extend(reversed(form.forms))
 
     def after(self, key: str) -> Form | None:
-        """The form that follows a keyword such as `:effect`; None where there is none."""
+        """The form after a keyword such as `:effect`; None if there is none."""
         for item, following in zip(self.items, self.items[1:], strict=False):
             if isinstance(item, Word) and item.text == key and isinstance(following, Form):
                 return following
@@ -70,7 +70,7 @@ class SyntaxFault(IrcError, ValueError):
 
 
 def read_form(text: str) -> Form:
-    """The one list that a PDDL file is. Raises `SyntaxFault`."""
+    """The one list in a PDDL file. Raises `SyntaxFault`."""
     root = Form()
     stack = [root]
     for match in _TOKEN.finditer(text):

@@ -1,8 +1,8 @@
-"""Ground actions → the IR task.
+"""Builds the IR task of ground actions.
 
-A fact that some action changes is a boolean state variable; one that nothing changes has been
-decided already. What nobody reads and nobody both adds and deletes is left out: it can neither
-help nor hinder.
+A fact that some action changes is a boolean state variable; the value of every other fact is known
+already. A fact that nothing reads and no action both adds and deletes is left out, because it
+changes no schedule.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from irc.model.quantities import exact
 from irc.model.times import json_number
 
 EVENT = "at "
-"""The ids of timed initial literals begin so; those of PDDL's actions begin with '('."""
+"""The beginning of the ids of timed initial literals; those of PDDL's actions begin with '('."""
 
 Raw = dict[str, Any]
 
 
 class UnreachableError(IrcError, ValueError):
-    """A goal that no plan can reach; `fact` is what it asks for."""
+    """A goal that no plan can reach; `fact` is its fact."""
 
     def __init__(self, message: str, fact: Fact) -> None:
         super().__init__(message)
@@ -59,7 +59,7 @@ class _Builder:
 
     @cached_property
     def written(self) -> dict[Fact, set[bool]]:
-        """The values that something gives to each fact."""
+        """The values that effects give to each fact."""
         values: dict[Fact, set[bool]] = {}
         for fact, value in self._all_effects():
             values.setdefault(fact, set()).add(value)
@@ -72,7 +72,7 @@ class _Builder:
 
     @cached_property
     def kept(self) -> dict[Fact, None]:
-        """The facts that are state variables, in the order in which they are met."""
+        """The facts that are state variables, in the order of their first use."""
         read = {fact for action in self.actions for _, (fact, _) in action.conditions}
         read |= {fact for fact, _ in self.lifted.goal}
         return {
@@ -83,7 +83,7 @@ class _Builder:
 
     @cached_property
     def useful(self) -> list[Ground]:
-        """The actions that change something that matters."""
+        """The actions that change a state variable."""
         return [action for action in self.actions if self._matters(action)]
 
     def _matters(self, action: Ground) -> bool:
@@ -114,7 +114,7 @@ class _Builder:
         ]
 
     def _happens_once(self, action: Ground) -> bool:
-        """Whether it undoes for good what it needs, so that it can happen once at most."""
+        """Whether an action deletes a condition of its own for good, so that it can happen once."""
         undone = {(fact, not value) for _, (fact, value) in action.effects}
         return any(
             atom in undone and atom[1] not in self.written.get(atom[0], set())
@@ -122,7 +122,7 @@ class _Builder:
         )
 
     def events(self) -> list[Raw]:
-        """Timed initial literals: what happens by itself at a time, all of one time together."""
+        """The actions of timed initial literals, one for all literals of the same time."""
         times: dict[Fraction, dict[Fact, bool]] = {}
         for time, fact, value in self.lifted.timed:
             if fact in self.kept:

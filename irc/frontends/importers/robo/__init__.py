@@ -1,4 +1,4 @@
-"""Importer for Robo Challenge: state-constrained kitchen tasks → one IR task each.
+"""Importer for Robo Challenge: makes one IR task of each state-constrained kitchen task.
 
 Item states are state variables; each processing action needs its item in one state and leaves it
 in another; stations and robots are resources; stack order and temporal constraints are precedence.

@@ -1,4 +1,4 @@
-"""Robo Challenge JSON → what it says, typed, every fault located."""
+"""Reads Robo Challenge JSON as typed data, every fault located."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _SAID_OF_IT = (
     "groundtruth_solver",
     "groundtruth_solver_status",
 )
-"""Fields about the instance and its known answer; they are no part of the task."""
+"""Fields about the instance and its known answer; they are not part of the task."""
 
 _FLAGS = ("grill_requires_marinated", "fry_requires_cut", "mash_requires_boiled")
 
@@ -66,7 +66,7 @@ class Lag:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A goal that may be left alone: it earns `reward` and takes `cost` out of the stock."""
+    """An optional goal: it earns `reward` and consumes `cost` from the stock."""
 
     id: str
     item: str
@@ -118,7 +118,7 @@ def read_robo_task(instance: Part) -> RoboTask | None:
 
 
 def read_kitchen(fields: Mapping[str, Part]) -> Kitchen:
-    """Durations, stations and robots."""
+    """The kitchen: durations, stations and robots."""
     durations = {
         action: time
         for action, part in _members(fields.get("action_durations"))
@@ -207,7 +207,7 @@ def _end(part: Part | None, items: Mapping[str, Item]) -> str | None:
 
 
 def read_candidates(part: Part | None, items: Mapping[str, Item]) -> tuple[Candidate, ...]:
-    """The candidate goals. Two of one item would need it in two states, and are faults."""
+    """The candidate goals. Two goals for one item, which would need two states, are faults."""
     found: dict[str, Candidate] = {}
     for inner in part.items() if part is not None else ():
         candidate = _candidate(inner, items)
@@ -215,8 +215,8 @@ def read_candidates(part: Part | None, items: Mapping[str, Item]) -> tuple[Candi
             continue
         if candidate.item in {other.item for other in found.values()}:
             inner.fault(
-                f"item {candidate.item!r} already has a candidate goal; this importer takes one"
-                " for each item, because an item has one state at the end"
+                f"item {candidate.item!r} already has a candidate goal; this importer supports one "
+                "for each item, because an item has one state at the end"
             )
         elif candidate.id in found:
             inner.fault(f"the candidate goal {candidate.id!r} is given twice")
@@ -248,7 +248,7 @@ def _check_objective(task: RoboTask, fields: Mapping[str, Part]) -> None:
 
 
 def read_counts(part: Part | None) -> dict[str, int]:
-    """How much there is, or is taken, of each stock."""
+    """The amount of each stock, or the amount that is consumed."""
     return {name: count for name, inner in _members(part) if (count := inner.whole()) is not None}
 
 

@@ -1,8 +1,8 @@
-"""The rules of the Robo kitchen: what may be done to an item, and which way leads to a state.
+"""The rules of the Robo kitchen: the possible processing of an item, and the steps to a state.
 
-Each process takes an item from one state to another, so the way to a wanted state is found from
-its end: one process makes a state, and it starts from one state. Nothing else is needed, and
-whatever else could be done to an item could only make a schedule longer.
+Each process changes an item from one state to another, so the steps to a wanted state are found
+from its end: one process gives a state, and it starts from one state. Other processing is not
+needed and could only make a schedule longer.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ STACK = "stack"
 
 @dataclass(frozen=True)
 class Process:
-    """A kind of processing: the state it leaves an item in, and the station it holds."""
+    """A kind of processing: the state that it gives an item, and its station."""
 
     action: str
     result: str
@@ -51,7 +51,7 @@ _MAKES = {process.result: process for process in PROCESSES}
 
 @dataclass(frozen=True)
 class Item:
-    """An ingredient: its first state, what may be done to it, and what that needs."""
+    """An ingredient: its first state, its possible processing, and the conditions of that."""
 
     name: str
     state: str
@@ -59,12 +59,12 @@ class Item:
     grill_requires_marinated: bool = False
     fry_requires_cut: bool = False
     mash_requires_boiled: bool = False
-    """Said of items to be mashed; anything boiled may be, and nothing else."""
+    """Given for items to be mashed; only boiled items can be mashed in any case."""
 
 
 @dataclass(frozen=True)
 class Kitchen:
-    """What all work shares: durations by action, capacities by station, and the robots."""
+    """The kitchen: durations by action, capacities by station, and the robots."""
 
     durations: dict[str, Span]
     stations: dict[str, int]
@@ -72,8 +72,8 @@ class Kitchen:
 
 
 @dataclass(frozen=True)
-class Step:
-    """One processing of one item: it goes from the state `before` to the state `after`."""
+class ProcessingStep:
+    """One processing of one item, which changes it from the state `before` to `after`."""
 
     action: str
     item: str
@@ -83,33 +83,33 @@ class Step:
 
 
 class UnreachableError(IrcError, ValueError):
-    """No processing leads an item to the wanted state; the text says why."""
+    """No processing leads an item to the wanted state; the message says why."""
 
 
 def action_id(action: str, item: str) -> str:
-    """The id of an action: `<action>_<item>`, as other people's pipelines call it."""
+    """The id of an action: `<action>_<item>`, as in other pipelines for this benchmark."""
     return f"{action}_{item}"
 
 
-def steps_to(item: Item, wanted: str) -> tuple[Step, ...]:
-    """The processing that takes an item to a state, in order; none where it is in it already.
+def steps_to(item: Item, wanted: str) -> tuple[ProcessingStep, ...]:
+    """The processing that leads an item to a state, in order; empty if it has the state already.
 
     Raises `UnreachableError`.
     """
-    steps: list[Step] = []
+    steps: list[ProcessingStep] = []
     state = wanted
     while state != item.state:
         process = _MAKES.get(state)
         before = None if process is None else _starts_from(process.action, item)
         if process is None or before is None:
             raise UnreachableError(_why_not(item, wanted, state, process))
-        steps.append(Step(process.action, item.name, process.station, before, state))
+        steps.append(ProcessingStep(process.action, item.name, process.station, before, state))
         state = before
     return tuple(reversed(steps))
 
 
 def states_of(item: Item) -> tuple[str, ...]:
-    """Every state that some processing can lead the item to, its first one before all."""
+    """Every state that the item can reach, its first one at the beginning."""
     found = dict.fromkeys([item.state])
     while True:
         more = {
@@ -123,7 +123,7 @@ def states_of(item: Item) -> tuple[str, ...]:
 
 
 def _starts_from(action: str, item: Item) -> str | None:
-    """The state in which a process may start; None where the item does not admit it."""
+    """The state in which a process may start; None if the item does not allow the process."""
     has = item.predicates
     if action == "grill":
         if item.grill_requires_marinated:

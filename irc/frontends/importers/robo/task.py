@@ -1,8 +1,8 @@
-"""What a Robo instance says → the IR task.
+"""Builds the IR task of a Robo instance.
 
-An item whose state changes is a state variable; every processing needs the state before it and
-makes the state after it, so that state alone orders the processing of an item, and holds an item
-back from the dish until it is done. Stack order and lags are given as order, and are precedence.
+An item whose state changes is a state variable. Every processing needs the state before it and
+gives the state after it, so that state alone orders the processing of an item, and the stacking of
+an item waits until it is done. Stack order and lags become precedence.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from irc.frontends.importers.robo.kitchen import (
     STACK,
     Item,
     Kitchen,
-    Step,
+    ProcessingStep,
     UnreachableError,
     action_id,
     steps_to,
@@ -26,15 +26,15 @@ from irc.frontends.importers.robo.kitchen import (
 from irc.model import Task
 
 _LONGEST_ORDER = 500
-"""Where items may be left out, each is ordered with all that may be next to it: by pairs."""
+"""Limit on dishes with optional items, whose order needs a precedence for each pair of items."""
 
 
 @dataclass(frozen=True)
 class Work:
-    """All that is done to one item: its processing, and its stacking where it is stacked."""
+    """The work on one item: its processing, and its stacking if it is stacked."""
 
     item: Item
-    steps: tuple[Step, ...]
+    steps: tuple[ProcessingStep, ...]
     stacked: bool
 
     @property
@@ -45,7 +45,7 @@ class Work:
 
 
 def robo_task(robo: RoboTask) -> Task:
-    """The IR task of an instance. Raises `InputError` where a goal cannot be reached."""
+    """The IR task of an instance. Raises `InputError` if a goal cannot be reached."""
     candidates = {candidate.item: candidate for candidate in robo.candidates}
     works = _all_work(robo, candidates)
     _check(robo, works)
@@ -107,7 +107,7 @@ def _goal_part(robo: RoboTask, name: str) -> Any:
 
 
 def state_variable(work: Work) -> dict[str, Any]:
-    """The state of an item: those on its way, in their order."""
+    """The state variable of an item, with the states of its steps in their order."""
     return {
         "id": work.item.name,
         "values": [work.item.state, *(step.after for step in work.steps)],
@@ -125,8 +125,8 @@ def actions(work: Work, kitchen: Kitchen, candidate: Candidate | None) -> list[d
     return made
 
 
-def processing(step: Step, kitchen: Kitchen) -> dict[str, Any]:
-    """The action of a step: it needs the state before it, and makes the state after it."""
+def processing(step: ProcessingStep, kitchen: Kitchen) -> dict[str, Any]:
+    """The action of a step, which needs the state before it and gives the state after it."""
     return {
         "id": action_id(step.action, step.item),
         "duration": kitchen.durations[step.action],
@@ -137,7 +137,7 @@ def processing(step: Step, kitchen: Kitchen) -> dict[str, Any]:
 
 
 def stacking(item: str, state: str | None, kitchen: Kitchen) -> dict[str, Any]:
-    """The action that puts an item upon a dish, once it is in its state if it has several."""
+    """The action that puts an item on a dish, after it has its wanted state."""
     stack: dict[str, Any] = {"id": action_id(STACK, item), "duration": kitchen.durations[STACK]}
     if kitchen.robots:
         stack["uses"] = robot_use(kitchen)
@@ -147,13 +147,13 @@ def stacking(item: str, state: str | None, kitchen: Kitchen) -> dict[str, Any]:
 
 
 def take(cost: Mapping[str, int], action: dict[str, Any]) -> None:
-    """Lets an action take what a goal costs out of the stock."""
+    """Lets an action consume the cost of a goal from the stock."""
     if any(cost.values()):
         action["consumes"] = [{"resource": name, "amount": n} for name, n in cost.items() if n]
 
 
 def robot_use(kitchen: Kitchen) -> list[dict[str, Any]]:
-    """What every action holds besides its station: one of the robots, where there are any."""
+    """The use of every action besides its station: one of the robots, if there are any."""
     if not kitchen.robots:
         return []
     if len(kitchen.robots) == 1:
@@ -162,7 +162,9 @@ def robot_use(kitchen: Kitchen) -> list[dict[str, Any]]:
 
 
 def stack_order(items: Sequence[str], optional: Container[str] = ()) -> list[dict[str, Any]]:
-    """Each item is put upon the one before it; where that may be absent, upon those before too."""
+    """The precedences of a dish: each item after the previous one, and after those before it if
+    the previous one is optional.
+    """
     made = []
     for below, item in enumerate(items):
         for above in items[below + 1 :]:
@@ -186,7 +188,7 @@ def lags(found: Iterable[Lag]) -> list[dict[str, Any]]:
 
 
 def check_lags(found: Iterable[Lag], present: Iterable[str]) -> None:
-    """A temporal constraint between actions that no goal needs is a fault."""
+    """Reports temporal constraints between actions that no goal needs."""
     known = set(present)
     for lag in found:
         for end in (lag.before, lag.after):
@@ -195,7 +197,7 @@ def check_lags(found: Iterable[Lag], present: Iterable[str]) -> None:
 
 
 def group(candidate: Candidate, work: Work) -> dict[str, Any]:
-    """A candidate goal: its actions together, or none of them."""
+    """The group of a candidate goal, which has all of its actions or none."""
     return {
         "id": candidate.id,
         "actions": list(work.actions),
@@ -214,7 +216,7 @@ def _stations(kitchen: Kitchen, works: Iterable[Work]) -> list[dict[str, Any]]:
 
 
 def _stock(robo: RoboTask) -> list[dict[str, Any]]:
-    """A stock as a reservoir; where it is never consumed it changes nothing and is left out."""
+    """The reservoirs of the stocks that are consumed; others have no effect and are left out."""
     consumed = {name for c in robo.candidates for name, amount in c.cost.items() if amount}
     return [
         {"id": name, "kind": "reservoir", "initial": amount}
@@ -224,7 +226,7 @@ def _stock(robo: RoboTask) -> list[dict[str, Any]]:
 
 
 def _left_out(robo: RoboTask, works: Iterable[Work]) -> dict[str, Any]:
-    """Names what the kitchen has but the task has no use for, so that nothing goes unsaid."""
+    """The parts of the kitchen that the task does not use, for the metadata."""
     works = list(works)
     worked_on = {work.item.name for work in works}
     used = {step.station for work in works for step in work.steps}
@@ -236,7 +238,7 @@ def _left_out(robo: RoboTask, works: Iterable[Work]) -> dict[str, Any]:
 
 
 def _check(robo: RoboTask, works: Sequence[Work]) -> None:
-    """What an instance must say besides, for the work that it asks for."""
+    """Reports stations and durations that the work of an instance needs and that are missing."""
     part = robo.part
     kitchen = robo.kitchen
     for work in works:
@@ -252,9 +254,9 @@ def _check(robo: RoboTask, works: Sequence[Work]) -> None:
     by_item = {work.item.name: work for work in works}
     for candidate in robo.candidates:
         if candidate.item in by_item and not by_item[candidate.item].actions:
-            candidate.part.fault("it holds from the start, so there is nothing to choose")
+            candidate.part.fault("it is fulfilled from the start, so there is nothing to choose")
         for name in candidate.cost.keys() - robo.stock.keys():
-            candidate.part.fault(f"'inventory_limits' has no {name!r}, which it costs")
+            candidate.part.fault(f"'inventory_limits' has no {name!r}, which this goal costs")
         asked = robo.required.get(candidate.item, candidate.state)
         if asked != candidate.state:
             candidate.part.fault(

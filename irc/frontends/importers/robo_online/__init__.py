@@ -1,8 +1,8 @@
-"""Importer for Online Robo Challenge: kitchen episodes → one IR task each, with events.
+"""Importer for Online Robo Challenge: makes one IR task, with events, of each kitchen episode.
 
 The kitchen is that of Robo Challenge: item states are state variables, processing and stacking are
-actions `<action>_<item>`, stations and robots are resources. What is ordered while the kitchen
-works comes as events, and nothing of it is in the task before, so that a plan cannot foresee it.
+actions `<action>_<item>`, stations and robots are resources. Orders that come while the kitchen
+works are events, and no part of them is in the task before, so that a plan cannot foresee them.
 Source: repository jiayizx/async_planning (Zhang et al. 2026).
 """
 

@@ -1,4 +1,4 @@
-"""Online Robo Challenge JSON → what it says, typed, every fault located.
+"""Reads Online Robo Challenge JSON as typed data, every fault located.
 
 Events are read in the order of their times, so that each can name the items known by then.
 """
@@ -27,12 +27,12 @@ from irc.model.quantities import Span
 
 _KEPT = ("protocol", "difficulty", "source_task_id", "source_split")
 _SAID_OF_IT = (*_KEPT, "source_dataset", "challenge_features", "oracle")
-"""Fields about the episode and its known answers; they are no part of the task."""
+"""Fields about the episode and its known answers; they are not part of the task."""
 
 
 @dataclass(frozen=True)
-class Wish:
-    """The state that an order wants of an item, and where it says so."""
+class WantedState:
+    """The state in which an order wants an item, with its place in the file."""
 
     item: str
     state: str
@@ -40,14 +40,14 @@ class Wish:
 
 
 @dataclass(frozen=True)
-class Order:
-    """What is to be made: a delivery, or a candidate goal.
+class KitchenOrder:
+    """An order of the kitchen: a delivery or a candidate goal.
 
-    With a `reward` it may be left alone. `stacked` are the items of its dish, from below.
+    With a `reward` it is optional. `stacked` are the items of its dish, from below.
     """
 
     id: str
-    wishes: tuple[Wish, ...]
+    wanted: tuple[WantedState, ...]
     stacked: tuple[str, ...]
     deadline: Span | None
     reward: int | None
@@ -57,17 +57,17 @@ class Order:
 
 @dataclass(frozen=True)
 class Revelation:
-    """What becomes known at one moment: at the start, or by an event."""
+    """The items, orders, lags and deadline that become known at the start, or by an event."""
 
     items: Mapping[str, Item]
-    orders: tuple[Order, ...]
+    orders: tuple[KitchenOrder, ...]
     lags: tuple[Lag, ...]
     deadline: Span | None
 
 
 @dataclass(frozen=True)
 class Happening:
-    """An event: what it reveals, and when."""
+    """An event, with its time and its revelation."""
 
     id: str
     at: Span
@@ -123,7 +123,7 @@ def read_episode(instance: Part) -> Episode | None:
 
 def _happenings(part: Part | None, known: dict[str, Item]) -> tuple[Happening, ...]:
     """The events by time; those of one instant in the order of the file."""
-    drafts = []
+    found = []
     ids: set[str] = set()
     for inner in part.items() if part is not None else ():
         fields = inner.record(("id", "trigger_time", "delta"), ("type", "description"))
@@ -132,15 +132,15 @@ def _happenings(part: Part | None, known: dict[str, Item]) -> tuple[Happening, .
         if name is not None and name in ids:
             fields["id"].fault(f"the event {name!r} is given twice")
         ids.add(name or "")
-        drafts.append((name or "", at, fields.get("delta")))
-    drafts.sort(key=lambda draft: _moment(draft[1]))
+        found.append((name or "", at, fields.get("delta")))
+    found.sort(key=lambda event: _moment(event[1]))
     return tuple(
-        Happening(name, 0 if at is None else at, _delta(delta, known)) for name, at, delta in drafts
+        Happening(name, 0 if at is None else at, _delta(delta, known)) for name, at, delta in found
     )
 
 
 def _moment(at: Span | None) -> tuple[bool, Fraction]:
-    """Orders by time; an event whose time is at fault comes last, and may name any item."""
+    """A sort key by time; an event with a faulty time comes last, and may name any item."""
     return at is None, Fraction(at) if isinstance(at, (int, Fraction)) else Fraction(0)
 
 
@@ -165,7 +165,7 @@ def _delta(part: Part | None, known: dict[str, Item]) -> Revelation:
 def _revelation(
     fields: Mapping[str, Part], known: dict[str, Item], prefix: str, deadline: str, items: str
 ) -> Revelation:
-    """What the fields of the initial task, or of a delta, reveal; `known` gets the new items."""
+    """The revelation in the fields of the initial task or a delta; adds new items to `known`."""
     new = read_items(fields.get(items))
     for name in new.keys() & known.keys():
         there = fields[items].members()[name]
@@ -188,28 +188,30 @@ def _revelation(
     )
 
 
-def _delivery(part: Part, items: Mapping[str, Item]) -> Order | None:
+def _delivery(part: Part, items: Mapping[str, Item]) -> KitchenOrder | None:
     fields = part.record(("id",), ("required_states", "stack_order", "deadline", "reward"))
     name = fields["id"].text() if "id" in fields else None
-    wanted = fields.get("required_states")
-    states = read_states(wanted, items)
-    places = wanted.members() if wanted is not None and states else {}
+    required = fields.get("required_states")
+    states = read_states(required, items)
+    places = required.members() if required is not None and states else {}
     stacked = read_stack_order(fields.get("stack_order"), items)
     deadline = fields["deadline"].time() if "deadline" in fields else None
     reward = fields["reward"].whole() if "reward" in fields else None
     if name is None:
         return None
-    wishes = tuple(Wish(item, state, places[item]) for item, state in states.items())
-    return Order(name, wishes, stacked, deadline, reward, {}, part)
+    wanted = tuple(WantedState(item, state, places[item]) for item, state in states.items())
+    return KitchenOrder(name, wanted, stacked, deadline, reward, {}, part)
 
 
-def _of_candidate(candidate: Candidate) -> Order:
-    wish = Wish(candidate.item, candidate.state, candidate.part)
-    return Order(candidate.id, (wish,), (), None, candidate.reward, candidate.cost, candidate.part)
+def _of_candidate(candidate: Candidate) -> KitchenOrder:
+    wanted = WantedState(candidate.item, candidate.state, candidate.part)
+    return KitchenOrder(
+        candidate.id, (wanted,), (), None, candidate.reward, candidate.cost, candidate.part
+    )
 
 
 def _metadata(fields: Mapping[str, Part]) -> dict[str, Any]:
-    """What is known about the episode; of the oracle's values those that are there."""
+    """The data about the episode, with the values of the oracle that are given."""
     kept = {key: fields[key].value for key in _KEPT if key in fields}
     if "oracle" not in fields:
         return kept

@@ -1,8 +1,8 @@
-"""The orders of an episode, as they are revealed: what each adds to all that was known before it.
+"""Adds the orders of an episode to the task, as they are revealed.
 
-An obligation (an order without a reward) has its actions once. An order with a reward is an
-optional group. What an item is to go through is kept in stages, so that a later order can take it
-further from where the earlier ones leave it.
+The actions of an obligation (an order without a reward) occur once. An order with a reward is an
+optional group. The processing of an item is kept in stages, so that a later order can continue
+where the earlier ones end.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from irc.frontends.importers.robo.kitchen import (
     STACK,
     Item,
     Kitchen,
-    Step,
+    ProcessingStep,
     UnreachableError,
     action_id,
     states_of,
@@ -31,17 +31,17 @@ from irc.frontends.importers.robo.task import (
     stacking,
     take,
 )
-from irc.frontends.importers.robo_online.document import Order, Revelation, Wish
+from irc.frontends.importers.robo_online.document import KitchenOrder, Revelation, WantedState
 
 Raw = dict[str, Any]
 
 
 @dataclass
 class Additions:
-    """What a revelation adds, as parts of an IR document.
+    """The additions of a revelation, as parts of an IR document.
 
-    `goals` are all goals from then on, None where they stay as they are. `rewarded` says whether
-    some new order has a reward.
+    `goals` are all goals from then on; None if they do not change. `rewarded` is whether some new
+    order has a reward.
     """
 
     state: list[Raw] = field(default_factory=list)
@@ -54,17 +54,17 @@ class Additions:
 
 @dataclass
 class _Progress:
-    """How far orders take an item: its steps, and which of them only a chosen order has."""
+    """The processing of an item by all orders: its steps, and those of optional orders only."""
 
     item: Item
-    steps: list[Step] = field(default_factory=list)
+    steps: list[ProcessingStep] = field(default_factory=list)
     chosen: set[str] = field(default_factory=set)
     stacked: bool = False
     declared: bool = False
 
     @property
     def state(self) -> str:
-        """Where the orders so far leave it."""
+        """The state of the item after the orders so far."""
         return self.steps[-1].after if self.steps else self.item.state
 
     @property
@@ -72,8 +72,8 @@ class _Progress:
         """The ids of its processing, in order."""
         return [action_id(step.action, step.item) for step in self.steps]
 
-    def steps_on_to(self, state: str) -> tuple[Step, ...]:
-        """What is left to do. Raises `UnreachableError`."""
+    def steps_on_to(self, state: str) -> tuple[ProcessingStep, ...]:
+        """The remaining steps to a state. Raises `UnreachableError`."""
         if not self.steps:
             return steps_to(self.item, state)
         try:
@@ -86,13 +86,13 @@ class _Progress:
 
 
 @dataclass
-class _Draft:
-    """An order that is being taken: its new actions, and all that must be done for it.
+class _OpenOrder:
+    """An order that is being added: its new actions, and all actions that it needs.
 
-    `sound` says that all of it could be taken.
+    `sound` is whether all of its parts could be added.
     """
 
-    order: Order
+    order: KitchenOrder
     own: list[Raw] = field(default_factory=list)
     all: list[str] = field(default_factory=list)
     sound: bool = True
@@ -106,9 +106,10 @@ class _Draft:
         self.all.append(action["id"])
 
     def group(self) -> Raw | None:
-        """What may be left alone, or has a deadline, is a group; anything else needs none.
+        """The group of an order that is optional or has a deadline; None for other orders.
 
-        A deadline of an obligation holds for all that it needs, whoever asked for it first.
+        The deadline of an obligation holds for all actions that it needs, also for those that an
+        earlier order added.
         """
         order = self.order
         members = [action["id"] for action in self.own] if self.optional else self.all
@@ -123,7 +124,7 @@ class _Draft:
 
 
 class Book:
-    """All orders so far, and what they need of the kitchen. Faults are recorded where they are."""
+    """All orders so far, and the parts of the kitchen that they need. Faults are recorded."""
 
     def __init__(self, kitchen: Kitchen, stock: Mapping[str, int]) -> None:
         self.kitchen, self.stock = kitchen, stock
@@ -145,65 +146,67 @@ class Book:
         return [name for name, p in self.items.items() if not p.steps and not p.stacked]
 
     def reveal(self, revelation: Revelation) -> Additions:
-        """Takes what becomes known at one moment.
+        """The additions of what becomes known at one moment.
 
-        Obligations come first, so that no order with a reward holds the work that they need. What
-        is stacked waits for all that is wanted of it by then.
+        Obligations come first, so that no order with a reward owns work that they need. The
+        stacking of an item waits for all processing that is wanted by then.
         """
         new = Additions()
         before = dict(self._goals)
         self.items.update((name, _Progress(item)) for name, item in revelation.items.items())
         _check_one_state(revelation.orders)
         orders = sorted(revelation.orders, key=lambda order: order.reward is not None)
-        drafts = [_Draft(order) for order in orders if self._is_new(order)]
-        for draft in drafts:
-            for wish in draft.order.wishes:
-                draft.sound &= self._process(wish, draft, new)
-        for draft in drafts:
-            self._stack(draft, new)
-            self._finish(draft, new)
+        open_orders = [_OpenOrder(order) for order in orders if self._is_new(order)]
+        for open_order in open_orders:
+            for wanted in open_order.order.wanted:
+                open_order.sound &= self._process(wanted, open_order, new)
+        for open_order in open_orders:
+            self._stack(open_order, new)
+            self._finish(open_order, new)
         self._time(revelation.lags, new)
         if self._goals != before:
             new.goals = list(self._goals.values())
         return new
 
-    def _is_new(self, order: Order) -> bool:
+    def _is_new(self, order: KitchenOrder) -> bool:
         if order.id in self._orders:
-            order.part.fault(f"the order {order.id!r} is already there")
+            order.part.fault(f"the order {order.id!r} already exists")
             return False
         self._orders.add(order.id)
         return True
 
     # --- processing ---
 
-    def _process(self, wish: Wish, draft: _Draft, new: Additions) -> bool:
-        """Takes an item on to the state that an order wants of it; tells where it cannot."""
-        progress = self.items[wish.item]
+    def _process(self, wanted: WantedState, open_order: _OpenOrder, new: Additions) -> bool:
+        """Adds the steps of an item to the state that an order wants; reports it if impossible."""
+        progress = self.items[wanted.item]
         try:
-            steps = progress.steps_on_to(wish.state)
+            steps = progress.steps_on_to(wanted.state)
         except UnreachableError as error:
-            wish.part.fault(str(error))
+            wanted.part.fault(str(error))
             return False
-        able = [self._able(step, wish.part) for step in steps]
-        if not all(able) or (draft.optional and not self._may_choose(wish, steps, draft)):
+        able = [self._able(step, wanted.part) for step in steps]
+        if not all(able) or (
+            open_order.optional and not self._may_choose(wanted, steps, open_order)
+        ):
             return False
-        if not draft.optional:
+        if not open_order.optional:
             self._oblige(progress)
-        elif steps:  # It need no longer end where an obligation wants it to come to.
-            self._goals.pop(wish.item, None)
-        draft.all += progress.actions
+        elif steps:  # The item need no longer end in the state that an obligation wants.
+            self._goals.pop(wanted.item, None)
+        open_order.all += progress.actions
         for step in steps:
             self._declare(progress, new)
             progress.steps.append(step)
-            draft.add(processing(step, self.kitchen))
-        if draft.optional:
+            open_order.add(processing(step, self.kitchen))
+        if open_order.optional:
             progress.chosen.update(action_id(step.action, step.item) for step in steps)
         elif progress.steps:
-            self._goals[wish.item] = {"var": wish.item, "value": progress.state}
+            self._goals[wanted.item] = {"var": wanted.item, "value": progress.state}
         return True
 
-    def _able(self, step: Step, part: Part) -> bool:
-        """Whether the kitchen can take a step; tells where it cannot."""
+    def _able(self, step: ProcessingStep, part: Part) -> bool:
+        """Whether the kitchen has the station and the duration of a step; reports missing ones."""
         there = step.station in self.kitchen.stations
         if not there:
             part.fault(f"there is no station {step.station!r} to {step.action} {step.item!r}")
@@ -216,27 +219,29 @@ class Book:
         return False
 
     def _oblige(self, progress: _Progress) -> None:
-        """An obligation needs what so far only a chosen order would do: it must be there."""
+        """Makes steps that only optional orders need required, because an obligation needs them."""
         for name in progress.actions:
             if name in progress.chosen:
                 progress.chosen.discard(name)
                 self._goals[name] = name
 
-    def _may_choose(self, wish: Wish, steps: Sequence[Step], draft: _Draft) -> bool:
-        """Whether an order that may be left alone has an action to say so by; tells where not."""
-        progress = self.items[wish.item]
-        if steps or not progress.steps or wish.item in draft.order.stacked:
+    def _may_choose(
+        self, wanted: WantedState, steps: Sequence[ProcessingStep], open_order: _OpenOrder
+    ) -> bool:
+        """Whether an optional order has an action of its own; reports it if not."""
+        progress = self.items[wanted.item]
+        if steps or not progress.steps or wanted.item in open_order.order.stacked:
             return True
-        if not progress.chosen and draft.order.deadline is None:
+        if not progress.chosen and open_order.order.deadline is None:
             return True
-        wish.part.fault(
-            f"another goal makes {wish.item!r} {wish.state!r} already, so this order, "
-            "which may be left alone, has no say in whether or when"
+        wanted.part.fault(
+            f"another goal makes {wanted.item!r} {wanted.state!r} already, so this optional "
+            "order decides nothing"
         )
         return False
 
     def _declare(self, progress: _Progress, new: Additions) -> None:
-        """The state variable of an item that can be in several states, with its first action."""
+        """Adds the state variable of an item with several states, with its first action."""
         states = states_of(progress.item)
         if not progress.declared and len(states) > 1:
             name = progress.item.name
@@ -245,34 +250,34 @@ class Book:
 
     # --- stacking, groups, lags ---
 
-    def _stack(self, draft: _Draft, new: Additions) -> None:
-        for name, part in _stacked(draft.order):
+    def _stack(self, open_order: _OpenOrder, new: Additions) -> None:
+        for name, part in _stacked(open_order.order):
             progress = self.items[name]
             if progress.stacked:
                 part.fault(f"item {name!r} is already stacked by another order")
-            elif progress.chosen and not draft.optional:
+            elif progress.chosen and not open_order.optional:
                 part.fault(f"whether {name!r} is {progress.state!r} is left to another order")
             elif self._timed(STACK, name, part):
                 self._declare(progress, new)
                 progress.stacked = True
                 state = progress.state if progress.declared else None
-                draft.add(stacking(name, state, self.kitchen))
-        new.precedence += stack_order(draft.order.stacked)
+                open_order.add(stacking(name, state, self.kitchen))
+        new.precedence += stack_order(open_order.order.stacked)
 
-    def _finish(self, draft: _Draft, new: Additions) -> None:
-        """The order's actions, what it costs, and its group where it needs one."""
-        order = draft.order
+    def _finish(self, open_order: _OpenOrder, new: Additions) -> None:
+        """Adds the order's actions, its cost, and its group if it needs one."""
+        order = open_order.order
         for name in order.cost.keys() - self.stock.keys():
-            order.part.fault(f"'inventory_limits' has no {name!r}, which it costs")
-        if draft.own:
-            take(order.cost, draft.own[0])
+            order.part.fault(f"'inventory_limits' has no {name!r}, which this order costs")
+        if open_order.own:
+            take(order.cost, open_order.own[0])
             self.consumed |= {name for name, amount in order.cost.items() if amount}
-        elif draft.optional and draft.sound:
-            order.part.fault("it holds already, so there is nothing to choose")
-        new.actions += draft.own
-        self._actions.update(action["id"] for action in draft.own)
-        new.rewarded |= draft.optional
-        if group := draft.group():
+        elif open_order.optional and open_order.sound:
+            order.part.fault("it is fulfilled already, so there is nothing to choose")
+        new.actions += open_order.own
+        self._actions.update(action["id"] for action in open_order.own)
+        new.rewarded |= open_order.optional
+        if group := open_order.group():
             new.groups.append(group)
 
     def _time(self, found: Sequence[Lag], new: Additions) -> None:
@@ -284,23 +289,23 @@ class Book:
                 new.precedence += lags([lag])
 
 
-def _stacked(order: Order) -> Iterator[tuple[str, Part]]:
+def _stacked(order: KitchenOrder) -> Iterator[tuple[str, Part]]:
     """The items of its dish, each with its place in the file."""
     if not order.stacked:
         return
     whole = order.part.child("stack_order", order.part.value["stack_order"])
-    # (A dish that names an item twice is a fault, and does not come this far.)
+    # (A dish that names an item twice is reported before.)
     for k, name in enumerate(order.stacked):
         yield name, whole.child(k, name)
 
 
-def _check_one_state(orders: Sequence[Order]) -> None:
-    """At one moment no item is wanted in two states."""
-    wanted: dict[str, Wish] = {}
-    for wish in (wish for order in orders for wish in order.wishes):
-        other = wanted.setdefault(wish.item, wish)
-        if other.state != wish.state:
-            wish.part.fault(
-                f"item {wish.item!r} is wanted {other.state!r} at the same moment, "
+def _check_one_state(orders: Sequence[KitchenOrder]) -> None:
+    """Reports items that are wanted in two states at one moment."""
+    first: dict[str, WantedState] = {}
+    for wanted in (wanted for order in orders for wanted in order.wanted):
+        other = first.setdefault(wanted.item, wanted)
+        if other.state != wanted.state:
+            wanted.part.fault(
+                f"item {wanted.item!r} is wanted {other.state!r} at the same moment, "
                 "and has one state at the end"
             )

@@ -1,8 +1,8 @@
-"""What an online episode says → the IR task with its events.
+"""Builds the IR task of an online episode, with its events.
 
-Everything is modelled when it is revealed: what an event brings, nothing before it shows. As no
-event can add values to a state variable, an item's has all states that the kitchen's rules allow
-for such an item, wanted or not.
+Each element is added when it is revealed: nothing shows it before its event. An event cannot add
+values to a state variable, so the variable of an item has all states that the kitchen's rules allow
+for it.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def episode_task(episode: Episode) -> Task | None:
 
 
 def _changes(new: Additions, revelation: Revelation) -> list[dict[str, Any]]:
-    """What an event does to the task, so that each change names only what is there by then."""
+    """The changes of an event, in an order in which each names only known elements."""
     changes: list[dict[str, Any]] = [
         {"op": f"add_{field}", field: elements}
         for field, elements in (
@@ -75,7 +75,7 @@ def _changes(new: Additions, revelation: Revelation) -> list[dict[str, Any]]:
 
 
 def _resources(episode: Episode, book: Book) -> list[dict[str, Any]]:
-    """What the kitchen has from the start; what no order ever needs is left out."""
+    """The resources of the kitchen from the start, without those that no order needs."""
     kitchen = episode.kitchen
     stations = [
         {"id": station, "capacity": capacity}
@@ -91,7 +91,7 @@ def _resources(episode: Episode, book: Book) -> list[dict[str, Any]]:
 
 
 def _left_out(episode: Episode, book: Book) -> dict[str, Any]:
-    """Names what the kitchen has but no order has a use for, so that nothing goes unsaid."""
+    """The parts of the kitchen that no order needs, for the metadata."""
     unused = {
         "items_without_a_goal": book.idle,
         "unused_stations": [s for s in episode.kitchen.stations if s not in book.stations],

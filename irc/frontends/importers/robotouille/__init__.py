@@ -1,17 +1,18 @@
-"""Importer for Robotouille: grid kitchens → one IR task each.
+"""Importer for Robotouille: makes one IR task of each grid kitchen.
 
 One robot walks between stations, carries one item at a time, cuts, and starts stoves and fryers
-that then run by themselves. Modelled are where the robot is and how long each walk takes, what its
-hand holds, what lies on what, each single cut, and cooking. One time unit is one step of the game.
+that then run by themselves. The task has the places of the robot, the durations of walks, the item
+in its hand, the items on others, each single cut, and cooking. One time unit is one step of the
+game.
 
 State variables: `robot` (the station it stands at, or "walking"), `hand` (an item, or "empty"),
 `top_<station>` (the uppermost item there, or "nothing"), `below_<item>` (an item, or "station";
 only where it matters), `at_<item>` (a station, or "hand"; only where a goal asks), `cut_<item>`
-(how many cuts it has had), `cooked_<item>` and `fried_<item>`.
+(the number of its cuts), `cooked_<item>` and `fried_<item>`.
 
-What the robot does holds the resource `robot`; a stove or fryer is held by what runs in it and by
-putting into it and taking out. `docs/importers.md` lists what is assumed; each task's metadata
-repeats it. Source: Robotouille, as converted in the repository jiayizx/async_planning.
+Every action of the robot uses the resource `robot`. Cooking, frying, putting an item in and taking
+it out use the stove or fryer. `docs/importers.md` and the metadata of each task list the
+assumptions. Source: Robotouille, as converted in the repository jiayizx/async_planning.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Robotouille JSON → the kitchen it describes, typed, every fault located."""
+"""Reads Robotouille JSON as a typed kitchen, every fault located."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _CONTENT = (
 _MOST_CUTS = 1000
 _MOST_STATIONS = 60
 _MOST_ITEMS = 60
-"""Walks and stacks go by pairs, so that larger kitchens would become very large tasks."""
+"""Limits on kitchens: walks and stacks need an action for each pair, so tasks grow quickly."""
 
 
 @dataclass(frozen=True)
 class Item:
-    """An item: where it lies at first, what lies below it (None: the station), what it admits."""
+    """An item: its first station, the item below it (None: the station), its predicates."""
 
     name: str
     station: str
@@ -46,8 +46,8 @@ class Item:
 
 
 @dataclass
-class Wish:
-    """What the goal wants of one item."""
+class ItemGoal:
+    """The goal for one item."""
 
     done: set[str] = field(default_factory=set)
     at: str | None = None
@@ -68,7 +68,7 @@ class KitchenTask:
     items: Mapping[str, Item]
     start: Cell
     facing: Cell
-    wishes: Mapping[str, Wish]
+    item_goals: Mapping[str, ItemGoal]
     goal: Part
     part: Part
 
@@ -90,8 +90,8 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
     width, height = (_side(fields[key]) for key in ("width", "height"))
     stations, kinds = _stations(fields["stations"], width, height)
     items = _items(fields["items"], stations, fields["config"])
-    start, facing = _player(fields["players"], width, height, stations)
-    wishes = _Binder(stations, kinds, items).wishes(fields["goal"])
+    start, facing = _robot(fields["players"], width, height, stations)
+    item_goals = _Binder(stations, kinds, items).item_goals(fields["goal"])
     if len(instance.faults.findings.items) > found:
         return None
     description = fields["goal_description"].text() if "goal_description" in fields else None
@@ -106,7 +106,7 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
         items,
         start,
         facing,
-        wishes,
+        item_goals,
         fields["goal"],
         instance,
     )
@@ -115,7 +115,7 @@ def read_kitchen_task(instance: Part) -> KitchenTask | None:
 def _side(part: Part) -> int:
     side = part.whole(1) or 1
     if side > LARGEST_SIDE:
-        part.fault(f"at most {LARGEST_SIDE} cells are taken, found {side}")
+        part.fault(f"at most {LARGEST_SIDE} cells are allowed, found {side}")
         return 1
     return side
 
@@ -132,16 +132,16 @@ def _cell(fields: Mapping[str, Part], width: int, height: int) -> Cell | None:
 
 
 def _at_most(most: int, part: Part) -> list[Part]:
-    """The entries of a list; none, and a fault, where there are more than `most`."""
+    """The entries of a list; none, and a fault, if there are more than `most`."""
     items = part.items()
     if len(items) > most:
-        part.fault(f"at most {most} are taken, found {len(items)}")
+        part.fault(f"at most {most} are allowed, found {len(items)}")
         return []
     return items
 
 
 def numbered(names: Iterable[str]) -> list[str]:
-    """Names of their own, in order: "table_1", "stove_1", "table_2"."""
+    """Numbered names in order: "table_1", "stove_1", "table_2"."""
     counts: Counter[str] = Counter()
     made = []
     for name in names:
@@ -195,7 +195,7 @@ def _items(part: Part, stations: Mapping[str, Cell], config: Part) -> dict[str, 
         if name not in where or kind is None:
             continue
         if kind in STATION_KINDS:
-            inner.fault(f"an item cannot be called {kind!r}, as stations are")
+            inner.fault(f"an item cannot have the name of a kind of station, {kind!r}")
         station, level = where[name]
         if level and level - 1 not in lying[station]:
             inner.fault(f"{name!r} lies at the level {level} of {station!r}, with nothing below it")
@@ -215,9 +215,9 @@ def _items(part: Part, stations: Mapping[str, Cell], config: Part) -> dict[str, 
 
 
 def _config(part: Part) -> dict[str, dict[str, int]]:
-    """How many cuts and how many steps of cooking, by kind of item and by default."""
+    """The numbers of cuts and of steps of cooking, by kind of item and by default."""
     fields = part.record(("num_cuts", "cook_time"), ())
-    # The defaults here only stand in where a fault has been recorded.
+    # These defaults are used only after a fault.
     read: dict[str, dict[str, int]] = {"num_cuts": {"default": 1}, "cook_time": {"default": 1}}
     for key, inner in fields.items():
         if key not in read:
@@ -229,17 +229,17 @@ def _config(part: Part) -> dict[str, dict[str, int]]:
         )
         for kind, count in read[key].items():
             if count > _MOST_CUTS:
-                inner.fault(f"at most {_MOST_CUTS} are taken, found {count} for {kind!r}")
+                inner.fault(f"at most {_MOST_CUTS} are allowed, found {count} for {kind!r}")
     return read
 
 
-def _player(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -> tuple[Cell, Cell]:
-    """Where the robot stands and the cell that it faces."""
+def _robot(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -> tuple[Cell, Cell]:
+    """(the cell of the robot, the cell that it faces)."""
     players = part.items()
     if len(players) != 1:
-        part.fault(f"this importer takes kitchens with one player, found {len(players)}")
-    for player in players[:1]:
-        fields = player.record(("x", "y"), ("name", "direction"))
+        part.fault(f"this importer reads kitchens with one player, found {len(players)}")
+    for robot in players[:1]:
+        fields = robot.record(("x", "y"), ("name", "direction"))
         cell = _cell(fields, width, height)
         steps = fields["direction"].items() if "direction" in fields else []
         way = [step.value for step in steps]
@@ -249,18 +249,18 @@ def _player(part: Part, width: int, height: int, stations: Mapping[str, Cell]) -
         if cell is None:
             break
         if cell in stations.values():
-            player.fault(f"the player stands on the cell {cell} of a station")
+            robot.fault(f"the player stands on the cell {cell} of a station")
         x, y = (*way, 0, 0)[:2]
         return cell, (cell[0] + x, cell[1] + y)
     return (0, 0), (0, 0)
 
 
 class _Binder:
-    """Gives the goal's ids their objects.
+    """Binds the goal's ids to objects.
 
-    An id means some object of its name, the same wherever it is used. They are bound in the order
-    in which the goal names them to the objects in the order of the file, as the text that comes
-    with each instance reads them; a plan for this binding is a plan for the goal.
+    An id means some object of its kind, the same at every use. Ids in the order of the goal are
+    bound to objects in the order of the file, as in the text of each instance; a plan for this
+    binding is a plan for the goal.
     """
 
     def __init__(
@@ -274,12 +274,12 @@ class _Binder:
         }
         self.bound: dict[int, str] = {}
 
-    def wishes(self, goal: Part) -> dict[str, Wish]:
-        wishes: dict[str, Wish] = {}
+    def item_goals(self, goal: Part) -> dict[str, ItemGoal]:
+        item_goals: dict[str, ItemGoal] = {}
         for part in goal.items():
             fields = part.record(("predicate", "args", "ids"), ())
             predicate = (
-                fields["predicate"].one_of(GOALS, "goal predicate that this importer takes")
+                fields["predicate"].one_of(GOALS, "goal predicate that this importer supports")
                 if "predicate" in fields
                 else None
             )
@@ -289,21 +289,21 @@ class _Binder:
             if len(objects) != (2 if predicate in PLACED else 1) or objects[0] not in self.items:
                 part.fault(f"{predicate!r} does not fit the arguments {', '.join(objects)}")
                 continue
-            self._wish(part, predicate, objects, wishes.setdefault(objects[0], Wish()))
-        return wishes
+            self._set_goal(part, predicate, objects, item_goals.setdefault(objects[0], ItemGoal()))
+        return item_goals
 
-    def _wish(self, part: Part, predicate: str, objects: list[str], wish: Wish) -> None:
+    def _set_goal(self, part: Part, predicate: str, objects: list[str], wanted: ItemGoal) -> None:
         if predicate in DONE:
-            wish.done.add(predicate)
+            wanted.done.add(predicate)
         elif predicate == CLEAR:
-            wish.clear = True
+            wanted.clear = True
         elif objects[1] not in self.stations:
             part.fault(f"{predicate!r} needs a station, not {objects[1]!r}")
-        elif wish.at not in (None, objects[1]):
-            part.fault(f"the goal wants {objects[0]!r} both at {wish.at!r} and at {objects[1]!r}")
+        elif wanted.at not in (None, objects[1]):
+            part.fault(f"the goal wants {objects[0]!r} both at {wanted.at!r} and at {objects[1]!r}")
         else:
-            wish.at = objects[1]
-            wish.on_station |= predicate == "item_on"
+            wanted.at = objects[1]
+            wanted.on_station |= predicate == "item_on"
 
     def _objects(self, part: Part, fields: Mapping[str, Part]) -> list[str] | None:
         if "args" not in fields or "ids" not in fields:

@@ -1,4 +1,4 @@
-"""Walking on the kitchen's floor: where the robot stands at a station, and how far it is."""
+"""The kitchen's floor: the robot's cell at each station, and the walking distances."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LARGEST_SIDE = 100
 
 
 class Floor:
-    """The cells of a grid that no station occupies; the robot walks from one to the next."""
+    """The cells of a grid without a station, on which the robot walks."""
 
     def __init__(self, width: int, height: int, stations: Iterable[Cell]) -> None:
         taken = set(stations)
@@ -26,7 +26,7 @@ class Floor:
         return sorted((x + dx, y + dy) for dx, dy in _SIDES if (x + dx, y + dy) in self._free)
 
     def walks(self, start: Cell) -> dict[Cell, int]:
-        """How many cells each reachable cell is away (breadth first)."""
+        """The distance of each reachable cell in cells (breadth-first search)."""
         far = {start: 0}
         queue = deque([start])
         while queue:
@@ -41,10 +41,10 @@ class Floor:
 def standing_cells(
     floor: Floor, stations: Mapping[str, Cell], start: Cell, faced: str | None
 ) -> dict[str, Cell | None]:
-    """The one cell from which each station is served; None where the robot cannot get to one.
+    """The one cell from which each station is served; None if the robot cannot reach one.
 
-    A station faced at the start is served from where the robot is. Elsewhere it is the reachable
-    cell beside the station from which all the other stations together are nearest.
+    A station that the robot faces at the start is served from its first cell. For another station
+    it is the reachable cell beside it with the least total distance to all other stations.
     """
     reachable = floor.walks(start)
     beside = {
@@ -67,9 +67,9 @@ def _total(floor: Floor, cell: Cell, others: Iterable[list[Cell]]) -> int:
 
 
 def walking_times(floor: Floor, places: Mapping[str, Cell]) -> dict[tuple[str, str], int]:
-    """Steps from each place to each other one; turning to a station takes one where none is walked.
+    """The steps from each place to each other one; turning without walking takes one step.
 
-    A detour by way of a third place is never shorter.
+    A detour over a third place is never shorter.
     """
     walks = {name: floor.walks(cell) for name, cell in places.items()}
     return {

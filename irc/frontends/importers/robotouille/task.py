@@ -1,4 +1,4 @@
-"""A kitchen as read → the IR task: its variables, its ground actions, and the goal."""
+"""Builds the IR task of a kitchen: its variables, its ground actions, and the goal."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 from irc.frontends.importers.instances import without_empty
 from irc.frontends.importers.robotouille.chores import CUT, Chores
 from irc.frontends.importers.robotouille.document import FRYER, STOVE, KitchenTask
+from irc.frontends.importers.robotouille.goals import unmet_goals
 from irc.frontends.importers.robotouille.grid import (
     Cell,
     Floor,
     standing_cells,
     walking_times,
 )
-from irc.frontends.importers.robotouille.wishes import unmet_wishes
 from irc.model import Task
 
 ROBOT, HAND = "robot", "hand"
@@ -52,7 +52,7 @@ def robotouille_task(kitchen: KitchenTask) -> Task | None:
     builder = _Builder(kitchen, chores)
     unreachable = [name for name in builder.visited if builder.cells[name] is None]
     said = [
-        *unmet_wishes(chores),
+        *unmet_goals(chores),
         *(f"the robot cannot get to {name!r}" for name in unreachable),
     ]
     for message in said:
@@ -83,7 +83,7 @@ def _end(var: str, value: Any) -> Raw:
 
 
 def _by_robot(id: str, conditions: list[Raw], effects: list[Raw], occurs: Any, **more: Any) -> Raw:
-    """What the robot does: nothing else of it happens meanwhile, so start conditions suffice."""
+    """An action of the robot, which does nothing else meanwhile, so start conditions suffice."""
     return {
         "id": id,
         "duration": 1,
@@ -104,7 +104,7 @@ class _Builder:
 
     @cached_property
     def floor(self) -> Floor:
-        """Where the robot can walk."""
+        """The cells on which the robot can walk."""
         kitchen = self.kitchen
         return Floor(kitchen.width, kitchen.height, kitchen.stations.values())
 
@@ -116,17 +116,17 @@ class _Builder:
 
     @cached_property
     def cells(self) -> Mapping[str, Cell | None]:
-        """Where the robot stands at each station."""
+        """The cell of the robot at each station."""
         return standing_cells(self.floor, self.kitchen.stations, self.kitchen.start, self.faced)
 
     @cached_property
     def first_place(self) -> str:
-        """The place at which the robot is at first."""
+        """The first place of the robot."""
         return self.faced or START
 
     @cached_property
     def visited(self) -> list[str]:
-        """The stations at which there is something to do."""
+        """The stations at which some action takes place."""
         chores = self.chores
         used = {s for i in self.kitchen.items for s in (*chores.puts(i), *chores.takes(i))}
         used |= {s for i in self.kitchen.items for s in chores.processing(i)}
@@ -141,10 +141,10 @@ class _Builder:
 
     @cached_property
     def stacked_on(self) -> dict[str, list[str]]:
-        """What may lie below an item besides a station; items for which that ever matters.
+        """The items that may lie below an item, for items for which that matters.
 
-        It matters where an item is taken off another, and where it could be either on a station
-        that it is taken from. Elsewhere the uppermost item of a station says it all.
+        It matters if the item is taken off another one, and if it may lie either on a station from
+        which it is taken or on an item there. Otherwise the uppermost item of a station suffices.
         """
         chores = self.chores
         unsure = {upper for upper, _, _ in chores.unpiled}
@@ -160,8 +160,8 @@ class _Builder:
         """The items whose place the goal asks for and that may be moved."""
         return [
             item
-            for item, wish in self.kitchen.wishes.items()
-            if wish.at is not None and self.chores.moves(item)
+            for item, wanted in self.kitchen.item_goals.items()
+            if wanted.at is not None and self.chores.moves(item)
         ]
 
     # --- variables -------------------------------------------------------------------------------
@@ -227,12 +227,12 @@ class _Builder:
                     )
 
     def _moves(self) -> Iterator[Raw]:
-        """Walks go on from one station to the next; what the robot does ends on its arrival."""
+        """The walks from each station to each other one."""
         places = {name: cell for name in self.visited if (cell := self.cells[name]) is not None}
         places.setdefault(self.first_place, self.kitchen.start)
         for (one, other), steps in walking_times(self.floor, places).items():
             if other not in self.visited:
-                continue  # Nobody goes back to where there is nothing to do.
+                continue  # No plan goes back to a place without actions.
             yield _by_robot(
                 f"move_{one}_{other}",
                 [_start(ROBOT, one)],
@@ -298,7 +298,7 @@ class _Builder:
         )
 
     def _cuts(self, item: str, station: str, stations: list[str]) -> Iterator[Raw]:
-        """Each cut by itself, the n-th after n - 1 others."""
+        """One action for each cut, the n-th after n - 1 others."""
         for n in range(self.chores.cuts(item)):
             yield _by_robot(
                 f"cut_{item}_{station}_{n + 1}",
@@ -313,7 +313,7 @@ class _Builder:
             )
 
     def _run(self, what: str, item: str, station: str, stations: list[str]) -> Raw:
-        """A stove or fryer at work: started by the robot, then left alone with what is in it."""
+        """The actions of a stove or fryer: the robot starts it, then it runs by itself."""
         conditions = [_start(ROBOT, station), _start(HAND, EMPTY), _start(f"top_{station}", item)]
         if what == "fry" and self.chores.fried_only_when_cut(item) and self.chores.cuts(item):
             conditions.append(_start(f"cut_{item}", str(self.chores.cuts(item))))
@@ -337,11 +337,13 @@ class _Builder:
         )
 
     def _how_often_taken(self, item: str, station: str) -> str:
-        """An item that must leave where it is, and is put there at most once, is taken once."""
+        """How often an item is taken from a station: once if it must leave and is put there at most
+        once, else at most once.
+        """
         there = self.kitchen.items[item]
         if station == there.station and self.chores.leaves(item):
             return "once" if station not in self.chores.puts(item) else "optional"
-        at = self.chores.wish(item).at
+        at = self.chores.wanted(item).at
         others = [s for _, s in self.chores.worked_at(item) if station not in s]
         leaves = at not in (None, station) or bool(others)
         return "once" if self._only_station(item, station) and leaves else "optional"
@@ -349,15 +351,15 @@ class _Builder:
     # --- the goal --------------------------------------------------------------------------------
 
     def goals(self) -> Iterator[Raw]:
-        for item, wish in self.kitchen.wishes.items():
+        for item, wanted in self.kitchen.item_goals.items():
             if item in self.located:
-                yield {"var": f"at_{item}", "value": wish.at}
-                if wish.on_station and item in self.stacked_on:
+                yield {"var": f"at_{item}", "value": wanted.at}
+                if wanted.on_station and item in self.stacked_on:
                     yield {"var": f"below_{item}", "value": SURFACE}
-            if wish.clear and wish.at in self.visited:
-                yield {"var": f"top_{wish.at}", "value": item}
+            if wanted.clear and wanted.at in self.visited:
+                yield {"var": f"top_{wanted.at}", "value": item}
             cuts = self.chores.cuts(item)
-            if cuts and CUT in wish.done:
+            if cuts and CUT in wanted.done:
                 yield {"var": f"cut_{item}", "value": str(cuts)}
             if self.chores.cooks(item):
                 yield {"var": f"cooked_{item}", "value": True}
@@ -366,7 +368,9 @@ class _Builder:
 
     def metadata(self) -> Raw:
         kitchen = self.kitchen
-        idle = [i for i in kitchen.items if not self.chores.moves(i) and i not in kitchen.wishes]
+        idle = [
+            i for i in kitchen.items if not self.chores.moves(i) and i not in kitchen.item_goals
+        ]
         return {
             "id": kitchen.id,
             "assumptions": list(ASSUMPTIONS),

@@ -1,4 +1,4 @@
-"""The document in the making: what statements add, where each part of it stands, the budget."""
+"""The parts of the document that statements add, their places, and limits on their number."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.dsl.faults import Fault
 
 MAX_EXPANDED = 2_000_000
-"""What one text may grow to by arrows between many and by pools: parts in all."""
+"""Limit on the parts of a document that arrows between many actions and pools may produce."""
 
 MAX_REPEATED = 200_000
-"""How many statements all `for`s of a text may make."""
+"""Limit on the statements that all `for`s of a text may produce."""
 
 Element = dict[str, Any]
 
 
 @dataclass(slots=True)
 class Places:
-    """Where the parts of the document stand; only the `wanted` ones where that is given."""
+    """The places of the parts of the document, or only of the `wanted` ones."""
 
     wanted: frozenset[Pointer] | None = None
     found: dict[Pointer, Range] = field(default_factory=dict)
     elements: frozenset[Pointer] | None = None
-    """The elements of arrays that something of is wanted; all where that is not given."""
+    """The elements of arrays of which a part is wanted; None means all."""
 
     def __post_init__(self) -> None:
         if self.wanted is not None:
@@ -34,27 +34,27 @@ class Places:
     def add(
         self, pointer: Pointer, start: int, end: int, key: int | None, source: Source | None
     ) -> None:
-        """Notes one place; the first one said counts."""
+        """Records one place; the first one of a pointer counts."""
         if (self.wanted is None or pointer in self.wanted) and pointer not in self.found:
             self.found[pointer] = Range(start, end, key, source)
 
 
 @dataclass(slots=True)
-class Budget:
-    """Counts what short texts grow to, so that none grows without end."""
+class ExpansionLimit:
+    """Counts the parts and statements of an expanding text, so that none grows without limit."""
 
     parts: int = MAX_EXPANDED
     statements: int = MAX_REPEATED
 
     def take(self, count: int, what: str, start: int, end: int) -> None:
-        """Raises `Fault` where `count` more parts would be too many."""
+        """Counts parts. Raises `Fault` if `count` more parts are too many."""
         if count > self.parts:
             made = MAX_EXPANDED - self.parts + count
             raise _too_many(f"with {what} the text has {made:,} parts", MAX_EXPANDED, start, end)
         self.parts -= count
 
     def repeat(self, count: int, start: int, end: int) -> None:
-        """Raises `Fault` where `count` more statements of a `for` would be too many."""
+        """Counts statements. Raises `Fault` if `count` more statements of a `for` are too many."""
         if count > self.statements:
             made = MAX_REPEATED - self.statements + count
             message = f"with this `for` the text has {made:,} repeated statements"
@@ -65,16 +65,16 @@ class Budget:
 def _too_many(what: str, most: int, start: int, end: int) -> Fault:
     return Fault(
         Code.DSL_EXPANSION,
-        f"{what}; at most {most:,} are made",
+        f"{what}; the maximum is {most:,}",
         start,
         end,
-        "split the task, or say less of it",
+        "split the task, or repeat less",
     )
 
 
 @dataclass(slots=True)
 class Sink:
-    """Where statements put what they declare: the task's own arrays, or those of one change."""
+    """The arrays that statements add to: those of the task, or those of one change."""
 
     arrays: dict[str, list[Any]]
     base: Pointer = ()
@@ -88,10 +88,10 @@ class Sink:
         self.arrays.setdefault(part, []).append(element)
 
     def lengths(self) -> dict[str, int]:
-        """How long each array is, for `cut`."""
+        """The length of each array, for `cut`."""
         return {part: len(elements) for part, elements in self.arrays.items()}
 
     def cut(self, lengths: dict[str, int]) -> None:
-        """Takes away what was added since."""
+        """Removes the elements that were added since."""
         for part, elements in self.arrays.items():
             del elements[lengths.get(part, 0) :]

@@ -1,4 +1,4 @@
-"""Wishes of a goal that no plan can meet."""
+"""Finds parts of a goal that no plan can reach."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from irc.frontends.importers.robotouille.chores import Chores
 
 
-def unmet_wishes(chores: Chores) -> Iterator[str]:
-    """Says of each wish that cannot be met, why not."""
+def unmet_goals(chores: Chores) -> Iterator[str]:
+    """The reason for each part of the goal that cannot be reached."""
     yield from _unmet_processing(chores)
     yield from _unmet_places(chores)
 
@@ -31,19 +31,19 @@ def _unmet_processing(chores: Chores) -> Iterator[str]:
 def _unmet_places(chores: Chores) -> Iterator[str]:
     based: dict[str, str] = {}
     clear: dict[str, str] = {}
-    for item, wish in chores.kitchen.wishes.items():
-        if wish.at is None:
-            if wish.clear:
-                yield f"{item!r} is to be clear, but not where; that is not taken"
+    for item, goal in chores.kitchen.item_goals.items():
+        if goal.at is None:
+            if goal.clear:
+                yield f"{item!r} must be clear, but the goal names no station for it"
             continue
         for wanted, found, how in (
-            (wish.on_station, based, "directly on"),
-            (wish.clear, clear, "uppermost at"),
+            (goal.on_station, based, "directly on"),
+            (goal.clear, clear, "uppermost at"),
         ):
-            if wanted and found.setdefault(wish.at, item) != item:
-                yield f"{found[wish.at]!r} and {item!r} cannot both be {how} {wish.at!r}"
-        if wish.on_station and chores.comes_last(item):
-            yield f"{item!r} cannot be both directly on {wish.at!r} and upon others there"
+            if wanted and found.setdefault(goal.at, item) != item:
+                yield f"{found[goal.at]!r} and {item!r} cannot both be {how} {goal.at!r}"
+        if goal.on_station and chores.comes_last(item):
+            yield f"{item!r} cannot be both directly on {goal.at!r} and on other items there"
         piled = any(upper == item for upper, _, _ in chores.piles)
         if not piled and not chores.wanted_on(item):
-            yield f"nothing can bring {item!r} to {wish.at!r} as the goal wants it"
+            yield f"nothing can bring {item!r} to {goal.at!r} as the goal wants it"

@@ -1,0 +1,224 @@
+"""One's own answers scored: JSON lines of answers against the instances of a benchmark."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+from irc.diagnostics import Report
+from irc.evaluation.data import Record, StepInstance, read_instance, unreadable
+from irc.evaluation.figure import Count, Table, document, number
+from irc.evaluation.graph_rules import (
+    Scores,
+    numbered,
+    own_makespan,
+    planner_scores,
+    scheduled_scores,
+)
+from irc.evaluation.grid import WRITERS, Grid, Layout, csv_text, grid_of
+from irc.evaluation.kitchen_solving import solved_plan
+from irc.evaluation.pddl_meaning import meaning_scores
+from irc.evaluation.pddl_rules import pddl_answer
+from irc.evaluation.report import interval_of
+from irc.evaluation.robo import PDDL_SLACK, SLACK, judge_plan
+from irc.evaluation.row import Row, rate
+from irc.methods import (
+    Answer,
+    AnswerState,
+    read_nl_ir,
+    read_plan,
+    read_plan_answer,
+    read_planner,
+    read_schedule_spec,
+)
+
+
+class ScoredMethod(StrEnum):
+    """The methods whose answers `irc eval score` reads."""
+
+    planner = "planner"
+    cpsat_formalizer = "cpsat-formalizer"
+    nl_ir = "nl-ir"
+    pddl21_formalizer = "pddl21-formalizer"
+
+
+@dataclass(frozen=True)
+class Scoring:
+    """The scored answers with what was found in each, and the instances without an answer."""
+
+    rows: tuple[Row, ...]
+    faults: Mapping[str, str]
+    unanswered: tuple[str, ...]
+
+    @property
+    def table(self) -> dict[str, Table]:
+        """By model: the mean of each measure; and how many answers have which state."""
+        models = dict.fromkeys(row.model for row in self.rows)
+        by_model = {model: [row for row in self.rows if row.model == model] for model in models}
+        return {
+            "measures": {
+                model: {measure: rate(rows, measure) for measure in rows[0].scores}
+                for model, rows in by_model.items()
+            },
+            "answers": {model: _states(rows) for model, rows in by_model.items()},
+        }
+
+
+def _states(rows: Sequence[Row]) -> Table:
+    counts = {state: sum(row.state is state for row in rows) for state in AnswerState}
+    return {state.value: Count(number) for state, number in counts.items()}
+
+
+def score(method: ScoredMethod, instances: Path, answers: Path) -> Scoring:
+    """Scores every answer. Raises `InputError` naming what cannot be read or matched."""
+    known = dict(_instances(instances))
+    rows: list[Row] = []
+    faults: dict[str, str] = {}
+    for position, record in enumerate(_records(answers), 1):
+        key = str(record.get("id"))
+        if key not in known:
+            raise unreadable(answers, f"line {position}: there is no instance with id {key!r}")
+        scores, state, report = _scores(method, record, known[key])
+        model = str(record.get("model", "answers"))
+        rows.append(Row(model, method, key, scores, state))
+        if report.diagnostics:
+            faults[f"{model}/{key}"] = report.diagnostics[0].message
+    if not rows:
+        raise unreadable(answers, "there are no answers")
+    answered = {row.instance for row in rows}
+    return Scoring(tuple(rows), faults, tuple(key for key in known if key not in answered))
+
+
+def _instances(path: Path) -> Iterator[tuple[str, StepInstance | Mapping[str, Any]]]:
+    """(id, instance) of a file, or of the files of a folder."""
+    files = sorted(path.glob("*.json")) if path.is_dir() else [path]
+    for file in files:
+        try:
+            found = json.loads(file.read_text("utf-8"))
+        except (OSError, ValueError) as error:
+            raise unreadable(file, str(error)) from None
+        for position, raw in enumerate(found if isinstance(found, list) else [found]):
+            if not isinstance(raw, dict) or not {"graph", "items"} & raw.keys():
+                raise unreadable(file, "expected AsyncPlan-XXL ('graph') or Robo ('items')")
+            yield str(raw.get("id")), _instance(file, raw, position)
+
+
+def _instance(
+    file: Path, raw: Mapping[str, Any], position: int
+) -> StepInstance | Mapping[str, Any]:
+    if "graph" not in raw:
+        return raw
+    instance = read_instance(file, raw, 0, position)
+    return replace(instance, size=len(instance.durations))
+
+
+def _records(path: Path) -> Iterator[Record]:
+    try:
+        data = path.read_bytes()
+        text = (gzip.decompress(data) if path.suffix == ".gz" else data).decode("utf-8")
+    except (OSError, EOFError, ValueError) as error:
+        raise unreadable(path, str(error)) from None
+    for position, line in enumerate(text.splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except ValueError as error:
+            raise unreadable(path, f"line {position}: {error}") from None
+        if not isinstance(record, dict) or "id" not in record:
+            raise unreadable(path, f"line {position}: expected an object with 'id' and 'answer'")
+        yield record
+
+
+Found = tuple[Scores, AnswerState, Report]
+
+
+def _scores(
+    method: ScoredMethod, record: Record, instance: StepInstance | Mapping[str, Any]
+) -> Found:
+    if isinstance(instance, StepInstance):
+        return _step_scores(method, record, instance)
+    return _kitchen_scores(method, record, instance)
+
+
+def _step_scores(method: ScoredMethod, record: Record, gold: StepInstance) -> Found:
+    text = record.get("answer") or ""
+    if method is ScoredMethod.pddl21_formalizer:
+        answer = pddl_answer(record)
+        run = {"outcome": record.get("outcome", "ok"), "plan": record.get("plan")}
+        return meaning_scores(run, answer, gold), answer.state, Report()
+    if method is ScoredMethod.planner:
+        read = read_planner(text)
+        return _without_totals(planner_scores(read, gold)), read.state, read.report
+    read = read_schedule_spec(text) if method is ScoredMethod.cpsat_formalizer else read_nl_ir(text)
+    makespan = None if read.graph is None else own_makespan(numbered(read.graph))
+    scores = scheduled_scores(read, makespan, gold)
+    return _without_totals(scores), read.state, read.report
+
+
+def _without_totals(scores: Scores) -> Scores:
+    """The measures that tell something about one's own answers."""
+    left_out = {"no_output", "plan_superset", "plan_valid", "code"}
+    return {name: value for name, value in scores.items() if name not in left_out}
+
+
+def _kitchen_scores(method: ScoredMethod, record: Record, kitchen: Mapping[str, Any]) -> Found:
+    text = record.get("answer") or ""
+    slack = SLACK
+    if method is ScoredMethod.planner:
+        answer = read_plan_answer(text)
+        plan = answer.plan or ()
+    elif method is ScoredMethod.cpsat_formalizer:
+        robots = tuple(kitchen.get("robots") or ())
+        answer = read_schedule_spec(text, kitchen["stations"], robots)
+        plan = solved_plan(text, answer, kitchen)
+    elif method is ScoredMethod.pddl21_formalizer:
+        plan, slack = read_plan(record.get("plan") or ""), PDDL_SLACK
+        answer = Answer(pddl_answer(record).state, text)
+    else:
+        raise unreadable(Path(str(kitchen["id"])), f"{method} does not answer kitchens")
+    verdict = judge_plan(kitchen, plan, slack)
+    scores: Scores = {"plan": verdict.valid, "optimal": verdict.optimal}
+    return scores, answer.state, answer.report
+
+
+# --- showing ------------------------------------------------------------------------------------
+
+
+def written(found: Scoring, layout: Layout) -> str:
+    """The scores in a layout; text and JSON name the fault of each answer that has one."""
+    if layout is Layout.json:
+        return json.dumps(_as_json(found), indent=1)
+    if layout is Layout.csv:
+        return csv_text(found.table)
+    grids = [grid_of(name, table) for name, table in found.table.items()]
+    if found.faults:
+        grids.append(Grid("faults", ("answer", "fault"), list(found.faults.items())))
+    if found.unanswered:
+        grids.append(Grid("without an answer", ("instance",), [(k,) for k in found.unanswered]))
+    return "\n\n".join(WRITERS[layout](grid) for grid in grids) + "\n"
+
+
+def _as_json(found: Scoring) -> dict[str, Any]:
+    table = found.table
+    return {
+        "irc_eval": 1,
+        "tables": document(table, number),
+        "intervals": document(table, interval_of),
+        "answers": [
+            {
+                "model": row.model,
+                "id": row.instance,
+                "state": row.state.value,
+                "scores": {name: float(value) for name, value in row.scores.items()},
+            }
+            for row in found.rows
+        ],
+        "faults": dict(found.faults),
+        "unanswered": list(found.unanswered),
+    }

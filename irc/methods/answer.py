@@ -1,0 +1,86 @@
+"""The answer of a method: its state, and the step graph or the plan in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from irc.diagnostics import Report
+
+if TYPE_CHECKING:
+    from irc.methods.plan_lines import PlanLine
+    from irc.model import Task
+
+Duration = int | float
+
+
+class AnswerState(StrEnum):
+    """The states in which a model's answer can be."""
+
+    OK = "ok"
+    EMPTY = "empty"
+    TRUNCATED = "truncated"
+    MALFORMED = "malformed"
+    INVALID = "invalid"
+
+
+@dataclass(frozen=True)
+class WrittenAction:
+    """An action as the answer has it; `duration` is None where no number stands there."""
+
+    id: str
+    duration: Duration | None
+    fields: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One action before another, by at least `lag`."""
+
+    before: str
+    after: str
+    lag: Duration = 0
+
+
+@dataclass(frozen=True)
+class StepGraph:
+    """The actions and edges of an answer, in the order of the text."""
+
+    actions: tuple[WrittenAction, ...]
+    edges: tuple[Edge, ...]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A model's answer, read.
+
+    `document` is the task as an IR document; None where there is none. `stated_makespan` is the
+    makespan that the model states. `actions_from_gold` marks an answer that names goals only, so
+    that the instance's own kitchen must supply the actions.
+    """
+
+    state: AnswerState
+    text: str
+    graph: StepGraph | None = None
+    document: Mapping[str, Any] | None = None
+    stated_makespan: Duration | None = None
+    plan: tuple[PlanLine, ...] | None = None
+    report: Report = field(default_factory=Report)
+    actions_from_gold: bool = False
+
+    @cached_property
+    def task(self) -> Task | None:
+        """The answer as a task of the IR; None where it holds none. Raises `ValueError`."""
+        if self.document is None:
+            return None
+        from irc.model import Task
+
+        return Task.model_validate(self.document)
+
+    @property
+    def delivered(self) -> bool:
+        """Whether there is something to judge; an empty or cut answer is a limit of the run."""
+        return self.state in (AnswerState.OK, AnswerState.INVALID)

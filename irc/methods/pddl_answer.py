@@ -1,0 +1,44 @@
+"""The PDDL Formalizer's JSON: a domain, a problem and, in some answers, the action of each step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from irc.methods.answer import AnswerState
+from irc.methods.json_answer import find_object, unreadable_state
+
+
+@dataclass(frozen=True)
+class PddlAnswer:
+    """The texts of an answer; `step_actions[k]` is the name of the action of step k + 1."""
+
+    state: AnswerState
+    domain: str | None = None
+    problem: str | None = None
+    step_actions: tuple[str, ...] | None = None
+
+
+def read_pddl_answer(text: str) -> PddlAnswer:
+    """The first response of the answer's JSON, or the object itself."""
+    content = find_object(text)
+    if content is None:
+        return PddlAnswer(unreadable_state(text))
+    response = _first_response(content)
+    domain, problem = _text(response, "domain"), _text(response, "problem")
+    steps = response.get("step_actions")
+    named = tuple(map(str, steps)) if isinstance(steps, list) else None
+    state = AnswerState.OK if domain and problem else AnswerState.INVALID
+    return PddlAnswer(state, domain, problem, named)
+
+
+def _first_response(content: dict[str, Any]) -> dict[str, Any]:
+    responses = content.get("responses")
+    if isinstance(responses, list) and responses and isinstance(responses[0], dict):
+        return responses[0]
+    return content
+
+
+def _text(response: dict[str, Any], kind: str) -> str | None:
+    value = response.get(f"{kind}_pddl", response.get(kind))
+    return value if isinstance(value, str) else None

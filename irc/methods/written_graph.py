@@ -1,0 +1,123 @@
+"""Actions and edges of an answer's JSON, as most methods write them; faults as diagnostics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from irc.diagnostics import Code, Findings, Report
+from irc.diagnostics.source import Source
+from irc.methods.answer import Answer, AnswerState, Duration, Edge, StepGraph, WrittenAction
+
+BEFORE = ("before", "predecessor")
+AFTER = ("after", "successor")
+LAG = ("min_lag", "lag")
+
+
+def read_graph(
+    content: Mapping[str, Any], edges_in: Sequence[str], findings: Findings
+) -> StepGraph:
+    """The actions and the edges of the first field of `edges_in` that is there."""
+    written = content.get("actions")
+    if not isinstance(written, list):
+        findings.add(Code.MISSING_FIELD, "the answer has no list 'actions'")
+        written = []
+    elif not written:
+        findings.add(Code.MISSING_FIELD, "the answer has no actions", ("actions",))
+    found = (_action(item, k, findings) for k, item in enumerate(written))
+    actions = tuple(action for action in found if action is not None)
+    field = next((name for name in edges_in if name in content), edges_in[0])
+    return StepGraph(actions, _edges(content.get(field), field, findings))
+
+
+def _action(item: object, k: int, findings: Findings) -> WrittenAction | None:
+    if not isinstance(item, Mapping) or not isinstance(item.get("id"), (str, int)):
+        findings.add(Code.MISSING_FIELD, "an action has no 'id'", ("actions", k))
+        return None
+    duration = number(item.get("duration"))
+    name = str(item["id"])
+    if duration is None:
+        message = f"action {name!r} has no duration that is a number"
+        findings.add(Code.WRONG_TYPE, message, ("actions", k))
+    elif duration < 0:
+        message = f"the duration of action {name!r} is negative"
+        findings.add(Code.NEGATIVE_TIME, message, ("actions", k, "duration"))
+    return WrittenAction(name, duration, item)
+
+
+def number(value: object) -> Duration | None:
+    """The value if it is a number of JSON; None for anything else."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return value
+    return None
+
+
+def _edges(written: object, field: str, findings: Findings) -> tuple[Edge, ...]:
+    if written is None:
+        return ()
+    if not isinstance(written, list):
+        findings.add(Code.WRONG_TYPE, f"'{field}' is not a list", (field,))
+        return ()
+    edges: list[Edge] = []
+    for k, item in enumerate(written):
+        edge = _edge(item)
+        if edge is None:
+            findings.add(Code.WRONG_TYPE, "an edge has no two ends", (field, k))
+        else:
+            edges.append(edge)
+    return tuple(edges)
+
+
+def _edge(item: object) -> Edge | None:
+    if isinstance(item, Mapping):
+        before, after = (_first(item, names) for names in (BEFORE, AFTER))
+        lag = number(_first(item, LAG)) or 0
+    elif isinstance(item, list) and len(item) == 2:
+        (before, after), lag = item, 0
+    else:
+        return None
+    if not isinstance(before, (str, int)) or not isinstance(after, (str, int)):
+        return None
+    return Edge(str(before), str(after), lag)
+
+
+def _first(item: Mapping[str, Any], names: Sequence[str]) -> Any:
+    return next((item[name] for name in names if item.get(name) is not None), None)
+
+
+def check_names(graph: StepGraph, field: str, findings: Findings) -> None:
+    """Records the edges to actions that are not there."""
+    known = {action.id for action in graph.actions}
+    for k, edge in enumerate(graph.edges):
+        for name in (edge.before, edge.after):
+            if name not in known:
+                message = f"an edge names {name!r}, which is no action"
+                findings.add(Code.UNKNOWN_NAME, message, (field, k))
+
+
+def graph_answer(
+    text: str,
+    graph: StepGraph,
+    document: Mapping[str, Any],
+    findings: Findings,
+    stated_makespan: Duration | None = None,
+) -> Answer:
+    """The answer with this graph: ok, or invalid where there are errors."""
+    report = Report(tuple(findings.items), Source("answer", text))
+    if not report.ok:
+        return Answer(
+            AnswerState.INVALID, text, graph, stated_makespan=stated_makespan, report=report
+        )
+    return Answer(AnswerState.OK, text, graph, document, stated_makespan, report=report)
+
+
+def precedence(graph: StepGraph) -> list[dict[str, Any]]:
+    """The edges as the IR's precedence."""
+    return [
+        {
+            "before": edge.before,
+            "after": edge.after,
+            **({"min_lag": edge.lag} if edge.lag else {}),
+        }
+        for edge in graph.edges
+    ]
