@@ -34,6 +34,7 @@ class CpSat(Backend):
             Feature.RELEASE,
             Feature.DEADLINE,
             Feature.FIXED_START,
+            Feature.LATEST_START,
             Feature.RESOURCES,
             Feature.AMOUNTS,
             Feature.ALTERNATIVES,

@@ -35,6 +35,7 @@ class Pddl21(Backend):
             Feature.RELEASE,
             Feature.DEADLINE,
             Feature.FIXED_START,
+            Feature.LATEST_START,
             Feature.RESOURCES,
             Feature.AMOUNTS,
             Feature.ALTERNATIVES,

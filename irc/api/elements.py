@@ -269,6 +269,10 @@ class Action(_Wanted[IrAction], _Uses):
         """Fixes the start at this time."""
         return self._set(start=self._moment(time))
 
+    def latest_start(self, time: Moment) -> Self:
+        """Starts no later."""
+        return self._set(latest_start=self._moment(time))
+
     def before(
         self,
         *others: Action | str,

@@ -39,7 +39,9 @@ def _is_bounded(problem: Problem, i: int, objective: str, refillers: dict[int, s
     activity = problem.activities[i]
     before = problem.objectives[: problem.objectives.index(objective)]
     if activity.duration_min > 0 and (
-        problem.effective_deadline(i) is not None or "makespan" in before
+        problem.effective_deadline(i) is not None
+        or activity.latest_start is not None
+        or "makespan" in before
     ):
         return True
     net: dict[int, int] = {}

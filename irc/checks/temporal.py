@@ -41,12 +41,22 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
             hint=f"the start must be at least {problem.time_text(activity.release)}",
         )
         return True
+    start = activity.start if activity.start is not None else activity.release
+    if activity.latest_start is not None and start > activity.latest_start:
+        findings.add(
+            Code.WINDOW,
+            f"action {activity.id!r} cannot start by its latest start of "
+            f"{problem.time_text(activity.latest_start)}: "
+            f"it starts at {problem.time_text(start)} at the earliest",
+            (*activity.origin, "latest_start"),
+            hint=f"the latest start must be at least {problem.time_text(start)}",
+        )
+        return True
     deadline = activity.deadline
     if deadline is None:
         return False
     if deadline < 0:
         return True  # It may occur at most 0 times, which other checks report.
-    start = activity.start if activity.start is not None else activity.release
     if start + activity.duration_min <= deadline:
         return False
     findings.add(
@@ -136,7 +146,7 @@ def _check_latest(
     impossible: set[int],
     findings: Findings,
 ) -> None:
-    """Compares fixed starts and deadlines with the earliest times by precedence and lags."""
+    """Compares fixed and latest starts and deadlines with the earliest times by precedence."""
     points = timing.points
     latest_end, last = -1, 0
     for i, activity in enumerate(problem.activities):
@@ -154,6 +164,16 @@ def _check_latest(
                 + _because(problem, timing, times, points.start[i]),
                 (*activity.origin, "start"),
                 hint=f"the start must be at least {problem.time_text(start)}",
+            )
+        elif activity.latest_start is not None and start > activity.latest_start:
+            findings.add(
+                Code.TOO_LATE,
+                f"action {activity.id!r} has the latest start "
+                f"{problem.time_text(activity.latest_start)}, "
+                f"but cannot start before {problem.time_text(start)}"
+                + _because(problem, timing, times, points.start[i]),
+                (*activity.origin, "latest_start"),
+                hint=f"the latest start must be at least {problem.time_text(start)}",
             )
         elif activity.deadline is not None and end > activity.deadline:
             findings.add(

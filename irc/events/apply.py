@@ -197,6 +197,9 @@ def _observe(editor: _TaskEditor, change: Observe) -> None:
         editor.change_action(name, start=started)
         if clock.number(action.release) > started:  # It started before its release.
             editor.change_action(name, release=started)
+        latest = action.latest_start
+        if latest is not None and clock.number(latest) < started:
+            editor.change_action(name, latest_start=started)
     if change.finished is not None:
         _end_at(editor, name, clock.number(change.finished))
 

@@ -225,6 +225,12 @@ def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str
             problem.time_text(since + activity.start),
         )
         return f"{activity.id!r} must start at {fixed}, but cannot start before {earliest}"
+    if activity.latest_start is not None and start > activity.latest_start:
+        earliest, latest = (
+            problem.time_text(since + start),
+            problem.time_text(since + activity.latest_start),
+        )
+        return f"{activity.id!r} must start by {latest}, but cannot start before {earliest}"
     return None
 
 

@@ -74,7 +74,7 @@ def as_executed(
 
     Its end is fixed too, unless it is running and its duration can still be chosen. The end of a
     cancelled activity produces and changes nothing, and earns no reward. An ended activity has no
-    open demands. Its release and its deadline bind no more.
+    open demands. Its release, its latest start and its deadline bind no more.
     """
     if activity.details.modes and past.mode is None:
         return _begun(activity, past)
@@ -96,6 +96,7 @@ def as_executed(
     return replace(
         activity,
         start=past.start,
+        latest_start=None,
         release=min(activity.release, past.start),
         deadline=deadline,
         duration_min=shortest,
@@ -172,6 +173,7 @@ def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
     return replace(
         activity,
         start=past.start,
+        latest_start=None,
         release=min(activity.release, past.start),
         details=replace(activity.details, optional=False, repeats=None),
     )

@@ -106,9 +106,9 @@ class _LimitSearch:
         problem = without(self.problem, limits)
         activities = [replace(a, details=replace(a.details, due=None)) for a in problem.activities]
         for sort, i in limits:
-            if sort in (Sort.DEADLINE, Sort.START):
+            if sort in (Sort.DEADLINE, Sort.START, Sort.LATEST_START):
                 was, now = self.problem.activities[i], activities[i]
-                due = was.deadline if sort is Sort.DEADLINE else (was.start or 0) + was.duration_min
+                due = _as_due(was, sort)
                 activities[i] = replace(now, details=replace(now.details, due=due, weight=1))
         late = any(a.details.due is not None for a in activities)
         relaxed = replace(
@@ -118,6 +118,14 @@ class _LimitSearch:
             objectives=("tardiness", "makespan") if late else ("makespan",),
         )
         return self.tried(relaxed)
+
+
+def _as_due(activity: Activity, sort: Sort) -> int | None:
+    """A limit on an activity's time as a due date."""
+    if sort is Sort.DEADLINE:
+        return activity.deadline
+    start = activity.start if sort is Sort.START else activity.latest_start
+    return (start or 0) + activity.duration_min
 
 
 def _too_small(search: _LimitSearch) -> Iterator[_Reason]:

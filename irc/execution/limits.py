@@ -19,6 +19,7 @@ class Sort(Enum):
     ALL = "the task's deadline"
     DEADLINE = "the deadline of an action, or of a group that it is in"
     START = "a fixed start"
+    LATEST_START = "the latest start of an action"
     LAG = "a maximum lag"
 
 
@@ -40,6 +41,8 @@ def time_limits(problem: Problem, begun: Collection[int]) -> Iterator[Limit]:
             yield Limit(Sort.DEADLINE, i)
         if activity.start is not None:
             yield Limit(Sort.START, i)
+        if activity.latest_start is not None:
+            yield Limit(Sort.LATEST_START, i)
     for k, arc in enumerate(problem.arcs):
         if arc.max_lag is not None and not (arc.before in begun and arc.after in begun):
             yield Limit(Sort.LAG, k)
@@ -54,6 +57,8 @@ def without(problem: Problem, limits: Collection[Limit]) -> Problem:
         elif sort is Sort.START:
             release = max(activities[i].release, activities[i].start or 0)
             activities[i] = replace(activities[i], start=None, release=release)
+        elif sort is Sort.LATEST_START:
+            activities[i] = replace(activities[i], latest_start=None)
         elif sort is Sort.LAG:
             arcs[i] = arcs[i]._replace(max_lag=None)
     deadline = None if Limit(Sort.ALL) in limits else problem.deadline
@@ -76,6 +81,9 @@ def broken(problem: Problem, limits: Collection[Limit], schedule: Schedule) -> d
                 found[limit] = problem.time_text(ends[i])
         elif sort is Sort.START:
             if i in starts and starts[i] != problem.activities[i].start:
+                found[limit] = problem.time_text(starts[i])
+        elif sort is Sort.LATEST_START:
+            if i in starts and starts[i] > (problem.activities[i].latest_start or 0):
                 found[limit] = problem.time_text(starts[i])
         else:
             lag = _lag(problem.arcs[i], starts, ends)
@@ -119,6 +127,9 @@ def in_words(problem: Problem, limit: Limit, needed: str, only: bool) -> str:
     if sort is Sort.DEADLINE:
         return f"{activity.id!r} must end by {text(activity.deadline or 0)}, {ends} {needed}"
     starts = "but cannot start before" if only else found
+    if sort is Sort.LATEST_START:
+        latest = text(activity.latest_start or 0)
+        return f"{activity.id!r} must start by {latest}, {starts} {needed}"
     return f"{activity.id!r} must start at {text(activity.start or 0)}, {starts} {needed}"
 
 
@@ -126,5 +137,6 @@ HINTS = {
     Sort.ALL: "a later deadline of the task would help",
     Sort.DEADLINE: "a later deadline for it, or cancelling a predecessor, would help",
     Sort.START: "another start for it would help",
+    Sort.LATEST_START: "a later latest start for it, or cancelling a predecessor, would help",
     Sort.LAG: "a longer maximum lag would help",
 }

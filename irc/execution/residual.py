@@ -155,11 +155,15 @@ def _all_too_late(problem: Problem, executed: Mapping[int, ExecutedActivity]) ->
     for i, activity in enumerate(activities):
         if i in executed:
             continue
-        repeats = activity.details.repeats
-        if not activity.details.optional and (repeats is None or repeats[0] > 0):
+        if not _may_be_absent(activity):
             raise PastError("the task's deadline has passed, but not all required actions are done")
         activities[i] = replace(activity, deadline=IMPOSSIBLE_DEADLINE)
     return replace(problem, activities=tuple(activities), deadline=None)
+
+
+def _may_be_absent(activity: Activity) -> bool:
+    repeats = activity.details.repeats
+    return activity.details.optional or (repeats is not None and repeats[0] == 0)
 
 
 def _previous_later(plan: PreviousPlan, size: int, now: int) -> PreviousPlan:
@@ -195,8 +199,11 @@ def _shifted(activity: Activity, now: int, after: int) -> Activity:
     """
     if activity.start is not None and activity.start < now and not activity.details.optional:
         raise PastError(f"{activity.id!r} has a fixed start that has passed, but has not begun")
+    latest = activity.latest_start
+    if latest is not None and latest < now and not _may_be_absent(activity):
+        raise PastError(f"{activity.id!r} has a latest start that has passed, but has not begun")
     deadline = activity.deadline
-    if activity.start is not None and activity.start < now:
+    if any(limit is not None and limit < now for limit in (activity.start, latest)):
         deadline = IMPOSSIBLE_DEADLINE
     details = activity.details
     due, release = details.due, max(activity.release, after)
@@ -209,6 +216,7 @@ def _shifted(activity: Activity, now: int, after: int) -> Activity:
         activity,
         release=max(0, release - now),
         start=None if activity.start is None else max(0, activity.start - now),
+        latest_start=None if latest is None else max(0, latest - now),
         deadline=None if deadline is None else max(IMPOSSIBLE_DEADLINE, deadline - now),
         details=details,
     )
@@ -242,6 +250,7 @@ def _residual(
         activity,
         id=name,
         start=0,
+        latest_start=None,
         release=0,
         deadline=None
         if activity.deadline is None

@@ -96,7 +96,9 @@ def _open_changes(
 
 
 def _is_too_late(activity: Activity) -> bool:
-    deadline = activity.deadline
+    deadline, latest = activity.deadline, activity.latest_start
+    if latest is not None and latest < activity.release:
+        return True
     return deadline is not None and deadline < activity.release + activity.duration_min
 
 

@@ -58,7 +58,8 @@ def _before(
     entry = plan.get((activity.id, activity.details.occurrence))
     if entry is None and past is not None:
         entry = past.entry
-    possible = activity.deadline is None or activity.deadline >= activity.release
+    limits = activity.deadline, activity.latest_start
+    possible = all(limit is None or limit >= activity.release for limit in limits)
     if entry is None or not possible:
         if activity.details.optional:
             return ABSENT

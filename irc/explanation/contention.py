@@ -36,13 +36,17 @@ _ORDER = (
     Kind.PRECEDENCE,
     Kind.RELEASE,
     Kind.DEADLINE,
+    Kind.LATEST_START,
     Kind.START,
     Kind.TASK_DEADLINE,
     Kind.CAPACITY,
 )
 """The order of leaving out: deadlines and capacities, which authors set, are kept longest."""
 
-_OF_ACTION = (Kind.DURATION, Kind.USE, Kind.RELEASE, Kind.DEADLINE, Kind.START)
+_OF_ACTION = (
+    *(Kind.DURATION, Kind.USE, Kind.RELEASE),
+    *(Kind.DEADLINE, Kind.LATEST_START, Kind.START),
+)
 
 
 def resource_conflict(problem: Problem, refuter: Refuter, budget: Budget) -> Conflict | None:

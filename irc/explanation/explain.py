@@ -112,6 +112,11 @@ def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bo
     return refuter.decide(problem, horizon, part) is Status.INFEASIBLE
 
 
+_OF_THE_CLOCK = frozenset(
+    (Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.LATEST_START, Kind.RELEASE)
+)
+"""The statements that name an hour."""
+
 _REFUTING_SECONDS = 60.0
 
 
@@ -177,7 +182,7 @@ def _cycle_in_words(problem: Problem, conflict: Conflict) -> str:
     """The reason for a conflict of time alone, a cycle in the temporal network."""
     excess = problem.time_text(conflict.excess or 0)
     kinds = {statement.kind for statement in conflict.statements}
-    if not kinds & {Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.RELEASE}:
+    if not kinds & _OF_THE_CLOCK:
         if any(s.side is Side.MOST for s in conflict.statements):
             return f"their limits are {excess} apart"
         return "they form a cycle: each waits for the previous one, and the first for the last"

@@ -49,6 +49,11 @@ def _start(problem: Problem, statement: Statement) -> str:
     return f"{activity.id!r} starts at {problem.time_text(activity.start or 0)}"
 
 
+def _latest_start(problem: Problem, statement: Statement) -> str:
+    activity = problem.activities[statement.of]
+    return f"{activity.id!r} starts by {problem.time_text(activity.latest_start or 0)}"
+
+
 def _deadline(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
     return f"{activity.id!r} ends by {problem.time_text(activity.deadline or 0)}"
@@ -74,6 +79,7 @@ _WORDS: Mapping[Kind, Callable[[Problem, Statement], str]] = {
     Kind.PRECEDENCE: _precedence,
     Kind.RELEASE: _release,
     Kind.START: _start,
+    Kind.LATEST_START: _latest_start,
     Kind.DEADLINE: _deadline,
     Kind.DURATION: _duration,
 }

@@ -171,6 +171,8 @@ def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[
             yield action.deadline
         if action.start is not None:
             yield action.start
+        if action.latest_start is not None:
+            yield action.latest_start
         if action.due is not None:
             yield action.due
     for group in task.groups:
@@ -210,6 +212,9 @@ def _activity(
         release=ticks_or_none(action.release, to_ticks) or 0,
         deadline=None if action.deadline is None else ticks_or_none(action.deadline, to_ticks),
         start=None if action.start is None else ticks_or_none(action.start, to_ticks),
+        latest_start=None
+        if action.latest_start is None
+        else ticks_or_none(action.latest_start, to_ticks),
         uses=uses,
         open_demands=open_demands_of(uses) if longest else (),
         origin=("actions", index),

@@ -130,6 +130,8 @@ class Descriptions:
             limits.append(f"not before {self._time(action.release)}")
         if action.start is not None:
             limits.append(f"fixed to start at {self._time(action.start)}")
+        if action.latest_start is not None:
+            limits.append(f"to start by {self._time(action.latest_start)}")
         if action.deadline is not None:
             limits.append(f"to end by {self._time(action.deadline)}")
         if action.due is not None:

@@ -35,6 +35,7 @@ class Feature(Enum):
     RELEASE = "releases"
     DEADLINE = "deadlines"
     FIXED_START = "fixed starts"
+    LATEST_START = "latest starts"
     DUE_DATE = "due dates"
     RESOURCES = "renewable resources"
     AMOUNTS = "amounts above 1"
@@ -101,6 +102,7 @@ _ACTION_FIELDS = (
     ("deadline", Feature.DEADLINE),
     ("due", Feature.DUE_DATE),
     ("start", Feature.FIXED_START),
+    ("latest_start", Feature.LATEST_START),
     ("conditions", Feature.CONDITIONS),
     ("effects", Feature.EFFECTS),
     ("reward", Feature.REWARD),

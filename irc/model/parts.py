@@ -91,6 +91,7 @@ class Action(Node):
     due: Instant | None = None
     weight: Count | None = None
     start: Instant | None = None
+    latest_start: Instant | None = None
     conditions: Conditions = ()
     effects: Effects = ()
     reward: Annotated[int, Field(strict=True)] | None = None

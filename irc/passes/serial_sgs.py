@@ -205,6 +205,8 @@ def _keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:
             return False
         if activity.start is not None and decision.start != activity.start:
             return False
+        if activity.latest_start is not None and decision.start > activity.latest_start:
+            return False
     for arc in problem.arcs:
         before, after = decisions[arc.before], decisions[arc.after]
         lag = (after.end if arc.to_end else after.start) - (

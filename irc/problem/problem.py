@@ -138,7 +138,7 @@ class Activity:
     """An action; every schedule contains it exactly once unless its `details` say otherwise.
 
     With modes, the durations are the least and the greatest of all modes, and `uses` are the
-    activity's own followed by those of each mode.
+    activity's own followed by those of each mode. With a `latest_start` it starts then or earlier.
     """
 
     id: str
@@ -147,6 +147,7 @@ class Activity:
     release: int = 0
     deadline: int | None = None
     start: int | None = None
+    latest_start: int | None = None
     uses: tuple[Requirement, ...] = ()
     open_demands: tuple[OpenDemand, ...] = ()
     origin: Pointer = ()

@@ -29,6 +29,7 @@ class Kind(StrEnum):
     PRECEDENCE = "precedence"
     RELEASE = "release"
     START = "start"
+    LATEST_START = "latest_start"
     DEADLINE = "deadline"
     DURATION = "duration"
 
@@ -230,6 +231,27 @@ class _Start(StatementKind):
         yield Difference(start_point(i), ORIGIN, -fixed, statement)
 
 
+class _LatestStart(StatementKind):
+    kind = Kind.LATEST_START
+
+    def all(self, problem: Problem) -> Iterator[Statement]:
+        for i, activity in enumerate(problem.activities):
+            if activity.latest_start is not None:
+                yield Statement(self.kind, i)
+
+    def pointer(self, problem: Problem, statement: Statement) -> Pointer:
+        return (*problem.activities[statement.of].origin, "latest_start")
+
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        i = statement.of
+        relaxation.activity(i)["latest_start"] = relaxation.problem.activities[i].latest_start
+
+    def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
+        i = statement.of
+        latest = problem.activities[i].latest_start or 0
+        yield Difference(start_point(i), ORIGIN, -latest, statement)
+
+
 class _Deadline(StatementKind):
     kind = Kind.DEADLINE
 
@@ -289,6 +311,7 @@ KINDS: Mapping[Kind, StatementKind] = {
         _Precedence(),
         _Release(),
         _Start(),
+        _LatestStart(),
         _Deadline(),
         _Duration(),
     )

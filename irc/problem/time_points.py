@@ -111,9 +111,9 @@ def latest_times(
 ) -> list[int] | None:
     """The latest time of each point in schedules that end by `limit`, in ticks.
 
-    Deadlines and fixed starts count. None where the constraints contradict each other. A point
-    whose latest time is before its earliest shows that there is no such schedule. (Latest times of
-    a simple temporal network: Dechter, Meiri, Pearl 1991.)
+    Deadlines, fixed and latest starts count. None where the constraints contradict each other. A
+    point whose latest time is before its earliest shows that there is no such schedule. (Latest
+    times of a simple temporal network: Dechter, Meiri, Pearl 1991.)
     """
     tails = earliest(network.reversed(), _least_tails(problem, points, limit))
     return None if tails.cycles else [limit - tail for tail in tails.t]
@@ -127,7 +127,8 @@ def _least_tails(problem: Problem, points: PointMap, limit: int) -> list[int]:
         end = limit if deadline is None else min(deadline, limit)
         point = points.end[i]
         least[point] = max(least[point], limit - end + points.end_offset[i])
-        if activity.start is not None:
-            point = points.start[i]
-            least[point] = max(least[point], limit - activity.start)
+        point = points.start[i]
+        for latest in (activity.start, activity.latest_start):
+            if latest is not None:
+                least[point] = max(least[point], limit - latest)
     return least

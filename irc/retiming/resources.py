@@ -26,7 +26,8 @@ def placed_at(
 ) -> list[Placed]:
     """The activities at the times of their points.
 
-    Raises `AnswerError` where one misses its fixed start or deadline, or a resource runs out.
+    Raises `AnswerError` where one misses its fixed start, latest start or deadline, or a resource
+    runs out.
     """
     placed = []
     for i, resources in enumerate(chosen):
@@ -35,6 +36,9 @@ def placed_at(
         fixed = problem.activities[i].start
         if fixed is not None and start > fixed:
             raise AnswerError(f"{problem.activities[i].id!r} cannot start at its fixed time")
+        latest = problem.activities[i].latest_start
+        if latest is not None and start > latest:
+            raise AnswerError(f"{problem.activities[i].id!r} cannot start by its latest start")
         deadline = problem.effective_deadline(i)
         if deadline is not None and end > deadline:
             raise AnswerError(f"{problem.activities[i].id!r} cannot end by its deadline")

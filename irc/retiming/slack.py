@@ -17,9 +17,9 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
 
     What stays: the makespan (or less), the resources and modes chosen, and the order of every two
     actions that share a resource without overlapping. What may change: all times and, where a
-    duration is a range, durations. All lags, deadlines and fixed starts hold. Under these rules
-    an action can start at *any* time up to its start + slack, while others move along; slack that
-    several actions have is common to them. (Total float, with resources: Wiest, "Some
+    duration is a range, durations. All lags, deadlines, fixed and latest starts hold. Under these
+    rules an action can start at *any* time up to its start + slack, while others move along; slack
+    that several actions have is common to them. (Total float, with resources: Wiest, "Some
     properties of schedules for large projects with limited resources", 1964.)
 
     Ranks play no part. Without state and stock a resource is freed and taken at one rank of an

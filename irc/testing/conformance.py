@@ -112,6 +112,14 @@ CONFORMANCE_TASKS: tuple[Case, ...] = (
         7,
     ),
     Case(
+        "a latest start that decides the order",
+        {
+            "resources": _OVEN,
+            "actions": [_on("a", 4, "oven"), _on("b", 3, "oven", latest_start=1)],
+        },
+        7,
+    ),
+    Case(
         "one oven for three",
         {
             "resources": _OVEN,

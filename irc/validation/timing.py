@@ -1,4 +1,4 @@
-"""Rules 2 and 3: durations, releases, fixed starts, deadlines, and precedence with its lags."""
+"""Rules 2 and 3: durations, releases, fixed and latest starts, deadlines, precedence, its lags."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ AT_END = MappingProxyType(
 
 
 def check_windows(bound: BoundSchedule, violations: Violations) -> None:
-    """Checks rule 2: mode, duration, release, fixed start and deadlines of each occurrence."""
+    """Checks rule 2: mode, duration, release, starts and deadlines of each occurrence."""
     deadlines = _group_deadlines(bound)
     if bound.task.deadline is not None:
         of_task = (bound.clock.number(bound.task.deadline), "the task's deadline")
@@ -124,6 +124,17 @@ def _check_start(bound: BoundSchedule, occurrence: Occurrence, violations: Viola
             (start, fixed),
             carried=occurrence.past is not None,
         )
+    if action.latest_start is not None:
+        latest = bound.clock.number(action.latest_start)
+        if start > latest:
+            violations.add(
+                "latest_start",
+                f"{occurrence.name} starts at {violations.time(start)}, "
+                f"after its latest start ({violations.time(latest)})",
+                [occurrence.entry.id],
+                (start, latest),
+                carried=occurrence.past is not None,
+            )
 
 
 def check_precedence(bound: BoundSchedule, violations: Violations) -> None:

@@ -28,6 +28,7 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "start": 2,
         "release": 2,
         "deadline": 2,
+        "latest_start": 2,
         "precedence": 3,
         "resources": 4,
         "capacity": 4,

@@ -58,7 +58,7 @@ def whole() -> irc.Task:
     grill.mode("fast", 5).uses(board)
     grill.mode("slow", irc.between(8, "12 min"), label="Slow").one_of(board, "bench", amount=1)
     task.resource("bench")
-    nap = task.action("nap", Fraction(1, 3)).optional().reward(4).deadline(400)
+    nap = task.action("nap", Fraction(1, 3)).optional().reward(4).deadline(400).latest_start(350)
     call = task.action("call", 2).start("10:00").due("10:01", weight=2)
     task.group("order", mix, "grill", label="No. 1").optional().reward(10).due(300, weight=1)
     task.group("late", "nap").deadline("13:30")
@@ -132,7 +132,14 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                     },
                 ],
             },
-            {"id": "nap", "duration": "1/3", "occurs": "optional", "reward": 4, "deadline": 400},
+            {
+                "id": "nap",
+                "duration": "1/3",
+                "occurs": "optional",
+                "reward": 4,
+                "deadline": 400,
+                "latest_start": 350,
+            },
             {
                 "id": "call",
                 "duration": 2,

@@ -211,7 +211,7 @@ TIMES = [
             f"IRC105 /actions/0/{field}",
             says=f"'{field}' is -1, before t = 0",
         )
-        for field in ("release", "deadline", "due", "start")
+        for field in ("release", "deadline", "due", "start", "latest_start")
     ),
     case(
         actions(',\n "deadline": ‸-1'),
@@ -633,6 +633,17 @@ TEMPORAL = [
         hint="the deadline must be at least 8 s",
     ),
     case(
+        actions(release="5", latest_start="‸4"),
+        "IRC302 /actions/0/latest_start",
+        says="action 'a' cannot start by its latest start of 4 s: it starts at 5 s at the earliest",
+        hint="the latest start must be at least 5 s",
+    ),
+    case(
+        actions(start="5", latest_start="‸4"),
+        "IRC302 /actions/0/latest_start",
+        says="cannot start by its latest start of 4 s",
+    ),
+    case(
         actions(start="5", deadline="‸7"),
         "IRC302 /actions/0/deadline",
         says="cannot end by its deadline",
@@ -643,6 +654,13 @@ TEMPORAL = [
         says="action 'a' has the deadline 4 s, but cannot end before 5 s (critical path: "
         "'b' → 'a')",
         hint="the deadline must be at least 5 s",
+    ),
+    case(
+        actions(',\n "precedence": [["b", "a"]]', latest_start="‸1"),
+        "IRC303 /actions/0/latest_start",
+        says="action 'a' has the latest start 1 s, but cannot start before 2 s (critical path: "
+        "'b' → 'a')",
+        hint="the latest start must be at least 2 s",
     ),
     case(
         actions(',\n "precedence": [["b", "a"]]', start="‸1"),

@@ -237,6 +237,7 @@ SELL = act("sell", occurs={"min": 0}, reward=3)
     ("action", "fields"),
     [
         (SELL, {"objective": "maximize_reward", "deadline": 60}),
+        ({**SELL, "latest_start": 60}, {"objective": "maximize_reward"}),
         (SELL, {"objective": ["minimize_makespan", "maximize_reward"]}),
         (SELL, {"objective": "minimize_makespan"}),
         ({**SELL, "consumes": eggs(1)}, {"objective": "maximize_reward", "resources": [stock(5)]}),

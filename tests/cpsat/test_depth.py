@@ -92,6 +92,8 @@ def test_as_many_occurrences_are_enough_as_fit_one_after_another() -> None:
     problem = problem_for_cpsat(task_of({**CHOP, "release": 3}))
     assert enough(problem, 12) == 4
     assert enough(problem, None) is None
+    soon = problem_for_cpsat(task_of({**CHOP, "release": 3, "latest_start": 8}))
+    assert (enough(soon, None), enough(soon, 7)) == (3, 2)
 
 
 def test_a_bound_of_too_few_occurrences_is_no_bound() -> None:

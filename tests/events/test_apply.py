@@ -194,6 +194,14 @@ def test_what_did_start_is_not_held_to_its_release() -> None:
     assert action(task, "bake").release == 4
 
 
+def test_what_did_start_is_not_held_to_its_latest_start() -> None:
+    serve = {"id": "serve", "duration": 1, "latest_start": 3}
+    actions = [serve if a["id"] == "serve" else a for a in KITCHEN["actions"]]
+    seen = change("observe", action="serve", started=4)
+    task = revised(seen, task=kitchen(actions=actions))
+    assert (action(task, "serve").start, action(task, "serve").latest_start) == (4, 4)
+
+
 # --- the function as a whole --------------------------------------------------------------------
 
 

@@ -8,7 +8,7 @@ from builders import task_of
 from irc.execution.freeze import with_groups
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.lowering.lower import lower
-from irc.problem import Arc
+from irc.problem import IMPOSSIBLE_DEADLINE, Arc
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.schedule import Entry
 from online_cases import action, entry, frozen_at, plan, repaired, starts
@@ -166,6 +166,20 @@ def test_a_maximum_lag_to_the_past_is_a_deadline_and_a_negative_one_is_nothing()
     assert step.schedule.status == "optimal"
     with pytest.raises(PastError, match="fixed start"):
         left(task_of(action("b", 2, start=1)), [], 5)
+
+
+def test_a_latest_start_comes_nearer_and_ends_what_may_be_left_out() -> None:
+    soon = task_of(
+        action("a", 4, latest_start=0),
+        action("b", 2, latest_start=7),
+        action("c", 2, latest_start=3, occurs="optional"),
+    )
+    begun, later, never = left(soon, [entry("a", 0, 9)], 5).problem.activities
+    assert begun.latest_start is None
+    assert (later.latest_start, later.deadline) == (2, None)
+    assert never.deadline == IMPOSSIBLE_DEADLINE
+    with pytest.raises(PastError, match="latest start"):
+        left(task_of(action("b", 2, latest_start=1)), [], 5)
 
 
 def test_the_past_is_in_the_initial_stock_state_and_calendars() -> None:

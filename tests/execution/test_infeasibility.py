@@ -113,6 +113,14 @@ def test_the_limit_in_the_way_is_named(change: dict[str, Any], message: str) -> 
     assert told(change, **fields) == [message]
 
 
+def test_a_latest_start_in_the_way_is_named() -> None:
+    actions = [{**a, "latest_start": 35} if a["id"] == "serve" else a for a in TASK["actions"]]
+    late = {"op": "set_duration", "action": "bake", "duration": 37}
+    assert told(late, actions=actions) == [
+        "'serve' must start by 35 min, but cannot start before 37 min"
+    ]
+
+
 def test_of_several_limits_that_a_plan_breaks_only_those_in_the_way_are_named() -> None:
     precedence = [
         {"before": "bake", "after": "serve", "max_lag": 15},

@@ -20,7 +20,7 @@ from irc.explanation.chain import critical_chain
 from irc.explanation.contention import resource_conflict
 from irc.explanation.wording import in_words
 from irc.model import Task
-from irc.problem import Problem
+from irc.problem import Activity, Problem
 from irc.problem.statements import (
     KINDS,
     Kind,
@@ -249,7 +249,7 @@ class _Listening(_Misleading):
 
 EVERYTHING = task(
     *(r("crew", 3), r("r1"), r("r2")),
-    a("a", 4, ("crew", 2), ["r2", "r1"], release=2, deadline=20),
+    a("a", 4, ("crew", 2), ["r2", "r1"], release=2, deadline=20, latest_start=15),
     a("b", {"min": 2, "max": 6}, start=9),
     p("a", "b", "ss", min_lag=1, max_lag=8),
     deadline=30,
@@ -271,6 +271,11 @@ def test_the_problem_of_all_statements_is_the_whole_problem() -> None:
     assert whole == problem
 
 
+def limits_of(activity: Activity) -> tuple[Any, ...]:
+    a = activity
+    return a.id, a.release, a.deadline, a.start, a.latest_start
+
+
 def test_a_problem_without_a_statement_is_that_of_the_document_without_it() -> None:
     checked = Task.model_validate(EVERYTHING)
     problem = run_checks(checked).problem
@@ -282,8 +287,8 @@ def test_a_problem_without_a_statement_is_that_of_the_document_without_it() -> N
         document = run_checks(only(checked, places)).problem
         scale = document.tick / part.tick
         assert scale == 1
-        assert [(x.id, x.release, x.deadline, x.start) for x in part.activities] == [
-            (x.id, x.release, x.deadline, x.start) for x in document.activities
+        assert [limits_of(x) for x in part.activities] == [
+            limits_of(x) for x in document.activities
         ]
         assert [(x.duration_min, x.duration_max) for x in part.activities] == [
             (x.duration_min, x.duration_max) for x in document.activities

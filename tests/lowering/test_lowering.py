@@ -103,7 +103,10 @@ def any_time(problem: Problem) -> bool:
     return any(times) or any(arc.min_lag or arc.max_lag for arc in problem.arcs)
 
 
-_TIMES = ("duration", "min", "max", "release", "deadline", "start", "min_lag", "max_lag")
+_TIMES = (
+    *("duration", "min", "max", "release", "deadline", "start", "latest_start"),
+    *("min_lag", "max_lag"),
+)
 
 
 def scaled(task: Task, factor: Fraction) -> Document:
@@ -167,6 +170,14 @@ def test_equal_precedences_written_differently_are_one() -> None:
         ],
     )
     assert problem.arcs == (Arc(0, 1, origin=0), Arc(0, 1, min_lag=1, origin=3))
+
+
+def test_a_latest_start_is_in_ticks_and_counts_for_the_tick() -> None:
+    problem = problem_of(
+        actions=[one(60, latest_start="1 min 30 s"), {"id": "b", "duration": 60}],
+    )
+    assert problem.tick == 30
+    assert [a.latest_start for a in problem.activities] == [3, None]
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,9 @@
 """Exact optima of small tasks, from the meaning of a valid schedule (docs/semantics.md) alone.
 
 Known here: actions that occur once, durations fixed or in a range, the four precedence types with
-both lags, releases, deadlines, fixed starts, renewable resources, `one_of`. Whatever else a task
-says is refused with `ValueError`, never ignored, except due dates, rewards, costs and the
-objective: they do not bear on the least makespan.
+both lags, releases, deadlines, fixed and latest starts, renewable resources, `one_of`. Whatever
+else a task says is refused with `ValueError`, never ignored, except due dates, rewards, costs and
+the objective: they do not bear on the least makespan.
 
 **Method.** Each `one_of` is decided first, in every way. Then a task is a system of lower bounds
 on the differences of time points: t = 0, each start, each end, and the makespan. Its transitive
@@ -56,7 +56,7 @@ _TASK_FIELDS = frozenset(
 _ACTION_FIELDS = frozenset(
     [
         *("id", "label", "description", "duration", "uses", "release", "deadline", "start"),
-        *("due", "weight", "reward", "cost"),
+        *("latest_start", "due", "weight", "reward", "cost"),
     ]
 )
 _RESOURCE_FIELDS = frozenset(["id", "label", "description", "capacity"])
@@ -316,7 +316,8 @@ def longest_path(task: Task) -> Number:
     _refuse(task, _TASK_FIELDS - {"deadline", "resources"}, "the task")
     graph = nx.DiGraph()
     for action in _by_id(task.actions, "action").values():
-        _refuse(action, _ACTION_FIELDS - {"uses", "deadline", "start"}, f"action {action.id!r}")
+        unknown_here = {"uses", "deadline", "start", "latest_start"}
+        _refuse(action, _ACTION_FIELDS - unknown_here, f"action {action.id!r}")
         if action.duration is None or isinstance(action.duration, DurationRange):
             raise ValueError(f"action {action.id!r} has no fixed duration")
         duration = task.number(action.duration)
@@ -378,11 +379,12 @@ def _action_edges(
     if action.start is not None:
         fixed = _whole(task, action.start)
         edges += [(_Point.origin, start, fixed), (start, _Point.origin, -fixed)]
+    edges += _deadline(task, start, action.latest_start)
     return edges + _deadline(task, end, action.deadline)
 
 
-def _deadline(task: Task, end: int, deadline: Instant | None) -> list[tuple[int, int, int]]:
-    return [] if deadline is None else [(end, _Point.origin, -_whole(task, deadline))]
+def _deadline(task: Task, point: int, deadline: Instant | None) -> list[tuple[int, int, int]]:
+    return [] if deadline is None else [(point, _Point.origin, -_whole(task, deadline))]
 
 
 def _precedence_edges(

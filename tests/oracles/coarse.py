@@ -26,8 +26,9 @@ def coarse_task(rng: random.Random, step: int = 6) -> Task:
             _scale(part, "duration", step)
         for field in {"release", "start", "due"} & action.keys():
             action[field] = anywhere(action[field])
-        if "deadline" in action:
-            action["deadline"] = later(action["deadline"])
+        for field in ("deadline", "latest_start"):
+            if field in action:
+                action[field] = later(action[field])
     for order in document.get("precedence", []):
         for field in {"min_lag", "max_lag"} & order.keys():
             order[field] *= step

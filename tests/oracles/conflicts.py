@@ -49,6 +49,8 @@ def statements_of(task: Task) -> set[Pointer]:
         found |= {("actions", i, name) for name, value in fields if value}
         if action.deadline is not None:
             found.add(("actions", i, "deadline"))
+        if action.latest_start is not None:
+            found.add(("actions", i, "latest_start"))
         if action.start is not None:
             found.add(("actions", i, "start"))
         found |= {("actions", i, "uses", u) for u in range(len(action.uses))}

@@ -45,6 +45,7 @@ EVERYTHING: dict[str, Any] = {
             "due": 50,
             "weight": 3,
             "start": "1/3",
+            "latest_start": 40,
             "conditions": [{"at": "all", "var": "lit", "value": False}],
             "effects": [{"at": "start", "var": "dough", "value": "true"}],
             "reward": 7,

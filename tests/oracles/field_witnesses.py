@@ -426,6 +426,20 @@ _ACTIONS = (
         (6,),
     ),
     Witness(
+        "Action.latest_start",
+        _task(
+            _act("a", 2, uses=_on("oven")),
+            _act("b", 3, uses=_on("oven"), latest_start=1),
+            _act("c", 4),
+            precedence=[["a", "c"]],
+            resources=_OVENS,
+        ),
+        ("actions", 1, "latest_start"),
+        REMOVED,
+        (9,),
+        (6,),
+    ),
+    Witness(
         "Action.due",
         _task(_act("a", 4, due=1), objective=_LATE_FIRST),
         ("actions", 0, "due"),

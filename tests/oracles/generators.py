@@ -129,6 +129,7 @@ def random_task(rng: random.Random, **knobs: Any) -> Task:
     if draft.actions and rng.random() < setting.tighten:
         _tighten(rng, setting, draft, document)
     _shuffle(rng, document)
+    _draw_latest_starts(rng, setting, draft)
     return Task.model_validate(document)
 
 
@@ -273,6 +274,14 @@ def _draw_windows(rng: random.Random, setting: Knobs, draft: _Draft) -> None:
         if setting.fixed_starts and rng.random() < 0.04:
             action["start"] = start
             action.pop("release", None)
+
+
+def _draw_latest_starts(rng: random.Random, setting: Knobs, draft: _Draft) -> None:
+    """Last of all, so that a seed draws all else as it did before there were any."""
+    for action in draft.actions:
+        start, _ = draft.spans[int(action["id"][1:]) - 1]
+        if setting.windows and rng.random() < 0.15:
+            action["latest_start"] = start + rng.randint(0, 4)
 
 
 def _tighten(rng: random.Random, setting: Knobs, draft: _Draft, document: Document) -> None:
@@ -606,6 +615,7 @@ def _action(name: str, instants: _Strategy) -> _Strategy:
         "due": instants,
         "weight": _AMOUNTS,
         "start": instants,
+        "latest_start": instants,
         "conditions": _CONDITIONS,
         "effects": _EFFECTS,
         "reward": _INTEGERS,

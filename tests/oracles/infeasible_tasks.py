@@ -125,6 +125,14 @@ TIME = [
     ),
     _case(
         "time",
+        "a start that is too late behind another action",
+        task(a("a", 5), a("b", 1, latest_start=4), p("a", "b")),
+        "'a' takes 5 s",
+        "'a' precedes 'b'",
+        "'b' starts by 4 s",
+    ),
+    _case(
+        "time",
         "too much between two that may not be far apart",
         task(
             *(a("mix", 2), a("rest", 10), a("bake", 5)),
@@ -771,6 +779,16 @@ SOLVER = [
         *_take(3, "a", "b"),
         "'c' takes 5 s",
         "'b' starts exactly 4 s after the end of 'a'",
+    ),
+    _case(
+        "solver",
+        "one must end soon and the other start soon",
+        task(r("grill"), a("a", 5, "grill", deadline=6), a("b", 3, "grill", latest_start=1)),
+        "'a' ends by 6 s",
+        "'b' starts by 1 s",
+        "'grill' has a capacity of 1",
+        *_held("a", "b", by="'grill'"),
+        *(*_take(5, "a"), *_take(3, "b")),
     ),
 ]
 

@@ -76,6 +76,8 @@ def rule_2(task: Task, entries: Sequence[Entry]) -> bool:
             return False
         if action.start is not None and entry.start != action.start:
             return False
+        if action.latest_start is not None and entry.start > task.number(action.latest_start):
+            return False
         deadlines = [action.deadline, task.deadline]
         deadlines += [group.deadline for group in task.groups if entry.id in group.actions]
         if any(d is not None and entry.end > task.number(d) for d in deadlines):
@@ -358,6 +360,8 @@ def draw_action(draw: Draw, name: str, own: Sequence[Entry]) -> dict[str, Any]:
     if draw(st.booleans()):
         action["release"] = text(min(e.start for e in own))
         action["deadline"] = text(max(e.end for e in own))
+    if draw(st.booleans()):
+        action["latest_start"] = text(max(e.start for e in own))
     if len(own) == 1 and draw(st.booleans()):
         action["start"] = text(own[0].start)
     return action

@@ -81,6 +81,10 @@ def state_task(seed: int) -> Task:
         document["deadline"] = max(1, rng.randint(total // 2, total + 3))
     for part in ("actions", "precedence", "groups", "state", "goals"):
         rng.shuffle(document[part])
+    # (Last of all, so that a seed draws all else as it did before there were any.)
+    for action in draft.actions:
+        if rng.random() < 0.08:
+            action["latest_start"] = rng.randint(0, 9)
     return Task.model_validate({key: part for key, part in document.items() if part})
 
 

@@ -54,6 +54,7 @@ class Job:
     release: int
     deadline: int | None
     start: int | None
+    latest_start: int | None
     due: int | None
     weight: int
     reward: int
@@ -215,6 +216,7 @@ class _Reader:
         """All times of the task, as they were written."""
         for action in self.actions.values():
             yield from (action.release, action.deadline, action.due, action.start)
+            yield action.latest_start
             for duration in (action.duration, *(mode.duration for mode in action.modes)):
                 if isinstance(duration, DurationRange):
                     yield from (duration.min, duration.max)
@@ -251,6 +253,7 @@ class _Reader:
             release=max(0, self._ticks(action.release)),
             deadline=min(stated, default=None),
             start=self._maybe(action.start),
+            latest_start=self._maybe(action.latest_start),
             due=self._maybe(action.due),
             weight=1 if action.weight is None else action.weight,
             reward=action.reward or 0,

@@ -74,6 +74,8 @@ def _case(plain: Plain, j: int, entry: Entry) -> _Case | None:
         return None
     if start < job.release or (job.start is not None and start != job.start):
         return None
+    if job.latest_start is not None and start > job.latest_start:
+        return None
     if job.deadline is not None and end > job.deadline:
         return None
     return _Case(entry, j, job, option, start, end)

@@ -131,6 +131,7 @@ BA = {"before": "b", "after": "a"}
         pytest.param([{"uses": [*ONE["uses"], *ONE["uses"]]}], [], 99, id="joint demand"),
         pytest.param([{**ONE, "start": 1}, ONE], [], 4, id="deadline of the task"),
         pytest.param([{"release": 1}, {"deadline": 1}], [], 99, id="deadline of an action"),
+        pytest.param([ONE, {**ONE, "latest_start": 0}], [], 99, id="latest start"),
         pytest.param(
             [{}, ONE, {**ONE, "duration": 9}],
             [{**AB, "type": "start-start", "max_lag": 0}],

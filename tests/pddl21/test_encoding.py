@@ -385,6 +385,16 @@ def test_a_fixed_start_is_a_window_of_one_instant() -> None:
     assert times == {str(2 * scale), str(2 * scale + slack)}
 
 
+def test_a_latest_start_closes_a_window_at_the_start_alone() -> None:
+    program = program_of({"latest_start": 4})
+    text = read(program)
+    scale, slack = program.names["planner_units_per_tick"], program.names["slack"]
+    (literal,) = [part for part in text.section(":init") if part[0] == "at"]
+    assert literal[1] == str(2 * scale + slack)
+    assert "open_2" in text.steps["a"].needs("at start")
+    assert text.steps["a"].needs("over all") == []
+
+
 def test_the_deadline_of_the_task_binds_everybody_and_milestones_at_their_instant() -> None:
     text = read(program_of({}, {"duration": 0}, {"deadline": 6}, deadline=10))
     assert text.steps["a"].needs("over all") == ["open_5"]

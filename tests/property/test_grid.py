@@ -42,8 +42,8 @@ def spread(task: Task, rng: random.Random) -> Task:
         action["duration"] = duration * 6 if fixed else {k: v * 6 for k, v in duration.items()}
         for field in {"release", "start"} & action.keys():
             action[field] = action[field] * 6 + rng.randrange(4)
-        if "deadline" in action:
-            action["deadline"] = action["deadline"] * 6 + 5
+        for field in {"deadline", "latest_start"} & action.keys():
+            action[field] = action[field] * 6 + 5
     for order in document.get("precedence", []):
         for field in {"min_lag", "max_lag"} & order.keys():
             order[field] *= 6

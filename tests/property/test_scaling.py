@@ -20,7 +20,12 @@ from oracles.generators import contended_task, hostile_names, random_task
 
 Document = dict[str, Any]
 
-TIMES = frozenset(("duration", "min", "max", "release", "deadline", "start", "min_lag", "max_lag"))
+TIMES = frozenset(
+    (
+        *("duration", "min", "max", "release", "deadline", "start", "latest_start"),
+        *("min_lag", "max_lag"),
+    )
+)
 NO_CONTENTION: dict[str, Any] = {"resources": (0, 0), "tighten": 0.0}
 
 seeds = st.integers(0, 10**6)

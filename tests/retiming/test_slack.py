@@ -154,6 +154,8 @@ def test_what_overlaps_on_a_resource_may_part() -> None:
         ({"deadline": 5}, 2),
         ({"deadline": 50}, 7),
         ({"start": 0}, 0),
+        ({"latest_start": 4}, 4),
+        ({"latest_start": 50}, 7),
         ({}, 7),
     ],
 )

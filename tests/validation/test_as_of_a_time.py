@@ -116,6 +116,12 @@ def test_releases_and_deadlines_that_came_too_late_are_carried() -> None:
     assert judged(task, 3, ran, plan) == (["deadline"], ["release"])
 
 
+def test_a_late_start_is_carried_once_it_has_been() -> None:
+    task = task_of(act("a", 3, latest_start=2))
+    assert judged(task, 4, Entry("a", 3, 6)) == ([], ["latest_start"])
+    assert judged(task, 3, Entry("a", 3, 6)) == (["latest_start"], [])
+
+
 def test_an_order_between_two_that_began_is_carried_and_one_to_what_is_open_is_not() -> None:
     task = task_of(act("a", 4), act("b", 4), act("c", 1), precedence=[("a", "b"), ("a", "c")])
     began = Entry("a", 0, 4), Entry("b", 1, 5)

@@ -217,6 +217,23 @@ def test_a_fixed_start_is_kept() -> None:
     assert rules(task, Entry("cut", 5, 8)) == ["start"]
 
 
+def test_nothing_starts_after_its_latest_start() -> None:
+    task = one_action(latest_start=4)
+    assert rules(task, Entry("cut", 1, 4)) == []
+    assert rules(task, Entry("cut", 4, 7, rank=1)) == []
+    (violation,) = violations(task, Entry("cut", Fraction(9, 2), Fraction(15, 2)))
+    assert (violation.rule, violation.number) == ("latest_start", 2)
+    assert violation.message == "'cut' starts at 4.5 s, after its latest start (4 s)"
+    assert violation.times == (Fraction(9, 2), 4)
+
+
+def test_every_occurrence_starts_by_the_latest_start() -> None:
+    task = one_action(latest_start=4, occurs={"min": 0})
+    assert rules(task, Entry("cut", 0, 3), Entry("cut", 3, 6, occurrence=2)) == []
+    late = [Entry("cut", 0, 3), Entry("cut", 5, 8, occurrence=2)]
+    assert rules(task, *late) == ["latest_start"]
+
+
 def test_an_action_ends_by_its_own_its_groups_and_the_tasks_deadline() -> None:
     task = Task(
         actions=[{"id": "cut", "duration": 3, "deadline": 10}],

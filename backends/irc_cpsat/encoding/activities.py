@@ -24,15 +24,19 @@ def _points(
     deadline = builder.problem.effective_deadline(i)
     latest_end = builder.horizon if deadline is None else min(builder.horizon, deadline)
     earliest = max(activity.release, builder.problem.bounds.heads[i] if builder.bounds else 0)
-    fits = earliest + activity.duration_min <= latest_end
+    latest = latest_end - activity.duration_min
+    if activity.latest_start is not None:
+        latest = min(latest, activity.latest_start)
+    fits = earliest <= latest
     present = builder.present[i]
     if not fits and present is not None:
         builder.model.add(present == 0)
         latest_end = earliest + activity.duration_max
-    start = _start(builder, activity, earliest, latest_end - activity.duration_min)
-    late = activity.start is not None and activity.start + activity.duration_min > latest_end
+        latest = latest_end - activity.duration_min
+    start = _start(builder, activity, earliest, latest)
+    late = activity.start is not None and activity.start > latest
     if (not fits and present is None) or late:
-        builder.enforced(builder.model.add(start + activity.duration_min <= latest_end), i)
+        builder.enforced(builder.model.add(start <= latest), i)
     if activity.start is not None and activity.start < activity.release:
         builder.enforced(builder.model.add(start >= activity.release), i)
     return start, None if activity.is_fixed else _end(builder, i, activity, start, latest_end)

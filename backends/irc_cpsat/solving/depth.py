@@ -69,6 +69,9 @@ def _fitting(activity: Activity, limit: int | None) -> int | None:
     fitting: int | None = None
     if limit is not None and activity.duration_min > 0:
         fitting = max(0, limit - activity.release) // activity.duration_min
+    if activity.latest_start is not None and activity.duration_min > 0:
+        starts = 1 + max(0, activity.latest_start - activity.release) // activity.duration_min
+        fitting = starts if fitting is None else min(fitting, starts)
     greatest = activity.details.repeats[1] if activity.details.repeats else 1
     if greatest is None:
         return fitting

@@ -54,6 +54,7 @@ def time_scale(
     closings = envelopes + sum(
         problem.effective_deadline(i) is not None
         or a.start is not None
+        or a.latest_start is not None
         or _has_calendar(problem, a)
         for i, a in enumerate(problem.activities)
     )

@@ -1,4 +1,4 @@
-"""Releases, fixed starts and deadlines in PDDL: timed initial literals."""
+"""Releases, fixed and latest starts and deadlines in PDDL: timed initial literals."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ def add_time_windows(builder: Builder) -> None:
         release = max(activity.release, activity.start or 0)
         if release:
             builder.require(2 * i, _released(builder, release, opened))
-        if activity.start is not None:
-            builder.require(2 * i, _open_until(builder, activity.start, closed))
+        for latest in dict.fromkeys((activity.start, activity.latest_start)):
+            if latest is not None:
+                builder.require(2 * i, _open_until(builder, latest, closed))
         deadline = builder.problem.effective_deadline(i)
         if deadline is not None:
             builder.deadline_facts[i] = _open_until(builder, deadline, closed)

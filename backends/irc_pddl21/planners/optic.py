@@ -64,6 +64,7 @@ class OpticPlanner(Planner):
             raise _too_large("the schedule takes at least", problem.bounds.makespan.value * scale)
         written = [a.duration_min for a in problem.activities]
         written += [d for i in range(len(written)) if (d := problem.effective_deadline(i))]
+        written += [a.latest_start for a in problem.activities if a.latest_start is not None]
         if max(written, default=0) * scale > LARGEST:
             raise _too_large("the task has times of up to", max(written) * scale)
 

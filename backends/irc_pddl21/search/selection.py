@@ -260,13 +260,12 @@ def _density(value: int, weight: int) -> float:
 def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
     """Whether bounds, or reachable values of state, show that a problem has no schedule."""
     for i, activity in enumerate(problem.activities):
+        head, latest = problem.bounds.heads[i], activity.latest_start
         deadline = problem.effective_deadline(i)
-        if (
-            deadline is not None
-            and not activity.details.optional
-            and activity.details.repeats is None
-            and problem.bounds.heads[i] + activity.duration_min > deadline
-        ):
+        too_late = (latest is not None and head > latest) or (
+            deadline is not None and head + activity.duration_min > deadline
+        )
+        if too_late and not activity.details.optional and activity.details.repeats is None:
             return True
     if is_out_of_reach(problem):
         return True

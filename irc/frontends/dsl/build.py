@@ -242,7 +242,7 @@ class Builder:
 
     def _point(self, element: Element, clause: Any, at: Pointer) -> None:
         key, said = clause.children
-        field = "start" if kind(key) == "STARTS_AT" else kind(key).lower()
+        field = _POINT_FIELDS.get(kind(key), kind(key).lower())
         self.put_field(element, field, nodes.time(said), at, key)
 
     def _number(self, element: Element, clause: Any, at: Pointer) -> None:
@@ -481,6 +481,7 @@ class Builder:
         return found
 
 
+_POINT_FIELDS = {"STARTS_AT": "start", "STARTS_BY": "latest_start"}
 _PLAIN = ("end", "start")
 _ENDS = {"start": "start", "end": "finish"}
 
@@ -511,9 +512,13 @@ def repeated_clause(what: str, start: int, end: int) -> Fault:
 
 
 def _word(field: str) -> str:
-    return {"min": "within", "max": "within", "occurs": "occurs", "start": "starts at"}.get(
-        field, field
-    )
+    return {
+        "min": "within",
+        "max": "within",
+        "occurs": "occurs",
+        "start": "starts at",
+        "latest_start": "starts by",
+    }.get(field, field)
 
 
 _Clause = Callable[[Builder, Element, Any, Pointer], None]

@@ -94,6 +94,7 @@ PHRASES = {
     ("at", "start"): "AT_START",
     ("at", "end"): "AT_END",
     ("starts", "at"): "STARTS_AT",
+    ("starts", "by"): "STARTS_BY",
     ("ends", "after"): "ENDS_AFTER",
     ("no", "actions"): "NO_ACTIONS",
     ("no", "precedence"): "NO_PRECEDENCE",

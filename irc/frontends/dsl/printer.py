@@ -192,7 +192,7 @@ class _Printer:
                 *_release(action.release),
                 *_points(action, {"deadline": "deadline", "due": "due"}),
                 *_numbers(action, "weight"),
-                *_points(action, {"start": "starts at"}),
+                *_points(action, {"start": "starts at", "latest_start": "starts by"}),
                 *_numbers(action, "reward", "cost"),
                 *_texts(action),
                 *map(self._mode, action.modes),

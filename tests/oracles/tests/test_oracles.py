@@ -76,6 +76,7 @@ def in_windows(task: Task, action: Action, start: int, end: int) -> bool:
         end - start in lengths(action)
         and start >= max(0, action.release)
         and action.start in (None, start)
+        and (action.latest_start is None or start <= action.latest_start)
         and all(end <= limit for limit in (action.deadline, task.deadline) if limit is not None)
     )
 
@@ -140,6 +141,8 @@ def cp_sat_makespan(task: Task) -> int | None:
         model.add(start + length == end)
         if action.start is not None:
             model.add(start == action.start)
+        if action.latest_start is not None:
+            model.add(start <= action.latest_start)
         lasts = model.new_bool_var("")
         model.add(length >= 1).only_enforce_if(lasts)
         model.add(length == 0).only_enforce_if(~lasts)
@@ -389,6 +392,13 @@ def test_a_positive_cycle_is_infeasible_without_any_horizon() -> None:
     arcs = [["a", "b"], ["b", "a"]]
     assert optimal_makespan(Task(actions=jobs(58_000_000, 1), precedence=arcs)) is None
     assert optimal_makespan(Task(actions=jobs(0, 0), precedence=arcs)) == 0
+
+
+@pytest.mark.parametrize(("limit", "makespan"), [(2, None), (3, None), (4, 7), (9, 7)])
+def test_latest_start_of_the_second_of_two_jobs(limit: int, makespan: int | None) -> None:
+    a, b = jobs(4, 3, **ON_M)
+    task = one_machine([{**a, "latest_start": 0}, {**b, "latest_start": limit}])
+    assert optimal_makespan(task) == makespan
 
 
 def test_a_fixed_start_before_the_release_is_infeasible() -> None:
