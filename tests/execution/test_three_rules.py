@@ -15,7 +15,7 @@ from irc.targets import SolveOptions
 from irc.validation import validate
 from oracles.state_brute_force import optimum
 
-OPTIONS = SolveOptions(time_limit=20)
+OPTIONS = SolveOptions(time_limit=6)
 TARGETS = ("cpsat", "pddl21")
 
 
@@ -47,7 +47,7 @@ CHANGEOVER = Task.model_validate(
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_is_freed_at_a_rank_is_taken_at_no_earlier_one(target: str) -> None:
-    schedule = irc.solve(CHANGEOVER, target=target, time_limit=20)
+    schedule = irc.solve(CHANGEOVER, target=target, time_limit=6)
     assert schedule.makespan == 13
     assert validate(CHANGEOVER, schedule).valid
 
@@ -295,7 +295,7 @@ def test_what_ended_at_a_rank_keeps_it_without_an_event_and_with_one(target: str
     document = late_light(start=0)
     document["actions"][1]["release"] = 4
     task = Task.model_validate(document)
-    plan = irc.solve(task, target=target, time_limit=20)
+    plan = irc.solve(task, target=target, time_limit=6)
     assert [(e.id, e.start, e.rank) for e in plan.entries] == [("weld", 0, 1), ("lamp", 4, 0)]
     step = replan(task, plan, 4, target=target, options=OPTIONS)
     assert [(e.id, e.start, e.rank) for e in step.schedule.entries] == [
