@@ -137,9 +137,10 @@ def test_hostile_text_is_refused_without_a_wait(name: str) -> None:
 def test_more_precedences_than_a_task_may_have_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from irc.frontends.english import references
+    from irc.frontends.english import assembly, references
 
-    monkeypatch.setattr(references, "MOST_EDGES", 10_000)
+    for module in (assembly, references):
+        monkeypatch.setattr(module, "MOST_EDGES", 10_000)
     steps = "\n".join(f"Step {i}. X (1 s)" for i in range(1, 121))
     sentence = "Steps 1 to 60 must precede steps 61 to 120.\n"
     assert irc.loads(f"{steps}\n\n{sentence * 2}").ir.actions
