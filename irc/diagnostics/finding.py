@@ -115,6 +115,10 @@ class Code(Enum):
     NO_ANSWER = ("IRC604", Severity.NOTE, "an engine found no answer within its limits")
     BAD_JOURNAL = ("IRC605", Severity.ERROR, "a journal that cannot be continued")
     TORN_JOURNAL = ("IRC606", Severity.NOTE, "a journal whose last line was cut off")
+    OTHER_JOURNAL = ("IRC607", Severity.ERROR, "a journal of another task or schedule")
+    CHANGED_TASK = ("IRC608", Severity.ERROR, "a task that has changed since its journal was begun")
+    JOURNAL_VERSION = ("IRC609", Severity.ERROR, "a journal of another version of irc")
+    MENDED_JOURNAL = ("IRC610", Severity.WARNING, "damage of a journal that loses nothing")
 
     TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
     OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")
