@@ -333,6 +333,9 @@ def test_killed_at_random_points_it_forgets_nothing_that_it_acknowledged(tmp_pat
     process = kitchen.start()
     kitchen.check(kitchen.read(process))
     assert kitchen.acknowledged
+    kitchen.look()
+    kitchen.damage(60)
+    assert kitchen.damaged["refused"] > 0
     process.send_signal(signal.SIGTERM)
     assert process.wait(30) == 0, "being told to end is an orderly end"
     process.communicate()
