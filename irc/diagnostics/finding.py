@@ -101,6 +101,7 @@ class Code(Enum):
     STOCK = ("IRC307", Severity.ERROR, "a stock that runs out or overflows in every order")
     AT_ODDS = ("IRC308", Severity.ERROR, "conditions, effects or goals that contradict each other")
     NEVER = ("IRC309", Severity.ERROR, "an action that is required and may never occur")
+    NO_SCHEDULE = ("IRC310", Severity.ERROR, "a task that an engine proved to have no schedule")
 
     UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
     REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")
@@ -134,6 +135,11 @@ class Code(Enum):
         self.id = id
         self.severity = severity
         self.summary = summary
+
+    @property
+    def proves_infeasible(self) -> bool:
+        """Whether an error of this code is a proof that there is no schedule."""
+        return self.id.startswith("IRC3") or self is Code.NO_CONTINUATION
 
 
 @dataclass(frozen=True, slots=True)

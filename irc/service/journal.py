@@ -23,6 +23,7 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.errors import IrcError
 from irc.frontends.json.value import read_value
+from irc.outcome import MISUSED
 from irc.service.journal_lines import SNAPSHOT, Contents, is_begun, read_lines, to_line
 
 JOURNAL_VERSION = "2"
@@ -37,6 +38,8 @@ COMPACT_ABOVE = 16 * 1024 * 1024
 
 class JournalError(IrcError):
     """The journal cannot be opened or written; the message says which and why."""
+
+    ends_as = MISUSED
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,9 @@ from irc.frontends.json.value import read_value
 from irc.model import Task
 from irc.model.canonical import task_sha256, written_task
 from irc.model.times import json_number
+from irc.outcome import Outcome
 from irc.schedule import Schedule, schedule_from_json
-from irc.service.journal import Journal, Recovered
+from irc.service.journal import Journal, JournalError, Recovered
 from irc.service.protocol import (
     MAX_LINE,
     Request,
@@ -168,10 +169,10 @@ class Session:
         except InputError as error:
             self.execution = before
             message = error.report.errors[0].message
-            return Reply(_with_id(name, self._refused(message, error.report)))
+            return Reply(_with_id(name, self._refused(message, error.outcome, error.report)))
         except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
-            return Reply(_with_id(name, self._refused(str(error))))
+            return Reply(_with_id(name, self._refused(str(error), error.outcome)))
         self._record(source.text, step)
         self.last_id = name
         return Reply(_with_id(name, document))
@@ -180,11 +181,12 @@ class Session:
         """The answer to a line that is too long for a request."""
         message = f"a request may have at most {MAX_LINE:,} bytes"
         finding = Diagnostic(Code.TOO_LARGE, message, hint="send it in several requests")
-        return Reply(self._refused(message, Report((finding,))))
+        report = Report((finding,))
+        return Reply(self._refused(message, report.outcome, report))
 
     def broken(self, message: str) -> Reply:
         """The last answer, if the journal can no longer be written."""
-        return Reply(self._refused(message), last=True)
+        return Reply(self._refused(message, JournalError(message).outcome), last=True)
 
     def state(self) -> dict[str, Any]:
         """The state of the execution: the completed, running and open actions, and the plan."""
@@ -203,11 +205,14 @@ class Session:
             "schedule": execution.schedule.to_dict(),
         }
 
-    def _refused(self, message: str, report: Report | None = None) -> dict[str, Any]:
+    def _refused(
+        self, message: str, outcome: Outcome, report: Report | None = None
+    ) -> dict[str, Any]:
         """An answer with an error message, and every finding if the request is faulty."""
         found = [] if report is None else report.to_list()
         now = json_number(self.execution.now)
-        return {"ok": False, "now": now, "error": {"message": message, "diagnostics": found}}
+        error = {"message": message, "diagnostics": found}
+        return {"ok": False, "now": now, "error": error, "outcome": outcome.to_dict()}
 
     def _now_and_notes(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
         return {"now": json_number(self.execution.now), "notes": [d.to_dict() for d in notes]}

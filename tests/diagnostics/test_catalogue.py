@@ -23,6 +23,7 @@ CATALOGUE = ROOT / "irc" / "diagnostics" / "catalogue"
 ENTRIES = list(load_catalogue().values())
 
 NOT_IN_A_TEXT = (
+    Code.NO_SCHEDULE,
     Code.DAMAGED,
     Code.NO_ANSWER,
     Code.OTHER_JOURNAL,
