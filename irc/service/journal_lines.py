@@ -28,6 +28,12 @@ BLOCK = 512
 _HEAD = rb'\{"seq": (\d{1,18}), "crc": "([0-9a-f]{8})"(?:, "bytes": (\d{1,18}))?, "entry": '
 _LINE = re.compile(_HEAD + rb"(.*)\}", re.DOTALL)
 _FRONT = re.compile(_HEAD)
+_FRONT_PARTS = (
+    (b'{"seq": ', re.compile(rb"\d*")),
+    (b', "crc": "', re.compile(rb"[0-9a-f]*")),
+    (b'", "bytes": ', re.compile(rb"\d*")),
+    (b', "entry": ', re.compile(b"")),
+)
 _HOLE = re.compile(rb"\0+")
 
 
@@ -159,7 +165,9 @@ def is_torn(rest: bytes, offset: int) -> bool:
     if _has_hole(rest, offset):
         return True
     front = _FRONT.match(line)
-    if front is None or front[3] is None:
+    if front is None:
+        return not end or _is_cut_front(line)
+    if front[3] is None:  # (version 1)
         return not end or _is_cut(line)
     missing = front.end() + int(front[3]) + 1 - len(line)
     return (missing > 0 and not (end and line.endswith(b"}"))) or (missing == 0 and not end)
@@ -172,6 +180,16 @@ def _has_hole(rest: bytes, offset: int) -> bool:
         and (hole.end() == len(rest) or (offset + hole.end()) % BLOCK == 0)
         for hole in _HOLE.finditer(rest)
     )
+
+
+def _is_cut_front(line: bytes) -> bool:
+    """Whether a line is the beginning of the front of some line."""
+    for text, value in _FRONT_PARTS:
+        if not line.startswith(text):
+            return text.startswith(line)
+        found = value.match(line, len(text))
+        line = line[found.end() if found else len(text) :]
+    return not line
 
 
 def _is_cut(line: bytes) -> bool:

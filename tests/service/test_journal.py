@@ -243,6 +243,21 @@ def test_a_last_line_with_blocks_of_zeros_is_torn_and_one_with_other_zeros_is_da
             Journal.open(path)
 
 
+def test_a_last_line_of_full_length_is_damaged_even_if_none_of_it_is_right(path: Path) -> None:
+    data = path.read_bytes()
+    begin = data[:-1].rfind(b"\n") + 1
+    draw = random.Random(8)
+    for _ in range(200):
+        rest = draw.randbytes(len(data) - begin - 1).replace(b"\n", b"x").replace(b"\0", b"y")
+        path.write_bytes(data[:begin] + rest + b"\n")
+        with pytest.raises(InputError, match="line 4 of the journal is damaged"):
+            Journal.open(path)
+    for end in range(begin + 1, len(data) - 1):
+        if data[end - 1 : end] != b"}":
+            path.write_bytes(data[:end] + b"\n")  # as an editor ends what was cut off
+            assert reopened(path) == (ENTRIES[:2], [Code.TORN_JOURNAL])
+
+
 def test_a_long_journal_is_shortened_and_the_state_stays(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
