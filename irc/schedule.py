@@ -10,11 +10,12 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
+from irc.outcome import Outcome
 
 SCHEDULE_VERSION = "1"
 
@@ -104,6 +105,7 @@ class Schedule:
     engine: str | None = None
     seconds: float | None = None
     time_unit: str | None = None
+    reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
@@ -152,6 +154,11 @@ class Schedule:
     def makespan(self) -> Number:
         """The latest end; 0 for an empty schedule."""
         return max((entry.end for entry in self.entries), default=0)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the call ended; without a schedule, with the diagnostics that say why: `reasons`."""
+        return Outcome.of(str(self.status), self.reasons, _MESSAGES.get(self.status))
 
     @property
     def answered(self) -> bool:
@@ -254,7 +261,11 @@ class Schedule:
             "target": self.target,
             "engine": self.engine,
             "seconds": self.seconds,
+            **({} if self.answered else {"outcome": self.outcome.to_dict()}),
         }
+
+
+_MESSAGES = {Status.FAILED: "the engine broke down before it had an answer"}
 
 
 def _held(entry: Entry) -> str:
@@ -299,6 +310,7 @@ _SCHEDULE_FIELDS = frozenset(
         "engine",
         "seconds",
         "time_unit",
+        "outcome",
     ]
 )
 _ENTRY_FIELDS = frozenset(

@@ -19,20 +19,19 @@ def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
     return run_checks(task, earlier).report
 
 
-def _accepted(task: Task) -> Checked:
-    checked = run_checks(task, lint=False)
-    if not checked.report.ok:
-        raise InputError(checked.report)
-    return checked
-
-
 def lower_for(task: Task, backend: Backend) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
     Raises `InputError` if the task is faulty or the target does not support it.
     """
-    checked = _accepted(task)
-    require_support(task, backend)
+    return lower_checked(run_checks(task, lint=False), backend)
+
+
+def lower_checked(checked: Checked, backend: Backend) -> Problem:
+    """The same for a task that has been checked."""
+    if not checked.report.ok:
+        raise InputError(checked.report)
+    require_support(checked.task, backend)
     return run_passes(checked.problem)
 
 
