@@ -92,7 +92,8 @@ class Schedule:
     """An answer: entries by start time, and what is known about them.
 
     `schedule["eat"]` is the entry of an action, `schedule["eat", 2]` that of its second occurrence.
-    Iterating gives all entries in order of time.
+    Iterating gives all entries in order of time. `interrupted`: planning was ended before it was
+    done, so that a better answer may be close, or any.
     """
 
     entries: tuple[Entry, ...]
@@ -104,6 +105,7 @@ class Schedule:
     engine: str | None = None
     seconds: float | None = None
     time_unit: str | None = None
+    interrupted: bool = False
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
@@ -177,6 +179,8 @@ class Schedule:
     def _headline(self) -> str:
         """The status and the makespan, in a line."""
         head = f"{self.task or 'schedule'}: {self.status}"
+        if self.interrupted:
+            head += ", interrupted"
         if not self.answered:
             return head
         return f"{head}, makespan {format_number(self.makespan)}{self._unit}"
@@ -241,6 +245,7 @@ class Schedule:
             "task_sha256": self.task_sha256,
             **({} if self.time_unit is None else {"time_unit": self.time_unit}),
             "status": str(self.status),
+            **({"interrupted": True} if self.interrupted else {}),
             "makespan": json_number(self.makespan) if self.answered else None,
             "objective": [
                 {
@@ -299,6 +304,7 @@ _SCHEDULE_FIELDS = frozenset(
         "engine",
         "seconds",
         "time_unit",
+        "interrupted",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -362,6 +368,7 @@ class _ScheduleReader:
             self._text(raw, "engine"),
             self._seconds(raw),
             self._text(raw, "time_unit"),
+            self._flag(raw, "interrupted"),
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -382,6 +389,13 @@ class _ScheduleReader:
         if value is not None and not isinstance(value, str):
             self._fault(f"'{key}' must be text", (key,))
             return None
+        return value
+
+    def _flag(self, raw: Mapping[str, Any], key: str) -> bool:
+        value = raw.get(key, False)
+        if not isinstance(value, bool):
+            self._fault(f"'{key}' must be true or false", (key,))
+            return False
         return value
 
     def _seconds(self, raw: Mapping[str, Any]) -> float | None:

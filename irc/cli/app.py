@@ -25,6 +25,7 @@ from irc.cli.output import (
     CheckFormat,
     Format,
     fail,
+    prepare,
     print_notes,
     put,
     put_json,
@@ -180,12 +181,14 @@ def solve(
     format: FormatOption = Format.text,
 ) -> None:
     """Compile a task, run an engine, and show the exact, validated schedule."""
+    from irc.cli.interruption import INTERRUPTION
     from irc.cli.progress import progress_shown
     from irc.driver.solve import solve_task
     from irc.targets import SolveOptions
 
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file)
+        prepare(format)
         with progress_shown(reading.task) as on_progress:
             options = SolveOptions(
                 target,
@@ -196,8 +199,9 @@ def solve(
                 seed,
                 shortcut,
                 on_progress=on_progress,
+                cancel=cancel,
             )
-            answer = solve_task(reading.task, options)
+            answer = solve_task(reading.task, options, options.budget(INTERRUPTION.spent))
         _print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for
@@ -215,12 +219,15 @@ def explain(
 ) -> None:
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
+    from irc.cli.interruption import INTERRUPTION
     from irc.driver.compile import later_events
     from irc.explanation import explain_task
 
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file)
-        explanation = explain_task(reading.task, time_limit)
+        explanation = explain_task(
+            reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent
+        )
         _print_reading_notes(reading, format)
         print_notes(later_events(reading.task))
         put_explanation(explanation, format)

@@ -1,4 +1,7 @@
-"""The exit statuses of the `irc` command, as the README documents them."""
+"""The exit statuses of the `irc` command, as the README documents them.
+
+A command that a signal ended has 128 + its number: 130 for ^C, 143 for SIGTERM.
+"""
 
 from __future__ import annotations
 

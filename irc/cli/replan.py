@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from irc.cli.interruption import INTERRUPTION
 from irc.cli.moments import moment_of
-from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
+from irc.cli.output import Format, prepare, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
     end_with,
     execution_of,
@@ -47,11 +49,13 @@ def replan_file(
     format: Format,
 ) -> None:
     """Replans a task's schedule as of a time, prints the step and writes the requested files."""
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule, *named)
         task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
+        prepare(format)
         events = _events(task, named, moment, format)
         step = _step(_running(task, before, source, moment, options), events)
         _write(step, output, task_output)
@@ -166,7 +170,7 @@ def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
 
 def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
     _apply(execution, events)
-    return execution.replan()
+    return execution.replan(execution.options.budget(INTERRUPTION.spent))
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

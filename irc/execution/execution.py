@@ -18,7 +18,7 @@ from irc.model.built import Built, event_of, task_of
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
-from irc.targets import SolveKeywords, SolveOptions
+from irc.targets import Budget, SolveKeywords, SolveOptions
 
 
 class Execution:
@@ -142,13 +142,16 @@ class Execution:
         self._events.append(event)
         return report
 
-    def replan(self) -> Step:
+    def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
-        Where no continuation exists the step reports it, and the previous schedule stays. Raises
-        `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+        Where no continuation exists the step reports it, and the previous schedule stays. `budget`
+        replaces the time limit and the cancellation of the options. Raises `InputError`,
+        `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt`
+        where ^C comes before there is any answer.
         """
-        step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
+        events = tuple(self._events)
+        step = solve_step(self.task, self._history, self.now, self.options, events, budget)
         if step.schedule.answered:
             self.adopt(step.schedule)
         return step

@@ -31,7 +31,8 @@ from irc.problem.statements import (
 )
 from irc.retiming.slack import slacks
 from irc.schedule import Schedule, Status
-from irc.targets import Budget, SolveOptions, get_backend
+from irc.targets import Budget, Cancellation, SolveOptions, get_backend
+from irc.targets.interrupt import ended_by_interrupt, lost
 from irc.targets.refuter import Refuter
 
 TARGET = "cpsat"
@@ -41,26 +42,47 @@ _INFEASIBLE = frozenset((Code.CYCLE, Code.WINDOW, Code.TOO_LATE, Code.DEMAND, Co
 """Faults that mean that the task has no schedule: they are explained, not refused."""
 
 
-def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
+def explain_task(
+    task: Task,
+    time_limit: float | None = None,
+    *,
+    cancel: Cancellation | None = None,
+    spent: float = 0.0,
+) -> Explanation:
     """The explanation of a task: why it has no schedule, or why its schedule is not shorter.
 
-    `time_limit` is in seconds of wall-clock time for the whole explanation. Raises `InputError` if
+    `time_limit` is in seconds of wall-clock time for the whole explanation, of which some may be
+    `spent` already; `cancel` ends it earlier, with what is known by then. Raises `InputError` if
     the task has faults other than that it has no schedule, or an element that the solver's target
-    does not support; `EngineMissing` or `EngineFailed` as solving does.
+    does not support; `EngineMissing` or `EngineFailed` as solving does, and `KeyboardInterrupt`
+    where ^C comes before anything is known.
     """
-    budget = Budget(time_limit)
+    with ended_by_interrupt(cancel) as ending:
+        budget = Budget(time_limit, spent=spent, cancel=ending)
+        explanation = _explained(task, budget)
+        if explanation.feasible is None:
+            lost(ending)
+    done = explanation.status is Status.OPTIMAL or explanation.conflict
+    return replace(
+        explanation,
+        source=task.source,
+        seconds=round(budget.elapsed, 3),
+        interrupted=budget.is_cancelled and not (done and explanation.minimal),
+    )
+
+
+def _explained(task: Task, budget: Budget) -> Explanation:
     checked = run_checks(task, lint=False)
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
     # (If the part that every schedule contains is infeasible, so is the whole task.)
     problem, _ = mandatory_part(checked.problem)
-    if not checked.report.ok:
-        explanation = _without_solver(task, problem, budget)
-        if explanation is None:
-            raise InputError(checked.report)
-    else:
-        explanation = _with_solver(task, problem, budget, whole=problem is checked.problem)
-    return replace(explanation, source=task.source, seconds=round(budget.elapsed, 3))
+    if checked.report.ok:
+        return _with_solver(task, problem, budget, whole=problem is checked.problem)
+    explanation = _without_solver(task, problem, budget)
+    if explanation is None:
+        raise InputError(checked.report)
+    return explanation
 
 
 def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation | None:

@@ -75,6 +75,9 @@ class Explanation:
       order), `slack` is how much later each action could start, and `proof` says whether a shorter
       schedule may exist.
     - Neither is known within the limits: `status` is "unknown".
+
+    `interrupted`: the search was ended before it was done, so that the conflict may have statements
+    that are not needed, or the schedule may not be the shortest.
     """
 
     status: Status
@@ -91,6 +94,7 @@ class Explanation:
     proof: str | None = None
     seconds: float | None = None
     source: Source | None = None
+    interrupted: bool = False
 
     @property
     def feasible(self) -> bool | None:
@@ -106,6 +110,7 @@ class Explanation:
             "task": self.task,
             "feasible": self.feasible,
             "status": str(self.status),
+            **({"interrupted": True} if self.interrupted else {}),
         }
         if self.status is Status.INFEASIBLE:
             shown |= {

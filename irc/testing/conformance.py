@@ -237,9 +237,10 @@ def _check_encoding(case: Case, program: Program) -> None:
 
 
 def _check_engine(case: Case, program: Program, engine: Engine, seconds: float) -> None:
-    outcome = engine.solve(program, SolveOptions(time_limit=seconds, workers=1), Budget(seconds))
+    budget = Budget(seconds)
+    outcome = engine.solve(program, SolveOptions(time_limit=seconds, workers=1), budget)
     where = f"{case.name}, {program.target} with {engine.name}"
-    schedule = finish(case.task, program.problem, outcome, program.target, outcome.seconds)
+    schedule = finish(case.task, program.problem, outcome, program.target, budget)
     if outcome.schedule is None:
         honest = {Status.UNKNOWN} | ({Status.INFEASIBLE} if case.optimum is None else set())
         if schedule.status not in honest or (case.optimum is not None and seconds >= 10):

@@ -15,6 +15,7 @@ from irc.schedule import Status
 from irc.targets import Budget, EngineFailed, OnProgress, Outcome, Progress, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.solving.asking import asked
 from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
 from irc_cpsat.solving.levels import LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
@@ -103,18 +104,19 @@ class DeepeningSearch:
         solver = cp_model.CpSolver()
         parameters, options = solver.parameters, self.options
         parameters.random_seed = options.seed
-        if budget.is_limited:
-            parameters.max_time_in_seconds = max(self._least, budget.left)
         if options.memory_limit is not None:
             parameters.max_memory_in_mb = options.memory_limit
         if options.workers is not None:
             parameters.num_workers = options.workers
         elif self.problem.variables:
             parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
+        if budget.is_cancelled:
+            return cp_model.UNKNOWN, solver
+        budget = budget.at_least(self._least)
         if options.on_progress is None or objective != "makespan":
-            return solver.solve(model), solver
+            return asked(solver, model, budget), solver
         reporter = _ProgressReporter(self.engine, options.on_progress)
-        return solver.solve(model, reporter), solver
+        return asked(solver, model, budget, reporter), solver
 
 
 class _ProgressReporter(cp_model.CpSolverSolutionCallback):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ortools.sat.python import cp_model
 
 from irc.problem import Problem
@@ -12,7 +10,7 @@ from irc.problem.decisions import ABSENT, Decision
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
-from irc_cpsat.encoding.builder import Hint, Model
+from irc_cpsat.encoding.builder import Model
 
 
 def decisions_of(built: Model, solver: cp_model.CpSolver) -> list[Decision]:
@@ -23,16 +21,6 @@ def decisions_of(built: Model, solver: cp_model.CpSolver) -> list[Decision]:
 def schedule_from(problem: Problem, built: Model, solver: cp_model.CpSolver) -> Schedule:
     """The exact schedule behind the values a solver gave to a model's variables."""
     return schedule_of(problem, retime(problem, decisions_of(built, solver)))
-
-
-def hinted_schedule(problem: Problem, hint: Hint) -> Schedule:
-    """The list schedule that the model was given as a hint."""
-    decisions, choices = hint
-    chosen = [
-        replace(decision, chosen=members_taken(problem, problem.activities[i], choices[i]))
-        for i, decision in enumerate(decisions)
-    ]
-    return schedule_of(problem, retime(problem, chosen))
 
 
 def _decision(built: Model, solver: cp_model.CpSolver, i: int) -> Decision:

@@ -47,11 +47,14 @@ def run_planner(
     options: SolveOptions,
     budget: Budget,
 ) -> Outcome:
-    """The outcome of one run, which gets `LEAST_SECONDS` even where the budget is over.
+    """The outcome of one run, which gets `LEAST_SECONDS` even where the budget is over, unless it
+    was cancelled.
 
     Raises `EngineFailed` where the planner breaks down without any plan, `Refusal` where it cannot
     hold the problem's numbers.
     """
+    if budget.is_cancelled:
+        return Outcome(Status.UNKNOWN, planner.name)
     domain, problem_text, names = _texts(planner, program, request)
     planner.refuse(program.problem, names["planner_units_per_tick"])
     with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
@@ -83,7 +86,14 @@ def _run(
     limits = ProcessLimits(seconds=given.seconds, memory_mb=memory)
     command, environment = planner.command(given), planner.environment(given)
     try:
-        return run(command, limits, cwd=folder, env=environment, on_line=watcher)
+        return run(
+            command,
+            limits,
+            cwd=folder,
+            env=environment,
+            on_line=watcher,
+            cancel=watcher.budget.cancel,
+        )
     except CommandNotFound as error:
         raise EngineMissing(str(error)) from None
 
@@ -153,7 +163,13 @@ def _outcome(
     result: ProcessResult,
     seconds: float,
 ) -> Outcome:
-    """The best schedule seen while the planner ran, or in its whole output."""
+    """The best schedule seen while the planner ran, or in its whole output.
+
+    (The last plan may have been cut short, and so not seen. A call that was cancelled does without
+    it: to read the whole output again takes too long.)
+    """
+    if seen is not None and result.ended is Ended.CANCELLED:
+        return Outcome(Status.FEASIBLE, engine, seen, 0, seconds)
     log = read_plans(result.stdout)
     notes = _damage_notes(engine, log)
     schedule, reason = seen, ""
@@ -195,6 +211,8 @@ def _last_line(text: str) -> str:
 
 
 def _why(result: ProcessResult, reason: str) -> str:
+    if result.ended is Ended.CANCELLED:
+        return f"no usable plan when it was ended, after {result.seconds:.1f} s"
     if result.ended is Ended.TIMEOUT:
         return f"no usable plan within {result.seconds:.1f} s"
     if result.ended is Ended.OUTPUT_LIMIT:
