@@ -48,7 +48,7 @@ def extract_answer(
         diagnostic = Diagnostic(Code.BAD_ANSWER, message, ("names",))
         raise InputError(Report((diagnostic,), manifest_source)) from None
     outcome = Outcome(Status.FEASIBLE, "extract", schedule)
-    schedule = finish(task, problem, outcome, target, budget)
+    schedule = finish(task, problem, outcome, target, budget.elapsed)
     try:
         approved = _approved(task, replace(schedule, engine=None))
         return Answer(approved, problem, later_events(task))

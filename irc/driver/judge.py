@@ -15,7 +15,6 @@ from irc.problem import Problem
 from irc.problem.objective_values import schedule_values
 from irc.schedule import ObjectiveValue, Schedule, Status
 from irc.targets import (
-    Budget,
     EngineFailed,
     Outcome,
 )
@@ -75,10 +74,18 @@ def validate_schedule(
     return validate(task, schedule, at)
 
 
-def finish(task: Task, problem: Problem, outcome: Outcome, target: str, budget: Budget) -> Schedule:
+def finish(
+    task: Task,
+    problem: Problem,
+    outcome: Outcome,
+    target: str,
+    seconds: float,
+    *,
+    cancelled: bool = False,
+) -> Schedule:
     """The schedule of an outcome, with its status, objective values and bounds.
 
-    It is interrupted where the call's budget was cancelled before the answer was certain.
+    It is interrupted where the call was cancelled before the answer was certain.
     """
     schedule = outcome.schedule or Schedule(())
     status = outcome.status
@@ -93,9 +100,9 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, budget: 
         task_sha256=task_sha256(task),
         target=target,
         engine=outcome.engine,
-        seconds=round(budget.elapsed, 3),
+        seconds=round(seconds, 3),
         time_unit=task.time_unit,
-        interrupted=budget.is_cancelled and status in (Status.FEASIBLE, Status.UNKNOWN),
+        interrupted=cancelled and status in (Status.FEASIBLE, Status.UNKNOWN),
     )
 
 

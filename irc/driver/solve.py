@@ -76,7 +76,9 @@ def solve_by(
     else:
         with reporting_refusals(task):
             outcome = _asked(Program(backend, task, problem), engine, options, budget)
-    schedule = finish(task, problem, outcome, backend.name, budget)
+    schedule = finish(
+        task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
+    )
     return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
 
 

@@ -83,7 +83,9 @@ def _step(
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
-    schedule = finish(task, whole, outcome, backend.name, budget)
+    schedule = finish(
+        task, whole, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
+    )
     notes = outcome.notes
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))

@@ -237,10 +237,9 @@ def _check_encoding(case: Case, program: Program) -> None:
 
 
 def _check_engine(case: Case, program: Program, engine: Engine, seconds: float) -> None:
-    budget = Budget(seconds)
-    outcome = engine.solve(program, SolveOptions(time_limit=seconds, workers=1), budget)
+    outcome = engine.solve(program, SolveOptions(time_limit=seconds, workers=1), Budget(seconds))
     where = f"{case.name}, {program.target} with {engine.name}"
-    schedule = finish(case.task, program.problem, outcome, program.target, budget)
+    schedule = finish(case.task, program.problem, outcome, program.target, outcome.seconds)
     if outcome.schedule is None:
         honest = {Status.UNKNOWN} | ({Status.INFEASIBLE} if case.optimum is None else set())
         if schedule.status not in honest or (case.optimum is not None and seconds >= 10):
