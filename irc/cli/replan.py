@@ -17,6 +17,7 @@ from irc.cli.planning import (
     read_sound_task,
     require_task,
 )
+from irc.cli.progress import progress_shown
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.diagnostics.suggest import closest
@@ -57,7 +58,9 @@ def replan_file(
         before, source = read_schedule(schedule)
         prepare(format)
         events = _events(task, named, moment, format)
-        step = _step(_running(task, before, source, moment, options), events)
+        with progress_shown(task) as on_progress:
+            options = replace(options, on_progress=on_progress)
+            step = _step(_running(task, before, source, moment, options), events)
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})

@@ -7,12 +7,13 @@ from dataclasses import replace
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.compile import later_events, lower_for, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
+from irc.driver.progress import telling
 from irc.driver.quick import quick_outcome
 from irc.model import Task
 from irc.problem import Problem
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
-from irc.schedule import Status
+from irc.schedule import Schedule, Status
 from irc.targets import (
     Backend,
     Budget,
@@ -74,8 +75,13 @@ def solve_by(
     elif (stuck := _impossible_stock(problem)) is not None:
         outcome = Outcome(Status.INFEASIBLE, CHECK_ENGINE, notes=(stuck,))
     else:
+
+        def approve(found: Outcome) -> Schedule:
+            return _approved(task, finish(task, problem, found, backend.name, budget.elapsed))
+
+        told = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = _asked(Program(backend, task, problem), engine, options, budget)
+            outcome = _asked(Program(backend, task, problem), engine, told, budget)
     schedule = finish(
         task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )

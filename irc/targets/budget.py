@@ -33,6 +33,22 @@ class Cancellation:
     def __repr__(self) -> str:
         return f"<Cancellation: {'cancelled' if self.is_cancelled else 'not cancelled'}>"
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both are cancelled, or neither is."""
+        if not isinstance(other, Cancellation):
+            return NotImplemented
+        return self.is_cancelled == other.is_cancelled
+
+    def __hash__(self) -> int:
+        return hash(Cancellation)
+
+    def __copy__(self) -> Self:
+        """Itself: a copy of what was given it is ended with it."""
+        return self
+
+    def __deepcopy__(self, _memo: object) -> Self:
+        return self
+
     def cancel(self) -> None:
         """Ends what was given this; nothing takes it back."""
         self._wanted = True

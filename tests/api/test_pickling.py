@@ -91,7 +91,11 @@ def values() -> dict[str, Any]:
         "Step": step,
         "Simulation": task.simulate(time_limit=20),
         "SolveOptions": irc.SolveOptions(stability="5%"),
-        "Progress": irc.Progress(1.0, 3, 2, "ortools"),
+        "ObjectiveLevel": irc.ObjectiveLevel("reward", 5),
+        "Cancellation": irc.Cancellation(),
+        "Progress": irc.Progress(
+            1.0, "ortools", "makespan", (irc.ObjectiveLevel("makespan", 3, 2),)
+        ),
     }
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Future, wait
+from threading import Thread
 from typing import Any
 
 from ortools.sat.python import cp_model
@@ -28,13 +29,26 @@ def asked(
     solver.parameters.catch_sigint_signal = False
     if budget.is_limited:
         solver.parameters.max_time_in_seconds = budget.left
-    with ThreadPoolExecutor(1, "irc-cpsat") as threads:
-        search = threads.submit(solver.solve, model, callback)
-        try:
-            while not wait((search,), _LOOK_SECONDS).done:
-                if budget.is_over:
-                    solver.stop_search()
-        finally:
-            while not wait((search,), _LOOK_SECONDS).done:
+    search: Future[Any] = Future()
+    # (A pool would make the whole program wait for it at its end.)
+    Thread(target=_search, args=(search, solver, model, callback), daemon=True).start()
+    try:
+        while not wait((search,), _LOOK_SECONDS).done:
+            if budget.is_over:
                 solver.stop_search()
-        return search.result()
+    finally:
+        while not wait((search,), _LOOK_SECONDS).done:
+            solver.stop_search()
+    return search.result()
+
+
+def _search(
+    search: Future[Any],
+    solver: cp_model.CpSolver,
+    model: cp_model.CpModel,
+    callback: cp_model.CpSolverSolutionCallback | None,
+) -> None:
+    try:
+        search.set_result(solver.solve(model, callback))
+    except BaseException as error:  # noqa: BLE001 - it is raised where the call waits
+        search.set_exception(error)

@@ -15,11 +15,13 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic
 from irc.problem.decisions import AnswerError
+from irc.problem.objective_values import schedule_values
 from irc.schedule import Schedule, Status
 from irc.targets import (
     Budget,
     EngineFailed,
     EngineMissing,
+    ObjectiveLevel,
     Outcome,
     Program,
     Progress,
@@ -127,11 +129,22 @@ class _OutputWatcher:
         if not _is_better(self.given.program, schedule, self.best):
             return False
         self.best = schedule
-        ticks = problem.whole_ticks(schedule.makespan)
-        on_progress, bound = self.given.options.on_progress, problem.bounds.makespan.value
-        if on_progress is not None:
-            on_progress(Progress(self.budget.elapsed, ticks, bound, self.engine))
-        return ticks <= self.given.request.enough
+        self._tell(schedule)
+        return problem.whole_ticks(schedule.makespan) <= self.given.request.enough
+
+    def _tell(self, schedule: Schedule) -> None:
+        """Passes on a better plan, in the objectives of the program."""
+        problem, on_progress = self.given.program.problem, self.given.options.on_progress
+        if on_progress is None:
+            return
+        values = schedule_values(problem, schedule)
+        least = problem.to_units(problem.bounds.makespan.value)
+        first = problem.objectives[0]
+        levels = tuple(
+            ObjectiveLevel(name, values[name], least if name == first == "makespan" else None)
+            for name in problem.levels
+        )
+        on_progress(Progress(self.budget.elapsed, self.engine, first, levels, lambda: schedule))
 
 
 def accepted_by(program: Program) -> Accept | None:
