@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from typing import NoReturn
 
 from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.interruption import INTERRUPTION, Interrupted
@@ -22,8 +23,7 @@ def main() -> None:
 
         build_app(sys.argv[1] if len(sys.argv) > 1 else None)()
     except Interrupted as interrupted:
-        print("interrupted", file=sys.stderr)
-        sys.exit(interrupted.status)
+        _interrupted(interrupted.status)
     except SystemExit:
         if INTERRUPTION.status is None:
             raise
@@ -32,5 +32,14 @@ def main() -> None:
         # The reader of the output has ended (`irc … | head`): there is no more to print.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(EXIT_INPUT)
+    except Exception:
+        if not INTERRUPTION.has_ended:
+            raise
+        _interrupted(INTERRUPTION.status)
     finally:
         INTERRUPTION.end()
+
+
+def _interrupted(status: int | None) -> NoReturn:
+    print("interrupted", file=sys.stderr)
+    sys.exit(status)

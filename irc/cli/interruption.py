@@ -12,7 +12,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from irc.targets import Cancellation
@@ -35,6 +35,7 @@ class Interruption:
     def __init__(self) -> None:
         self.number: int | None = None
         self.usual: int | None = None
+        self.has_ended = False
         self.cancellation: Cancellation | None = None
         self._is_installed = False
         self._is_planning = False
@@ -80,8 +81,8 @@ class Interruption:
 
     def _arrived(self, number: int, _frame: FrameType | None) -> None:
         first, self.number = self.number is None, self.number or number
-        if not (first and self._is_planning and self.cancellation is not None):
-            raise Interrupted(self.status or 0)
+        if not (first and self._is_planning) or self.cancellation is None:
+            self._end_here()
         self.cancellation.cancel()
         if hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, PATIENCE_SECONDS)
@@ -89,7 +90,12 @@ class Interruption:
     def _waited(self, _number: int, _frame: FrameType | None) -> None:
         unnoticed = self.cancellation is not None and not self.cancellation.is_noticed
         if self.number is not None and self._is_planning and unnoticed:
-            raise Interrupted(self.status or 0)
+            self._end_here()
+
+    def _end_here(self) -> NoReturn:
+        # (A library that is being loaded may turn this into an error of its own.)
+        self.has_ended = True
+        raise Interrupted(self.status or 0)
 
 
 INTERRUPTION = Interruption()

@@ -31,7 +31,8 @@ def asked(
         solver.parameters.max_time_in_seconds = budget.left
     search: Future[Any] = Future()
     # (A pool would make the whole program wait for it at its end.)
-    Thread(target=_search, args=(search, solver, model, callback), daemon=True).start()
+    work = (search, solver, model, callback)
+    Thread(target=_search, args=work, name="irc-cpsat", daemon=True).start()
     try:
         while not wait((search,), _LOOK_SECONDS).done:
             if budget.is_over:
