@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_STATUSES, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -51,12 +51,13 @@ def build_app(only: str | None = None) -> typer.Typer:
         add_completion=False,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
+        epilog=EXIT_STATUSES,
     )
     app.callback(invoke_without_command=False)(_root)
     commands = {function.__name__.rstrip("_").replace("_", "-"): function for function in _COMMANDS}
     for name, function in commands.items():
         if only not in commands or name == only:
-            app.command(name)(function)
+            app.command(name, epilog=EXIT_STATUSES)(function)
     if only not in commands:
         from irc.cli.eval import eval_app
 
