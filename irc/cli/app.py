@@ -131,9 +131,11 @@ def compile_(
 ) -> None:
     """Write the program of a task for a target, and its manifest.json; without -o print it."""
     from irc.driver.compile import compile_task
+    from irc.driver.files import require_folder
     from irc.targets import MANIFEST_FILE
 
     with reporting_errors(format):
+        require_folder(output)
         reading = _read(file)
         program = compile_task(reading.task, target)
         _print_reading_notes(reading, format)
@@ -184,10 +186,12 @@ def solve(
     """Compile a task, run an engine, and show the exact, validated schedule."""
     from irc.cli.interruption import INTERRUPTION
     from irc.cli.progress import progress_shown
+    from irc.driver.files import require_file
     from irc.driver.solve import solve_task
     from irc.targets import SolveOptions
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        require_file(output)
         reading = _read(file)
         prepare(format)
         with progress_shown(reading.task) as on_progress:
@@ -266,12 +270,14 @@ def extract(
 ) -> None:
     """Turn an engine's raw output into an exact, validated schedule of the task."""
     from irc.driver.extract import extract_answer
+    from irc.driver.files import require_file
     from irc.frontends.files import read_bytes, read_text
     from irc.frontends.json.document import read_document
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
+        require_file(output)
         document = read_document(*read_text(manifest))
         raw, name = read_bytes(answer)
         extracted = extract_answer(

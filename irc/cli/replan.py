@@ -21,12 +21,12 @@ from irc.cli.progress import progress_shown
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.diagnostics.suggest import closest
-from irc.driver.files import write_whole
+from irc.driver.files import require_file, write_whole
 from irc.events.apply import apply
 from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
 from irc.execution.step import Step
-from irc.frontends.convert import written_as
+from irc.frontends.convert import DSL_SUFFIX, written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
 from irc.model import Task
 from irc.model.canonical import task_sha256
@@ -53,6 +53,8 @@ def replan_file(
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule, *named)
+        require_file(output)
+        require_file(task_output, (".json", DSL_SUFFIX))
         task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)

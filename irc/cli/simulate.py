@@ -17,7 +17,7 @@ from irc.cli.planning import (
 )
 from irc.cli.replan import STEP_VERSION
 from irc.diagnostics import Code
-from irc.driver.files import write_folder, write_whole
+from irc.driver.files import require_file, require_folder, write_folder, write_whole
 from irc.execution.simulation import Simulation, simulate
 from irc.execution.step import Step
 from irc.schedule import Schedule, dump_json
@@ -37,6 +37,8 @@ def simulate_file(
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule)
+        require_file(output)
+        require_folder(steps)
         task = read_sound_task(file, format)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
         prepare(format)
