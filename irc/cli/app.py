@@ -206,7 +206,7 @@ def solve(
                 on_progress=on_progress,
                 cancel=cancel,
             )
-            answer = solve_task(reading.task, options, options.budget(INTERRUPTION.spent))
+            answer = solve_task(reading.task, options, options.budget(INTERRUPTION.spent(file)))
         _print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for
@@ -231,7 +231,7 @@ def explain(
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file)
         explanation = explain_task(
-            reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent
+            reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
         )
         _print_reading_notes(reading, format)
         print_notes(later_events(reading.task))

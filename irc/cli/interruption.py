@@ -60,12 +60,14 @@ class Interruption:
             return None
         return 0 if self.number == self.usual else 128 + self.number
 
-    @property
-    def spent(self) -> float:
-        """The seconds that the command has taken so far; 0 where it is not a process of its own."""
+    def spent(self, *inputs: str | None) -> float:
+        """The seconds that the command has taken so far; 0 where it is not a process of its own.
+
+        Where standard input is one of the inputs, the wait for it does not count.
+        """
         from irc.targets.budget import seconds_since_start
 
-        return seconds_since_start() if self._is_installed else 0.0
+        return seconds_since_start(waited="-" in inputs) if self._is_installed else 0.0
 
     @contextmanager
     def planning(self, cancellation: Cancellation | None = None) -> Iterator[Cancellation]:
@@ -88,8 +90,8 @@ class Interruption:
             signal.setitimer(signal.ITIMER_REAL, PATIENCE_SECONDS)
 
     def _waited(self, _number: int, _frame: FrameType | None) -> None:
-        unnoticed = self.cancellation is not None and not self.cancellation.is_noticed
-        if self.number is not None and self._is_planning and unnoticed:
+        cancellation = self.cancellation
+        if self._is_planning and cancellation is not None and not cancellation.is_worth_waiting:
             self._end_here()
 
     def _end_here(self) -> NoReturn:

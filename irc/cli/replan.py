@@ -62,7 +62,9 @@ def replan_file(
         events = _events(task, named, moment, format)
         with progress_shown(task) as on_progress:
             options = replace(options, on_progress=on_progress)
-            step = _step(_running(task, before, source, moment, options), events)
+            running = _running(task, before, source, moment, options)
+            _apply(running, events)
+            step = running.replan(options.budget(INTERRUPTION.spent(file, schedule, *named)))
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
@@ -171,11 +173,6 @@ def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
             execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
-
-
-def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
-    _apply(execution, events)
-    return execution.replan(execution.options.budget(INTERRUPTION.spent))
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

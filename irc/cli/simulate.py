@@ -48,7 +48,7 @@ def simulate_file(
             schedule=given,
             on_step=reporter.report,
             options=options,
-            spent=INTERRUPTION.spent,
+            spent=INTERRUPTION.spent(file, schedule),
         )
         if output is not None and simulation.final.answered:
             write_whole(output, dump_json(simulation.final.to_dict()))

@@ -49,7 +49,7 @@ def solve_task(
     """
     options = options or SolveOptions()
     if budget is not None:
-        return _solved(task, options, budget.share(1))
+        return _solved(task, options, budget)
     with ended_by_interrupt(options.cancel) as cancel:
         answer = _solved(task, options, replace(options, cancel=cancel).budget())
         if answer.schedule.status is Status.UNKNOWN:
@@ -66,7 +66,7 @@ def solve_by(
     task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
 ) -> Answer:
     """The answer of `solve_task` by a given backend and engine."""
-    problem = lower_for(task, backend)
+    problem = lower_for(task, backend, budget)
     if options.shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
@@ -95,7 +95,7 @@ def _asked(program: Program, engine: Engine, options: SolveOptions, budget: Budg
         raise EngineMissing(reason)
     if not budget.is_cancelled:
         import irc.validation  # noqa: F401 - now, while there is time: a search may be cut short
-    hurried = budget.is_cancelled or budget.left < engine.loading_seconds
+    hurried = budget.is_cancelled or budget.left < engine.loading_seconds * budget.slowness
     quick = quick_outcome(program.problem) if hurried else None
     if quick is not None:
         return quick

@@ -83,8 +83,10 @@ def simulate(
             steps.append(step)
             if on_step is not None:
                 on_step(step)
-            if cancel is not None and cancel.is_cancelled:
-                break
+            if cancel is not None:
+                cancel.keep()
+                if cancel.is_cancelled:
+                    break
         if len(steps) == 1 and steps[0].schedule.status is Status.UNKNOWN:
             lost(cancel)
         planned = schedule is None or len(steps) > 1

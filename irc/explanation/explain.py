@@ -38,6 +38,9 @@ from irc.targets.refuter import Refuter
 TARGET = "cpsat"
 """The target whose solver decides conflicts that time alone does not."""
 
+AFTERWARDS_SHARE = 0.1
+"""The part of a time limit that is kept for the critical chain and its words, at most."""
+
 _INFEASIBLE = frozenset((Code.CYCLE, Code.WINDOW, Code.TOO_LATE, Code.DEMAND, Code.LAGS))
 """Faults that mean that the task has no schedule: they are explained, not refused."""
 
@@ -97,12 +100,14 @@ def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation
 def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -> Explanation:
     """The explanation with a solver; `whole`: the problem is the whole task, not only a part."""
     # One worker and one seed: the same task gets the same explanation.
-    answer = solve_task(task, SolveOptions(TARGET, time_limit=None, workers=1, seed=0), budget)
+    options = SolveOptions(TARGET, time_limit=None, workers=1, seed=0)
+    part = budget.at_most(budget.left - min(budget.elapsed, AFTERWARDS_SHARE * budget.limit))
+    answer = solve_task(task, options, part)
     if answer.schedule.answered:
         return _feasible(task, problem, answer) if whole else _solved(task, answer)
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
-    refuter = get_backend(TARGET).refuter()
+    refuter = None if budget.is_over else get_backend(TARGET).refuter()
     if not whole and not _is_refuted(problem, refuter, budget):
         return Explanation(
             Status.INFEASIBLE,

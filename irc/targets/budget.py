@@ -22,12 +22,13 @@ class Cancellation:
     A copy in another process is not reached.
     """
 
-    __slots__ = ("_noticed", "_outer", "_wanted")
+    __slots__ = ("_kept", "_noticed", "_outer", "_wanted")
 
     def __init__(self, outer: Cancellation | None = None) -> None:
         """Not cancelled yet; `outer`, where there is one, cancels it too."""
         self._wanted = False
         self._noticed = False
+        self._kept = False
         self._outer = outer
 
     def __repr__(self) -> str:
@@ -60,11 +61,21 @@ class Cancellation:
             self._noticed = True
         return self._noticed
 
-    @property
-    def is_noticed(self) -> bool:
-        """Whether anybody has looked since it was cancelled, so that the end is near."""
-        return self._noticed
+    def keep(self) -> None:
+        """Says that there is an answer already, which must not be lost."""
+        self._kept = True
+        if self._outer is not None:
+            self._outer.keep()
 
+    @property
+    def is_worth_waiting(self) -> bool:
+        """Whether there is an answer, or somebody has looked since, so that the end is near."""
+        return self._noticed or self._kept
+
+
+MOST_SLOWNESS = 8.0
+_ENOUGH_SECONDS = 0.05
+"""With less than this computed, nothing is known about the machine."""
 
 Clock = Callable[[], float]
 """Seconds since some moment; only differences count."""
@@ -82,7 +93,7 @@ class Budget:
     True
     """
 
-    __slots__ = ("_began", "_cancel", "_clock", "_end")
+    __slots__ = ("_began", "_cancel", "_clock", "_computed", "_end")
 
     def __init__(
         self,
@@ -95,6 +106,7 @@ class Budget:
         self._clock = clock
         self._cancel = cancel
         self._began = clock() - spent
+        self._computed = 0.0 if spent else time.process_time()
         self._end = math.inf if seconds is None else self._began + seconds
 
     def __repr__(self) -> str:
@@ -109,6 +121,18 @@ class Budget:
     def limit(self) -> float:
         """The seconds from its beginning to its end; infinite where there is no limit."""
         return self._end - self._began
+
+    @property
+    def slowness(self) -> float:
+        """How many seconds pass for a second of computing: more than 1 on a busy machine.
+
+        It is estimated from what this process has computed since the beginning, and at most
+        `MOST_SLOWNESS`.
+        """
+        computed = time.process_time() - self._computed
+        if computed < _ENOUGH_SECONDS:
+            return 1.0
+        return min(MOST_SLOWNESS, max(1.0, self.elapsed / computed))
 
     @property
     def is_limited(self) -> bool:
@@ -163,12 +187,18 @@ class Budget:
     def _part(self, now: float, seconds: float) -> Self:
         part = type(self).__new__(type(self))
         part._clock, part._cancel, part._began = self._clock, self._cancel, now
+        part._computed = time.process_time()
         part._end = max(now, min(self._end, now + seconds))
         return part
 
 
-def seconds_since_start() -> float:
-    """The seconds since this process began, with the start of Python itself."""
+def seconds_since_start(*, waited: bool = False) -> float:
+    """The seconds since this process began, with the start of Python itself.
+
+    If it has `waited` for others (for its input), only what it has computed counts.
+    """
+    if waited:
+        return time.process_time()
     try:
         with open("/proc/self/stat", "rb") as file:
             ticks = int(file.read().rpartition(b")")[2].split()[19])

@@ -24,8 +24,9 @@ pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="there are no signals"),
 ]
 
-WITHIN = 1.0
-"""Seconds in which a command ends after a signal; as much again where the machine is busy."""
+WITHIN = 5.0
+"""Seconds in which a command ends after a signal, also where the machine is busy: far less than its
+time limit. `benchmarks/interruption.py` measures the one second that is promised."""
 
 OLD = "what was there before"
 
@@ -83,7 +84,14 @@ def planners_of(token: str) -> list[int]:
     return found
 
 
+def searches(process: subprocess.Popen[bytes], token: str) -> bool:
+    """Whether it has begun to search: a planner runs, or CP-SAT has its threads."""
+    threads = list(Path(f"/proc/{process.pid}/task").iterdir())
+    return len(planners_of(token)) > 1 or len(threads) > 3
+
+
 @pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="there is no /proc")
 @pytest.mark.parametrize(
     ("target", "number"), [("cpsat", signal.SIGINT), ("pddl21", signal.SIGTERM)]
 )
@@ -99,9 +107,9 @@ def test_solve_ends_with_the_best_answer_so_far(
         IRC_TEST=token,
         TMPDIR=str(tmp_path),
     )
-    seconds, printed, errors = interrupted(process, number, 2.5)
+    seconds, printed, errors = interrupted(process, number, lambda: searches(process, token))
     assert process.returncode == 128 + number, errors
-    assert seconds < 2 * WITHIN
+    assert seconds < WITHIN
     document = json.loads(printed)
     assert (document["status"], document["interrupted"]) == ("feasible", True)
     assert json.loads(out.read_text(encoding="utf-8")) == document
@@ -120,7 +128,7 @@ def test_simulate_keeps_the_steps_before(files: Path, tmp_path: Path) -> None:
     first = tmp_path / "step_000.json"
     seconds, printed, errors = interrupted(process, signal.SIGINT, first.exists)
     assert process.returncode == 130, errors
-    assert seconds < 2 * WITHIN
+    assert seconds < WITHIN
     document = json.loads(printed)
     assert document["interrupted"] is True
     assert 1 <= len(document["steps"]) < 4
@@ -134,7 +142,7 @@ def test_a_command_that_has_nothing_yet_ends_without_an_answer(files: Path, tmp_
     process = begun(tmp_path, "solve", "never.json", "--format", "json", "-o", "out.json")
     seconds, printed, errors = interrupted(process, signal.SIGINT, 1.0)
     assert process.returncode == 130
-    assert seconds < 2 * WITHIN
+    assert seconds < WITHIN
     assert "interrupted" in errors
     if printed:
         assert json.loads(printed)["exit"] == 130
@@ -153,17 +161,21 @@ def test_a_running_task_ends_while_it_waits_for_requests(files: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="there is no /proc")
 def test_a_running_task_answers_the_request_that_it_works_on(files: Path) -> None:
     command = ["run", "shop.json", "--stdio", "--schedule", "plan.json", "--target", "pddl21"]
-    process = begun(files, *command)
+    token = f"interrupted-run-{os.getpid()}"
+    process = begun(files, *command, IRC_TEST=token)
     assert process.stdin is not None
     assert process.stdout is not None
     process.stdout.readline()
     process.stdin.write(b'{"do": "apply", "event": "#e1", "replan": true}\n')
     process.stdin.flush()
-    seconds, printed, errors = interrupted(process, signal.SIGTERM, 2.0)
+    seconds, printed, errors = interrupted(
+        process, signal.SIGTERM, lambda: searches(process, token)
+    )
     assert process.returncode == 0, errors
-    assert seconds < 2 * WITHIN
+    assert seconds < WITHIN
     answer = json.loads(printed)
     assert answer["ok"]
     schedule = answer["step"]["schedule"]
