@@ -33,8 +33,8 @@ class ObjectiveLevel:
             return None
         if self.value == self.bound:
             return 0.0
-        apart, most = abs(self.value - self.bound), max(abs(self.value), abs(self.bound))
-        return float(Fraction(apart) / Fraction(most))
+        value, bound = Fraction(self.value), Fraction(self.bound)
+        return float(abs(value - bound) / max(abs(value), abs(bound)))
 
 
 @dataclass(frozen=True, slots=True)
