@@ -12,6 +12,7 @@ from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
 
+from irc.checks.resolution import check_changed_durations
 from irc.checks.structure import (
     DeclaredNames,
     TimeChecks,
@@ -78,6 +79,7 @@ class _Walk:
     def __init__(self, task: Task, names: DeclaredNames, times: TimeChecks) -> None:
         self.names, self.times, self.findings = names, times, names.findings
         self.at: Number | None = None
+        self.task = task
         self.edges = {(edge.before, edge.after) for edge in task.precedence}
         self.optional_group = {
             action: group for group in task.groups if not group.required for action in group.actions
@@ -167,6 +169,7 @@ class _Walk:
 def _add_actions(walk: _Walk, change: AddActions, at: Pointer) -> None:
     walk.declare("action", "actions", change.actions, at)
     for k, action in enumerate(change.actions):
+        check_changed_durations(action, walk.task, (*at, "actions", k), walk.findings)
         check_action(action, (*at, "actions", k), walk.names, walk.times, walk.findings)
 
 
@@ -178,6 +181,7 @@ def _cancel_actions(walk: _Walk, change: CancelActions, at: Pointer) -> None:
 
 def _set_duration(walk: _Walk, change: SetDuration, at: Pointer) -> None:
     walk.times.duration(change.duration, f"action {change.action!r}", (*at, "duration"))
+    check_changed_durations(change, walk.task, at, walk.findings)
     place = (*at, "action")
     if walk.live(change.action, place) and walk.names.actions[change.action].modes:
         walk.report(

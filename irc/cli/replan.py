@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from irc.cli.moments import moment_of
@@ -156,17 +157,22 @@ def _running(
     return execution_of(task, schedule, options, at, source)
 
 
-def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnostic]:
+    """Applies events; returns the notes on them."""
+    notes: list[Diagnostic] = []
     for placed in events:
         try:
-            execution.apply(placed.event)
+            report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
+        notes += placed.anchored(report).located()
+    return notes
 
 
 def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
-    _apply(execution, events)
-    return execution.replan()
+    notes = _apply(execution, events)
+    step = execution.replan()
+    return replace(step, notes=(*notes, *step.notes))
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

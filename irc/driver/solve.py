@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import later_events, lower_for, reporting_refusals
+from irc.driver.compile import notes_on, lower_for, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.problem import Problem
@@ -63,7 +63,7 @@ def solve_by(
         with reporting_refusals(task):
             outcome = engine.solve(Program(backend, task, problem), options, budget)
     schedule = finish(task, problem, outcome, backend.name, budget.elapsed)
-    return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
+    return Answer(_approved(task, schedule), problem, (*notes_on(task), *outcome.notes))
 
 
 def _too_short(problem: Problem) -> Diagnostic:

@@ -33,6 +33,7 @@ from irc.model.events import (
     SetState,
 )
 from irc.model.quantities import Number
+from irc.model.resolution import pinned
 
 _UNKNOWN: Mapping[str, Number] = MappingProxyType({})
 
@@ -61,6 +62,7 @@ def apply(
     report = check_event(task, event, source=source)
     if not report.ok:
         raise InputError(report)
+    task = pinned(task)
     editor = _TaskEditor(task, task.number(event.at), starts)
     for i, change in enumerate(event.changes):
         try:

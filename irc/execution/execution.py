@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Unpack
+from dataclasses import replace
+from typing import TypeVar, Unpack
 
 from irc.checks.events import check_event
-from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.apply import apply
 from irc.execution.history import History
+from irc.execution.plannable import require_plannable
 from irc.execution.replanning import solve_step
+from irc.execution.rounding import Rounding
 from irc.execution.state import ExecutionState
 from irc.execution.step import Step
 from irc.model import Event, Task
@@ -21,11 +24,15 @@ from irc.schedule import Schedule
 from irc.targets import SolveKeywords, SolveOptions
 
 
+_T = TypeVar("_T")
+
+
 class Execution:
     """A task in force, the schedule that is being carried out, and the time.
 
-    The options are those of `irc.SolveOptions`, for each replanning. Not for several threads at
-    once.
+    The options are those of `irc.SolveOptions`, for each replanning. Times that come in are rounded
+    to the task's resolution; the first report or step after that says so. Not for several threads
+    at once.
 
     >>> import irc
     >>> task = irc.Task()
@@ -50,7 +57,10 @@ class Execution:
         """Starts at `at`. Raises `InputError` where the schedule names what the task lacks."""
         self.task = task_of(task)
         _require_known(self.task, schedule)
-        self.now: Number = at
+        self._notes: tuple[Diagnostic, ...] = ()
+        self._rounding = Rounding.of(self.task)
+        schedule = self._take(self._rounding.schedule(schedule))
+        self.now: Number = self._take(self._rounding.moment(at, "the present, ", ("at",)))
         self.options = SolveOptions.of(options, more)
         self._schedule = schedule
         self._history = History.of(schedule)
@@ -91,13 +101,18 @@ class Execution:
         return self._history.state(self.now)
 
     def advance(self, to: Instant) -> None:
-        """Advances the time. Raises `InputError` for a time that has passed already."""
-        time = self.task.number(parse_instant(to))
+        """Advances the time. Raises `InputError` for a time that has passed already, and for one
+        with which the target cannot plan.
+        """
+        exact = self.task.clock.exact(parse_instant(to))
+        time, rounding, notes = self._rounding.moment(exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
                 "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
             )
-        self.now = time
+        self._require_plannable(self.task, Event(at=time), self._history, None)
+        self.now, self._rounding = time, rounding
+        self._notes += notes
 
     def observe(
         self,
@@ -123,7 +138,8 @@ class Execution:
         Raises `InputError` where the event has a fault, and then applies nothing of it; `source`
         is the text that it was read from. The plan is repaired only by `replan`.
         """
-        event = event_of(event)
+        given = event_of(event)
+        event, rounding, notes = self._rounding.event(given)
         report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
@@ -136,11 +152,32 @@ class Execution:
         history.take(self.task, event, findings)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
-        self.task = apply(self.task, event, self._history.starts(at), source=source)
-        self.now = at
-        self._history = history
+        task = apply(
+            _with_own(self.task, given, event), event, self._history.starts(at), source=source
+        )
+        self._require_plannable(task, event, history, source)
+        self.task, self.now, self._history = task, at, history
+        self._rounding = rounding
         self._events.append(event)
-        return report
+        return Report((*report.diagnostics, *self.take_notes(), *notes), source)
+
+    def take_notes(self) -> tuple[Diagnostic, ...]:
+        """The notes on what came in since the last report or step; each is given once."""
+        notes, self._notes = self._notes, ()
+        return notes
+
+    def _take(self, taken: tuple[_T, Rounding, tuple[Diagnostic, ...]]) -> _T:
+        """What came in, after rounding."""
+        value, self._rounding, notes = taken
+        self._notes += notes
+        return value
+
+    def _require_plannable(
+        self, task: Task, event: Event, history: History, source: Source | None
+    ) -> None:
+        """Raises `InputError` where the target could not plan with the task, after an event."""
+        times = [t for entry in history.entries.values() for t in (entry.start, entry.end)]
+        require_plannable(task, event, [task.number(event.at), *times], self.options.target, source)
 
     def replan(self) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
@@ -151,7 +188,7 @@ class Execution:
         step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
         if step.schedule.answered:
             self.adopt(step.schedule)
-        return step
+        return replace(step, notes=(*self.take_notes(), *step.notes))
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
@@ -176,9 +213,18 @@ def replan(
     Raises what `Execution.apply` and `Execution.replan` raise.
     """
     execution = Execution(task, schedule, at, options=options, **more)
-    for event in events:
-        execution.apply(event)
-    return execution.replan()
+    noted = [note for event in events for note in execution.apply(event)]
+    step = execution.replan()
+    return replace(step, notes=(*noted, *step.notes))
+
+
+def _with_own(task: Task, given: Event, rounded: Event) -> Task:
+    """The task in which its own event `given` is the rounded one that is applied."""
+    if rounded is given or given not in task.events:
+        return task
+    place = task.events.index(given)
+    events = (*task.events[:place], rounded, *task.events[place + 1 :])
+    return task.model_copy(update={"events": events})
 
 
 def _require_known(task: Task, schedule: Schedule) -> None:

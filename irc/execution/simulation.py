@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Unpack
 
+from irc.diagnostics.source import Pointer
+from irc.driver.compile import placed
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
+from irc.execution.rounding import Rounding
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
+from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.schedule import Schedule
 from irc.targets import SolveKeywords, SolveOptions
@@ -80,16 +84,29 @@ def simulate(
     if not schedule.answered:
         return Simulation(task.name, tuple(steps))
     execution = Execution(task, schedule, options=chosen)
-    for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
-        for event in same:
-            execution.apply(event)
+    rounding = Rounding.of(task)
+
+    def moment(event: Event) -> Number:
+        return rounding.time(task.number(event.at))
+
+    for _, same in groupby(in_order(task), key=moment):
+        noted = [
+            placed(replace(note, pointer=(*_place(task, event), *note.pointer)), task)
+            for event in same
+            for note in execution.apply(event)
+        ]
         step = execution.replan()
+        step = replace(step, notes=(*noted, *step.notes))
         steps.append(step)
         if on_step is not None:
             on_step(step)
         if not step.schedule.answered:
             break
     return Simulation(task.name, tuple(steps))
+
+
+def _place(task: Task, event: Event) -> Pointer:
+    return "events", task.events.index(event)
 
 
 def in_order(task: Task) -> list[Event]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -150,6 +150,11 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
             f"cannot judge a schedule as of the time {at!r}; use an int or a Fraction"
         )
     clock = task.clock
+    for entry in schedule.entries:
+        _check_exact(entry)
+    if clock.resolution is not None:
+        schedule = _read_at_resolution(schedule, clock)
+        at = None if at is None else clock.number(at)
     actions = _by_id("action", task.actions)
     resources = _by_id("resource", task.resources)
     variables = _by_id("state variable", task.state)
@@ -160,7 +165,6 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
     unknown = []
     for entry in schedule.entries:
         action = actions.get(entry.id)
-        _check_exact(entry)
         if action is None:
             unknown.append(entry)
             continue
@@ -181,6 +185,25 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
         tuple(unknown),
         at,
     )
+
+
+def _read_at_resolution(schedule: Schedule, clock: Clock) -> Schedule:
+    """The schedule with its times as multiples of the task's resolution."""
+    entries = tuple(
+        replace(entry, start=clock.number(entry.start), end=clock.number(entry.end))
+        for entry in schedule.entries
+    )
+    stated = tuple(
+        replace(
+            o,
+            value=clock.number(o.value),
+            bound=None if o.bound is None else clock.number(o.bound),
+        )
+        if o.name in ("makespan", "tardiness")
+        else o
+        for o in schedule.objective
+    )
+    return replace(schedule, entries=entries, objective=stated)
 
 
 def _occurrence(
