@@ -5,6 +5,7 @@ KITCHEN = """\
 task "rested combo"
 unit min
 days per month 30
+resolution 1 s
 resource grill, board capacity 2 label "the board"
 stock flour initial 3 within 0 .. 10
 pool robots = r1, r2

@@ -42,8 +42,8 @@ def run_checks(
     if task.clock.resolution is not None:
         from irc.checks.resolution import check_resolution, rounding_note
 
-        check_resolution(task, findings)
-        findings.items += rounding_note(task)
+        if check_resolution(task, findings):
+            findings.items += rounding_note(task)
     if task.events:
         from irc.checks.events import check_events
 

@@ -17,17 +17,16 @@ if TYPE_CHECKING:
     from irc.model.events import SetDuration
 
 
-def check_resolution(task: Task, findings: Findings) -> None:
-    """Adds a fault for the first duration that is shorter than the resolution that a task gives."""
-    if task.resolution is None:
-        return
+def check_resolution(task: Task, findings: Findings) -> bool:
+    """Whether no duration is shorter than the task's resolution; reports the first that is."""
     from irc.model.resolution import durations
 
     for action in task.actions:
         for duration in durations([action]):
             if (short := too_short(duration, task.clock)) is not None:
                 findings.add(*_too_coarse(action.id, short, task, ("resolution",)), hint=_FINER)
-                return
+                return False
+    return True
 
 
 _FINER = "write a finer resolution, or leave it out"
@@ -57,9 +56,7 @@ def too_short(duration: Instant, clock: Clock) -> Number | None:
     return None
 
 
-def _too_coarse(
-    name: str, short: Number, task: Task, place: Pointer
-) -> tuple[Code, str, Pointer]:
+def _too_coarse(name: str, short: Number, task: Task, place: Pointer) -> tuple[Code, str, Pointer]:
     resolution = task.clock.resolution
     assert resolution is not None
     unit = task.time_unit
@@ -103,13 +100,13 @@ def rounding_note(task: Task) -> tuple[Diagnostic, ...]:
 
 
 _DERIVED = (
-    "a time with so many digits comes from a computation; "
+    "a time with more digits than a clock is the result of a computation; "
     'give the task a "resolution" to choose another one'
 )
 
 
 _TOO_FAR_APART = 10**15
-"""No target holds a time that is so many times as long as another one."""
+"""No target holds two times whose ratio is greater."""
 
 
 def times_far_apart(task: Task, refusal: Diagnostic) -> Diagnostic:

@@ -72,9 +72,9 @@ class Code(Enum):
     BAD_TIME = ("IRC104", Severity.ERROR, "a time that cannot be read")
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
+    NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
     ROUNDED = ("IRC108", Severity.NOTE, "a time that is rounded to the resolution")
     COARSE_RESOLUTION = ("IRC109", Severity.ERROR, "a resolution coarser than a duration")
-    NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")

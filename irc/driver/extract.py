@@ -8,7 +8,7 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
-from irc.driver.compile import notes_on, lower_for
+from irc.driver.compile import lower_for, notes_on
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.model.canonical import task_sha256

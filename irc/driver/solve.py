@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import notes_on, lower_for, reporting_refusals
+from irc.driver.compile import lower_for, notes_on, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.problem import Problem

@@ -23,7 +23,6 @@ from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
 from irc.targets import SolveKeywords, SolveOptions
 
-
 _T = TypeVar("_T")
 
 
@@ -167,7 +166,7 @@ class Execution:
         return notes
 
     def _take(self, taken: tuple[_T, Rounding, tuple[Diagnostic, ...]]) -> _T:
-        """What came in, after rounding."""
+        """Returns a value after rounding, and keeps the note on it."""
         value, self._rounding, notes = taken
         self._notes += notes
         return value

@@ -26,8 +26,9 @@ from irc.schedule import Schedule
 class Rounding:
     """The resolution of a running task, in its unit.
 
-    Multiples of `own_tick`, the greatest unit that divides all times of the task at the beginning,
-    stay as they are. `reported` says whether a rounding was.
+    Where the task does not give it, times stay as they are that are no finer (such as 1/3), or are
+    multiples of `own_tick`, the greatest unit that divides all times of the task at the beginning.
+    `reported` says whether a rounding was.
     """
 
     task: Task
@@ -44,12 +45,12 @@ class Rounding:
 
     def time(self, value: Number) -> Number:
         """The time as a multiple of the resolution, or of the task's own unit."""
-        near = rounded(value, self.resolution)
-        if near == value or (
-            self.own_tick is not None and (Fraction(value) / self.own_tick).denominator == 1
+        if self.own_tick is not None and (
+            value.denominator <= self.resolution.denominator
+            or (Fraction(value) / self.own_tick).denominator == 1
         ):
             return value
-        return near
+        return rounded(value, self.resolution)
 
     def moment(self, value: Number, what: str, at: Pointer) -> tuple[Number, Rounding, Notes]:
         """(a time that came in, the rounding from then on, a note if it is the first one)."""
@@ -133,7 +134,7 @@ Notes = tuple[Diagnostic, ...]
 def _own_tick(task: Task) -> Fraction:
     clock = task.clock
     numbers = []
-    for _, value in times_of(task):
+    for _, value in times_of(task.model_copy(update={"events": ()})):
         with suppress(TimeError):
             numbers.append(clock.exact(value))
     return common_tick(numbers)

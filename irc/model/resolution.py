@@ -29,7 +29,7 @@ COARSEST = Fraction(1, 1000)
 """Seconds: the resolution of a running task, unless it has a duration below a second."""
 
 STEPS = 1000
-"""A resolution that is derived has at least so many steps in the smallest duration."""
+"""The smallest duration is at least this multiple of a resolution that is derived."""
 
 
 def derived_resolution(task: Task, clock: Clock) -> Number | None:

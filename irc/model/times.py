@@ -128,8 +128,6 @@ def rounded(value: Number, resolution: Number) -> Number:
     if type(value) is int and resolution.numerator == 1:
         return value
     steps = Fraction(value) / resolution
-    if steps.denominator == 1:
-        return value
     return exact(floor(steps + Fraction(1, 2)) * Fraction(resolution))
 
 

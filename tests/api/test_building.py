@@ -43,6 +43,7 @@ def whole() -> irc.Task:
         objective=["maximize_reward", "minimize_makespan"],
         description="all of it",
         days_per_month=31,
+        resolution="1 ms",
         metadata={"ticket": 1},
     )
     board = task.resource("board", capacity=2, label="Board", description="big")
@@ -80,6 +81,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
         "objective": ["maximize_reward", "minimize_makespan"],
         "description": "all of it",
         "days_per_month": 31,
+        "resolution": "1 ms",
         "metadata": {"ticket": 1},
         "resources": [
             {

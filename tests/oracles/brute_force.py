@@ -50,6 +50,7 @@ _Part = TypeVar("_Part", Action, Resource)
 _TASK_FIELDS = frozenset(
     [
         *("irc", "name", "description", "time_unit", "days_per_month", "deadline", "origin"),
+        "resolution",
         *("metadata", "resources", "actions", "precedence", "objective"),
     ]
 )

@@ -10,6 +10,7 @@ EVERYTHING: dict[str, Any] = {
     "description": 'each field, with a "value" of its own',
     "time_unit": "min",
     "days_per_month": 28,
+    "resolution": "1 s",
     "deadline": "2026-03-02T14:00:00",
     "origin": "2026-03-02T06:00:00",
     "metadata": {"ticket": 4711, "nested": [{"a": None, "b": [True, "x # y"]}], "": {}},

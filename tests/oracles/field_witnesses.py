@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from irc.model import Task
@@ -171,6 +172,20 @@ _TASK = (
         REMOVED,
         (28,),
         (30,),
+    ),
+    Witness(
+        "Task.resolution",
+        _task(
+            _act("a", "150 s"),
+            _act("b", 4),
+            time_unit="min",
+            resolution="1 min",
+            precedence=[["a", "b"]],
+        ),
+        ("resolution",),
+        REMOVED,
+        (7,),
+        (Fraction(13, 2),),
     ),
     Witness("Task.deadline", {**_ONE_AT_A_TIME, "deadline": 4}, ("deadline",), REMOVED, None, (5,)),
     Witness(

@@ -83,7 +83,7 @@ CLAUSE_WORDS = frozenset(
 STATEMENT_WORDS = frozenset(
     """
     action deadline description event for goal group include irc maximize metadata minimize origin
-    pool resource state stock task unit
+    pool resolution resource state stock task unit
     """.split()  # noqa: SIM905
 )
 """Words with a meaning of their own at the beginning of a statement."""

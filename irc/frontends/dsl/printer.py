@@ -59,6 +59,8 @@ def _header(task: Task) -> list[str]:
         lines.append(f"unit {_unit(task.time_unit)}")
     if task.days_per_month != 30:
         lines.append(f"days per month {task.days_per_month}")
+    if task.resolution is not None:
+        lines.append(f"resolution {written.time(task.resolution)}")
     if task.origin is not None:
         lines.append(f"origin {written.time(task.origin)}")
     if task.deadline is not None:

@@ -558,6 +558,7 @@ _TASK_FIELDS = {
     "description": "description",
     "unit": "time_unit",
     "days": "days_per_month",
+    "resolution": "resolution",
     "origin": "origin",
     "task_deadline": "deadline",
     "objective": "objective",
@@ -569,6 +570,7 @@ _FIELD_VALUES: dict[str, Callable[[Any], nodes.Placed]] = {
     "description": nodes.text,
     "unit": nodes.text,
     "days": nodes.integer,
+    "resolution": nodes.time,
     "origin": nodes.text,
     "task_deadline": nodes.time,
 }
