@@ -11,7 +11,7 @@ from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.apply import apply
 from irc.execution.history import History
-from irc.execution.plannable import require_plannable
+from irc.execution.plannable import Plannable
 from irc.execution.replanning import solve_step
 from irc.execution.rounding import Rounding
 from irc.execution.state import ExecutionState
@@ -61,6 +61,7 @@ class Execution:
         schedule = self._take(self._rounding.schedule(schedule))
         self.now: Number = self._take(self._rounding.moment(at, "the present, ", ("at",)))
         self.options = SolveOptions.of(options, more)
+        self._plannable = Plannable(self.options.target)
         self._schedule = schedule
         self._history = History.of(schedule)
         self._events: list[Event] = []
@@ -109,7 +110,7 @@ class Execution:
             raise _in_the_past(
                 "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
             )
-        self._require_plannable(self.task, Event(at=time), self._history, None)
+        self._plannable = self._after(self.task, Event(at=time), self._history, None)
         self.now, self._rounding = time, rounding
         self._notes += notes
 
@@ -154,7 +155,7 @@ class Execution:
         task = apply(
             _with_own(self.task, given, event), event, self._history.starts(at), source=source
         )
-        self._require_plannable(task, event, history, source)
+        self._plannable = self._after(task, event, history, source)
         self.task, self.now, self._history = task, at, history
         self._rounding = rounding
         self._events.append(event)
@@ -171,12 +172,12 @@ class Execution:
         self._notes += notes
         return value
 
-    def _require_plannable(
+    def _after(
         self, task: Task, event: Event, history: History, source: Source | None
-    ) -> None:
+    ) -> Plannable:
         """Raises `InputError` where the target could not plan with the task, after an event."""
-        times = [t for entry in history.entries.values() for t in (entry.start, entry.end)]
-        require_plannable(task, event, [task.number(event.at), *times], self.options.target, source)
+        times = (t for entry in history.entries.values() for t in (entry.start, entry.end))
+        return self._plannable.after(task, event, times, source)
 
     def replan(self) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.

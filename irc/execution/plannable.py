@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Pointer, Source
@@ -17,6 +19,7 @@ from irc.model.events import CancelActions, CancelGroups, Observe, RemovePrecede
 from irc.model.quantities import Number, TimeError
 from irc.model.resolution import times_of
 from irc.model.times import format_number
+from irc.problem import Problem
 from irc.problem.horizon import safe_horizon
 from irc.targets import get_backend, require_support
 
@@ -24,37 +27,80 @@ _WITHOUT_FEATURES = (Observe, CancelActions, CancelGroups, RemovePrecedence, Set
 """Changes that bring no feature for which a target would have to be asked."""
 
 
-def require_plannable(
-    task: Task, event: Event, instants: Iterable[Number], target: str, source: Source | None
-) -> None:
-    """Raises `InputError` where the target cannot plan with a task that an event has revised.
+@dataclass(frozen=True)
+class Plannable:
+    """Times with which a target is known to be able to plan: multiples of `step` up to `latest`.
 
-    `instants` are the times of the history and the present, in the task's unit.
+    Both are in the task's unit.
     """
-    backend = get_backend(target)
-    if not all(isinstance(change, _WITHOUT_FEATURES) for change in event.changes):
-        try:
-            require_support(task, backend)
-        except InputError as error:
-            message, hint = error.report.errors[0].message, error.report.errors[0].hint
-            fault = Diagnostic(Code.UNSUPPORTED, message, (), hint)
-            raise InputError(Report((fault,), source)) from None
-    moments = list(instants)
-    problem = lower(task, moments)
-    greatest = backend.greatest_horizon(problem)
-    if greatest is None:
-        return
-    latest = max((problem.whole_ticks(moment) for moment in moments), default=0)
-    reached = safe_horizon(problem) + latest
-    if reached > greatest:
-        place, text = _longest(task, event)
-        message = (
-            f"with {text}, the times of this task reach {reached} ticks of "
-            f"{format_number(problem.to_units(1))} {task.time_unit}, beyond the {greatest} that "
-            f"target {backend.name!r} can hold"
+
+    target: str
+    step: Fraction | None = None
+    latest: Number = 0
+
+    def after(
+        self, task: Task, event: Event, instants: Iterable[Number], source: Source | None
+    ) -> Plannable:
+        """What is known after an event has revised the task, which is in force now.
+
+        `instants` are the times of the history. Raises `InputError` where the target cannot plan
+        with the task.
+        """
+        if not all(isinstance(change, _WITHOUT_FEATURES) for change in event.changes):
+            _require_support(task, self.target, source)
+        elif self._holds(task, event):
+            return self
+        at = task.number(event.at)
+        moments = [*instants, at]
+        problem = lower(task, moments)
+        greatest = get_backend(self.target).greatest_horizon(problem)
+        if greatest is None:
+            return replace(self, step=problem.tick, latest=at)
+        # (Half of the room is for what the next events bring.)
+        reached = safe_horizon(problem) + max(map(problem.whole_ticks, moments))
+        if reached > greatest:
+            raise _too_large(task, event, problem, reached, greatest, self.target, source)
+        return replace(
+            self, step=problem.tick, latest=problem.to_units(max(reached, greatest // 2) // 2)
         )
-        hint = 'correct the time, or give the task a coarser "resolution"'
-        raise InputError(Report((Diagnostic(Code.OUT_OF_RANGE, message, place, hint),), source))
+
+    def _holds(self, task: Task, event: Event) -> bool:
+        """Whether all times of an event are among those with which a target can plan."""
+        if self.step is None:
+            return False
+        for _, value in times_of(event):
+            number = task.number(value)
+            if number > self.latest or (Fraction(number) / self.step).denominator != 1:
+                return False
+        return True
+
+
+def _require_support(task: Task, target: str, source: Source | None) -> None:
+    try:
+        require_support(task, get_backend(target))
+    except InputError as error:
+        message, hint = error.report.errors[0].message, error.report.errors[0].hint
+        fault = Diagnostic(Code.UNSUPPORTED, message, (), hint)
+        raise InputError(Report((fault,), source)) from None
+
+
+def _too_large(
+    task: Task,
+    event: Event,
+    problem: Problem,
+    reached: int,
+    greatest: int,
+    target: str,
+    source: Source | None,
+) -> InputError:
+    place, text = _longest(task, event)
+    message = (
+        f"with {text}, the times of this task reach {reached} ticks of "
+        f"{format_number(problem.to_units(1))} {task.time_unit}, beyond the {greatest} that "
+        f"target {target!r} can hold"
+    )
+    hint = 'correct the time, or give the task a coarser "resolution"'
+    return InputError(Report((Diagnostic(Code.OUT_OF_RANGE, message, place, hint),), source))
 
 
 def _longest(task: Task, event: Event) -> tuple[Pointer, str]:

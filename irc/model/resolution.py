@@ -7,7 +7,7 @@ the raw double 0.30000000000000004 is. Such a task has the resolution of a runni
 from __future__ import annotations
 
 import typing
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -32,9 +32,13 @@ STEPS = 1000
 """The smallest duration is at least this multiple of a resolution that is derived."""
 
 
-def derived_resolution(task: Task, clock: Clock) -> Number | None:
-    """The resolution of a task that gives none; None: it is read exactly."""
-    return running_resolution(task, clock) if _has_raw_times(task) else None
+def derived_resolution(task: Task, clock: Clock, exact: tuple[Any, ...] = ()) -> Number | None:
+    """The resolution of a task that gives none; None: it is read exactly.
+
+    Parts of the tuples in `exact` are known to have no raw times.
+    """
+    known = {id(part) for parts in exact if isinstance(parts, tuple) for part in parts}
+    return running_resolution(task, clock) if _has_raw_times(task, known) else None
 
 
 def running_resolution(task: Task, clock: Clock) -> Number:
@@ -127,16 +131,19 @@ def _exact_all(values: Iterable[Instant], clock: Clock) -> Iterator[Number]:
             continue
 
 
-def _has_raw_times(task: Task) -> bool:
-    """Whether a time of the task is finer than any clock. Its events do not count."""
+def _has_raw_times(task: Task, known: Container[int]) -> bool:
+    """Whether a time of the task is finer than any clock. Its events do not count.
+
+    `known` are the identities of parts that have no such time.
+    """
     if _is_raw(task.deadline):
         return True
-    if any(not a.is_simple and _holds_raw(a) for a in task.actions):
-        return True
-    plain = {"before", "after"}
-    if any(e.model_fields_set != plain and _holds_raw(e) for e in task.precedence):
-        return True
-    return any(_holds_raw(part) for parts in (task.resources, task.groups) for part in parts)
+    parts = [*task.actions, *task.resources, *task.groups]
+    parts += [e for e in task.precedence if e.model_fields_set != _PLAIN]
+    return any(id(part) not in known and _holds_raw(part) for part in parts)
+
+
+_PLAIN = {"before", "after"}
 
 
 def _holds_raw(node: Node) -> bool:

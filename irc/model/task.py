@@ -110,16 +110,18 @@ class Task(Node):
         now = tuple(map(read.__getitem__, _CLOCK_FIELDS))
         known = self._clock
         if known is None or any(a is not b for a, b in zip(known[0], now, strict=True)):
-            known = self._clock = now, self._new_clock()
+            exact = () if known is None or known[1].resolution is not None else known[0]
+            known = self._clock = now, self._new_clock(exact)
         return known[1]
 
-    def _new_clock(self) -> Clock:
+    def _new_clock(self, exact: tuple[Any, ...]) -> Clock:
+        """The clock; the parts in `exact` are known to have no raw times."""
         unit = unit_seconds(self.time_unit, self.days_per_month)
         clock = Clock(unit, self.days_per_month, self.origin)
         if self.resolution is not None:
             resolution: Number | None = clock.exact(self.resolution)
         else:
-            resolution = derived_resolution(self, clock)
+            resolution = derived_resolution(self, clock, exact)
         return clock if resolution is None else replace(clock, resolution=resolution)
 
     def number(self, value: InstantValue) -> Number:
