@@ -55,9 +55,9 @@ def fine_enough(lengths: Iterable[Instant], clock: Clock) -> Number:
     """The resolution of a running task with these durations; those that cannot be read are left
     out.
     """
-    smallest = min(filter(None, _exact_all(lengths, clock)), default=None)
+    smallest = min((n for n in _exact_all(lengths, clock) if n > 0), default=None)
     limit = min(COARSEST, clock.unit)
-    if smallest is not None and smallest > 0:
+    if smallest is not None:
         limit = min(limit, Fraction(smallest) * clock.unit / STEPS)
     step = COARSEST
     while step > limit:
@@ -87,7 +87,8 @@ def durations(actions: Iterable[Any]) -> Iterator[Instant]:
 def with_times(node: Any, change: Callable[[Instant, Pointer], Instant], at: Pointer = ()) -> Any:
     """A part of the IR with all of its times changed; `at` is the pointer of the part."""
     updated: dict[str, Any] = {}
-    names = _time_fields(type(node))
+    kind: type[Node] = type(node)
+    names = _time_fields(kind)
     for name in node.model_fields_set:
         value, place = getattr(node, name), (*at, _key(node, name))
         if isinstance(value, Node):
