@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from datetime import datetime
 from fractions import Fraction
 from typing import Annotated, Any, Literal
@@ -122,7 +121,7 @@ class Task(Node):
             resolution: Number | None = clock.exact(self.resolution)
         else:
             resolution = derived_resolution(self, clock, exact)
-        return clock if resolution is None else replace(clock, resolution=resolution)
+        return clock if resolution is None else clock._replace(resolution=resolution)
 
     def number(self, value: InstantValue) -> Number:
         """A time of this task in its time unit, as a multiple of its resolution."""
