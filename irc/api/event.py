@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 from irc.api.elements import (
@@ -21,6 +21,7 @@ from irc.api.elements import (
 from irc.api.values import Duration, Length, Moment, duration, moment
 from irc.frontends.events import to_events
 from irc.model import Event as IrEvent
+from irc.model.events import ObservedStatus
 from irc.model.parts import ObjectiveName, PrecedenceType
 
 if TYPE_CHECKING:
@@ -119,12 +120,22 @@ class Event:
         *,
         started: Moment | None = None,
         finished: Moment | None = None,
+        status: ObservedStatus | None = None,
+        expected_end: Moment | None = None,
+        mode: str | None = None,
+        resources: Sequence[Resource | str] = (),
         occurrence: int = 1,
     ) -> Self:
-        """Adds an observation: an action started, or finished, at a time."""
-        seen = {"occurrence": occurrence} if occurrence != 1 else {}
-        times = without_none(started=started, finished=finished)
+        """Adds an observation: what really happened to an action, as of the event's time.
+
+        `status` is `"not_begun"`, `"running"`, `"finished"` or `"failed"` then.
+        """
+        seen: dict[str, Any] = {"occurrence": occurrence} if occurrence != 1 else {}
+        times = without_none(started=started, finished=finished, expected_end=expected_end)
         seen |= {name: self._moment(time) for name, time in times.items()}
+        seen |= without_none(status=status, mode=mode)
+        if resources:
+            seen["resources"] = [name_of(resource) for resource in resources]
         return self._change("observe", action=name_of(action), **seen)
 
     # --- order, resources, state, aims --------------------------------------------------------

@@ -24,7 +24,7 @@ from irc.checks.structure import (
     check_variable,
     require_kind,
 )
-from irc.diagnostics import Code, Findings, Report
+from irc.diagnostics import Code, Findings, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.model import Action, Event, Group, Task
 from irc.model.base import write_time
@@ -337,12 +337,14 @@ def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:
     place = (*at, "action")
     if walk.names.require("action", change.action, place):
         _require_occurrence(walk, change, at)
-    if change.started is None and change.finished is None:
+        _require_taken(walk, change, at)
+    said = (change.status, change.started, change.finished, change.expected_end, change.mode)
+    if not change.resources and all(part is None for part in said):
         walk.report(
             Code.UNSUITED_CHANGE,
-            f"this observation of {change.action!r} has no time",
+            f"this observation of {change.action!r} says nothing",
             at,
-            'add "started" or "finished"',
+            'add "started" or "finished", or a "status" such as "running" or "not_begun"',
         )
     for field in ("started", "finished"):
         moment = walk.times.point(getattr(change, field), field, (*at, field))
@@ -352,9 +354,77 @@ def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:
                 f"{change.action!r} {field} at {format_number(moment)}, "
                 f"after the event that reports it ({format_number(walk.at)})",
                 (*at, field),
-                "only what has happened can be observed; correct one of the two times",
+                'only what has happened can be observed; for what is still to come, "status": '
+                '"running" and "expected_end", or "not_begun"',
             )
+    expected = walk.times.point(change.expected_end, "expected_end", (*at, "expected_end"))
+    if expected is not None and walk.at is not None and expected <= walk.at:
+        walk.report(
+            Code.EVENT_TIME,
+            f"{change.action!r} is expected to end at {format_number(expected)}, "
+            f"not after the event that reports it ({format_number(walk.at)})",
+            (*at, "expected_end"),
+            'give a later time, or leave it out; if it has ended, write "finished"',
+        )
     _require_order(walk, change, at)
+    _require_one_story(walk, change, at)
+
+
+_FITS = {
+    "not_begun": frozenset[str](),
+    "running": frozenset(["started", "expected_end", "mode", "resources"]),
+    "finished": frozenset(["started", "finished", "mode", "resources"]),
+    "failed": frozenset(["started", "finished", "mode", "resources"]),
+}
+"""The fields that an observation may have beside each status."""
+
+
+def _require_one_story(walk: _Walk, change: Observe, at: Pointer) -> None:
+    """Reports fields of an observation that contradict its status or each other."""
+    status = change.status
+    if status is not None:
+        for field in ("started", "finished", "expected_end", "mode", "resources"):
+            if getattr(change, field) not in (None, ()) and field not in _FITS[status]:
+                walk.report(
+                    Code.UNSUITED_CHANGE,
+                    f"{change.action!r} is said to be {status.replace('_', ' ')}, "
+                    f"so it has no {field!r}",
+                    (*at, field),
+                    "leave one of the two out",
+                )
+    elif change.finished is not None and change.expected_end is not None:
+        walk.report(
+            Code.UNSUITED_CHANGE,
+            f"{change.action!r} has finished, so it has no 'expected_end'",
+            (*at, "expected_end"),
+            "leave one of the two out",
+        )
+
+
+def _require_taken(walk: _Walk, change: Observe, at: Pointer) -> None:
+    """Reports a mode or resources that the action cannot have."""
+    action = walk.names.actions[change.action]
+    modes = [mode.id for mode in action.modes]
+    if change.mode is not None and change.mode not in modes:
+        hint = f"its modes are {', '.join(modes)}" if modes else "leave the mode out"
+        walk.report(
+            Code.UNKNOWN_NAME,
+            f"action {change.action!r} has no mode {change.mode!r}",
+            (*at, "mode"),
+            did_you_mean(change.mode, modes) or hint,
+        )
+        return
+    uses = [*action.uses, *(u for m in action.modes if change.mode in (None, m.id) for u in m.uses)]
+    known = sorted({name for use in uses for name in use.alternatives})
+    for k, name in enumerate(change.resources):
+        place = (*at, "resources", k)
+        if walk.names.require("resource", name, place) and name not in known:
+            walk.report(
+                Code.UNSUITED_CHANGE,
+                f"action {change.action!r} cannot be done by {name!r}",
+                place,
+                f"it uses {', '.join(known)}" if known else "it uses no resource",
+            )
 
 
 def _require_occurrence(walk: _Walk, change: Observe, at: Pointer) -> None:

@@ -108,8 +108,27 @@ def _observe(change: Observe, unit: _Unit) -> str:
         ("started", change.started),
         ("finished", change.finished),
     ]
-    times = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
-    return f"{change.action} {' and '.join(times)}"
+    said = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
+    status = change.status
+    if status == "failed" and change.finished is not None:
+        said[-1] = f"failed at {_time(change.finished, unit)}"
+    elif status is not None and not (status == "finished" and change.finished is not None):
+        said.insert(0, _STATUSES[status])
+    if change.expected_end is not None:
+        said.append(f"is expected to end at {_time(change.expected_end, unit)}")
+    if change.mode is not None:
+        said.append(f"is done as {change.mode}")
+    if change.resources:
+        said.append(f"is done by {listed(change.resources)}")
+    return f"{change.action} {' and '.join(said)}"
+
+
+_STATUSES = {
+    "not_begun": "has not begun",
+    "running": "is still running",
+    "finished": "has finished",
+    "failed": "has failed",
+}
 
 
 _WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -10,6 +10,7 @@ from irc.checks.events import check_event
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
+from irc.events.observed import Outcome, failures, lasting, with_length, with_start, written
 from irc.events.world import world_change
 from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
 from irc.model.built import Built, event_of, task_of
@@ -62,7 +63,6 @@ def apply(
     report = check_event(task, event, source=source)
     if not report.ok:
         raise InputError(report)
-    task = pinned(task)
     editor = _TaskEditor(task, task.number(event.at), starts)
     for i, change in enumerate(event.changes):
         try:
@@ -70,6 +70,33 @@ def apply(
         except _NoStart as error:
             raise InputError(_no_start(error.action, i, source)) from None
     return editor.revised(event)
+
+
+def without_observations(task: Task, event: Event) -> Task:
+    """The task as an event revises it, but for what the event has observed.
+
+    The event must fit the task (`irc.checks.events.check_event`).
+    """
+    editor = _TaskEditor(task, task.number(event.at), _UNKNOWN)
+    for change in event.changes:
+        if not isinstance(change, Observe):
+            _OPERATIONS[type(change)](editor, change)
+    return editor.revised(event)
+
+
+def with_observations(task: Task, outcomes: Sequence[Outcome]) -> Task:
+    """The task with what was observed of its actions, as `apply` writes it."""
+    if not outcomes:
+        return task
+    editor = _TaskEditor(task, 0, _UNKNOWN)
+    for outcome in outcomes:
+        action = editor.actions.get(outcome.action)
+        if action is not None:
+            editor.actions[outcome.action] = written(action, outcome, editor.clock)
+    for name, failed in failures(outcomes).items():
+        if name in editor.actions:
+            editor.cancel([name], at=failed)
+    return editor.revised(None)
 
 
 class _NoStart(Exception):
@@ -95,7 +122,7 @@ class _TaskEditor:
     """A task that is being revised. Elements keep their order; new ones come last."""
 
     def __init__(self, task: Task, at: Number, starts: Mapping[str, Number]) -> None:
-        self.task, self.at, self.starts = task, at, starts
+        self.task, self.at, self.starts = pinned(task), at, starts
         self.clock = task.clock
         self.actions: dict[str, Action] = {a.id: a for a in task.actions}
         self.resources: dict[str, Resource] = {r.id: r for r in task.resources}
@@ -105,7 +132,7 @@ class _TaskEditor:
         self.whole: dict[str, Any] = {}
         """Fields of the task that are replaced as a whole."""
 
-    def revised(self, event: Event) -> Task:
+    def revised(self, event: Event | None) -> Task:
         """The task after the changes."""
         fields: dict[str, Any] = {
             "actions": tuple(self.actions.values()),
@@ -113,7 +140,7 @@ class _TaskEditor:
             "state": tuple(self.state.values()),
             "groups": tuple(self.groups.values()),
             "precedence": tuple(self.precedence),
-            "events": _without(self.task.events, event),
+            "events": self.task.events if event is None else _without(self.task.events, event),
             **self.whole,
         }
         changed = {k: v for k, v in fields.items() if v != getattr(self.task, k)}
@@ -123,11 +150,12 @@ class _TaskEditor:
     def change_action(self, name: str, **fields: Any) -> None:
         self.actions[name] = self.actions[name].model_copy(update=fields)
 
-    def cancel(self, names: Collection[str]) -> None:
+    def cancel(self, names: Collection[str], at: Number | None = None) -> None:
         """Cancels actions, and removes them from precedences, groups and goals."""
         gone = frozenset(names)
         for name in gone:
-            self.actions[name] = ended(self.actions[name], self.at, self.clock)
+            when = self.at if at is None else at
+            self.actions[name] = ended(self.actions[name], when, self.clock)
         self.precedence = [e for e in self.precedence if gone.isdisjoint((e.before, e.after))]
         for group in [g for g in self.groups.values() if not gone.isdisjoint(g.actions)]:
             left = tuple(a for a in group.actions if a not in gone)
@@ -186,39 +214,49 @@ def _set_state(editor: _TaskEditor, change: SetState) -> None:
 
 
 def _observe(editor: _TaskEditor, change: Observe) -> None:
-    """Writes an observation into the task: as a fixed start, an exact duration.
+    """Writes an observation into the task: as a fixed start, an exact duration, a cancellation.
 
     A task cannot express this for one of several occurrences: only the history has it.
     """
     name, clock = change.action, editor.clock
-    action = editor.actions[name]
-    if action.may_repeat:
+    if editor.actions[name].may_repeat or change.status == "not_begun":
         return
     if change.started is not None:
         started = clock.number(change.started)
-        editor.change_action(name, start=started)
-        if clock.number(action.release) > started:  # It started before its release.
-            editor.change_action(name, release=started)
-        latest = action.latest_start
-        if latest is not None and clock.number(latest) < started:
-            editor.change_action(name, latest_start=started)
-    if change.finished is not None:
-        _end_at(editor, name, clock.number(change.finished))
+        editor.actions[name] = with_start(editor.actions[name], started, clock)
+    end = clock.number(change.finished) if change.finished is not None else editor.at
+    if change.status == "failed":
+        _fail(editor, name, end)
+    elif change.finished is not None or change.status == "finished":
+        _end_at(editor, name, end)
+    elif change.expected_end is not None:
+        _end_at(editor, name, clock.number(change.expected_end))
+    elif change.status == "running":
+        started_at = _start_of(editor, name)
+        if started_at is not None:
+            action = editor.actions[name]
+            editor.actions[name] = lasting(action, editor.at - started_at, clock)
+
+
+def _start_of(editor: _TaskEditor, name: str) -> Number | None:
+    """The start of an action, if the task or what was said with the event has it."""
+    start = editor.actions[name].start
+    return editor.starts.get(name) if start is None else editor.clock.number(start)
 
 
 def _end_at(editor: _TaskEditor, name: str, finished: Number) -> None:
-    action = editor.actions[name]
-    started = editor.starts.get(name)
-    if action.start is not None:
-        started = editor.clock.number(action.start)
+    started = _start_of(editor, name)
     if started is None or started > finished:
         raise _NoStart(name)
-    length = finished - started
-    if action.modes:
-        modes = tuple(mode.model_copy(update={"duration": length}) for mode in action.modes)
-        editor.change_action(name, modes=modes)
-    else:
-        editor.change_action(name, duration=length)
+    editor.actions[name] = with_length(editor.actions[name], finished - started)
+
+
+def _fail(editor: _TaskEditor, name: str, failed: Number) -> None:
+    """Ends an action before it was done, at a time that may have passed."""
+    started = _start_of(editor, name)
+    if started is not None and started <= failed:
+        editor.actions[name] = lasting(editor.actions[name], failed - started, editor.clock)
+    editor.cancel([name], at=failed)
 
 
 def _replace(field: str) -> Callable[[_TaskEditor, Any], None]:

@@ -4,26 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TypeVar, Unpack
+from typing import Literal, TypeVar, Unpack, get_args
 
 from irc.checks.events import check_event
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
-from irc.events.apply import apply
+from irc.errors import OptionError
+from irc.events.apply import with_observations, without_observations
+from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
 from irc.execution.plannable import Plannable
+from irc.execution.presumed import adopt, as_of, outcomes
 from irc.execution.replanning import solve_step
 from irc.execution.rounding import Rounding
 from irc.execution.state import ExecutionState
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
+from irc.model.events import ObservedStatus
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
 from irc.targets import SolveKeywords, SolveOptions
 
 _T = TypeVar("_T")
+
+Presume = Literal["assume", "confirm"]
+"""What is taken to have happened: the plan, or only what was observed."""
 
 
 class Execution:
@@ -50,20 +57,29 @@ class Execution:
         schedule: Schedule,
         at: Number = 0,
         *,
+        presume: Presume = "assume",
         options: SolveOptions | None = None,
         **more: Unpack[SolveKeywords],
     ) -> None:
-        """Starts at `at`. Raises `InputError` where the schedule names what the task lacks."""
+        """Starts at `at`, until when the schedule has been carried out.
+
+        With `presume="confirm"` nothing begins or ends from then on until it is observed; with
+        `"assume"` the plan is taken to happen unless something else is observed. Raises
+        `InputError` where the schedule names what the task lacks.
+        """
         self.task = task_of(task)
         _require_known(self.task, schedule)
+        if presume not in (known := get_args(Presume)):
+            raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
         self._notes: tuple[Diagnostic, ...] = ()
         self._rounding = Rounding.of(self.task)
         schedule = self._take(self._rounding.schedule(schedule))
         self.now: Number = self._take(self._rounding.moment(at, "the present, ", ("at",)))
         self.options = SolveOptions.of(options, more)
         self._plannable = Plannable(self.options.target)
+        self._told = self.task
         self._schedule = schedule
-        self._history = History.of(schedule)
+        self._history = History.of(schedule, self.now, assumes=presume == "assume")
         self._events: list[Event] = []
 
     def copy(self) -> Execution:
@@ -88,7 +104,8 @@ class Execution:
         """
         if not self._events:
             return self._schedule
-        entries = sorted(self._history.entries.values(), key=lambda e: (e.start, e.end, e.id))
+        taken = as_of(self._history, self._told, self.now).entries.values()
+        entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
         return Schedule(tuple(entries), task=self.task.name)
 
     @property
@@ -98,7 +115,7 @@ class Execution:
 
     def state(self) -> ExecutionState:
         """The entries that are completed, running and open now."""
-        return self._history.state(self.now)
+        return as_of(self._history, self._told, self.now).state(self.now)
 
     def advance(self, to: Instant) -> None:
         """Advances the time. Raises `InputError` for a time that has passed already, and for one
@@ -120,46 +137,60 @@ class Execution:
         *,
         started: Instant | None = None,
         finished: Instant | None = None,
+        status: ObservedStatus | None = None,
+        expected_end: Instant | None = None,
+        mode: str | None = None,
+        resources: Iterable[str] = (),
         occurrence: int = 1,
+        at: Instant | None = None,
     ) -> Report:
-        """Applies an `observe` event: what really happened, as of now. Raises `InputError`."""
-        seen = {"started": started, "finished": finished}
+        """Applies an `observe` event: what really happened, as of now or of `at`.
+
+        An observation may come in late: `at` is when it was made. Returns notes, such as which of
+        two observations counts. Raises `InputError`.
+        """
+        seen = {"started": started, "finished": finished, "expected_end": expected_end}
+        seen |= {"status": status, "mode": mode}
         change = {
             "op": "observe",
             "action": action,
             "occurrence": occurrence,
             **{k: v for k, v in seen.items() if v is not None},
         }
-        return self.apply(Event.model_validate({"at": self.now, "changes": [change]}))
+        if named := list(resources):
+            change["resources"] = named
+        when = self.now if at is None else at
+        return self.apply(Event.model_validate({"at": when, "changes": [change]}))
 
     def apply(self, event: Event | Built[Event], *, source: Source | None = None) -> Report:
         """Revises the task by an event, now or later: the time advances to the event.
 
-        Raises `InputError` where the event has a fault, and then applies nothing of it; `source`
-        is the text that it was read from. The plan is repaired only by `replan`.
+        An event that only observes may also be of a time that has passed. Raises `InputError`
+        where the event has a fault, and then applies nothing of it; `source` is the text that it
+        was read from. The plan is repaired only by `replan`.
         """
         given = event_of(event)
-        event, rounding, notes = self._rounding.event(given)
+        event, rounding, rounded = self._rounding.event(given)
         report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
         at = self.task.number(event.at)
-        if at < self.now:
+        if at < self.now and not is_observation(event):
             raise _in_the_past(
                 "the event is at", at, self.now, self.task.time_unit, ("at",), source
             )
-        history, findings = self._history.copy(), Findings()
-        history.take(self.task, event, findings)
+        history, findings, now = self._history.copy(), Findings(), max(self.now, at)
+        notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
-        task = apply(
-            _with_own(self.task, given, event), event, self._history.starts(at), source=source
-        )
+        told = without_observations(_with_own(self._told, given, event), event)
+        task = self._in_force(told, as_of(history, told, now), now)
         self._plannable = self._after(task, event, history, source)
-        self.task, self.now, self._history = task, at, history
+        self._told, self.task, self._history, self.now = told, task, history, now
         self._rounding = rounding
         self._events.append(event)
-        return Report((*report.diagnostics, *self.take_notes(), *notes), source)
+        found = (*report.diagnostics, *self.take_notes(), *rounded, *notes)
+        return Report(found, source)
 
     def take_notes(self) -> tuple[Diagnostic, ...]:
         """The notes on what came in since the last report or step; each is given once."""
@@ -179,24 +210,37 @@ class Execution:
         times = (t for entry in history.entries.values() for t in (entry.start, entry.end))
         return self._plannable.after(task, event, times, source)
 
+    def _in_force(self, told: Task, history: History, now: Number) -> Task:
+        """The task with all that is taken to have happened by now."""
+        return with_observations(told, outcomes(history, told, now))
+
     def replan(self) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
-        Where no continuation exists the step reports it, and the previous schedule stays. Raises
-        `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+        Where no continuation exists the step reports it, and nothing that was still to begin is
+        presumed any more. Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or
+        `EngineFailed`.
         """
-        step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
+        history = as_of(self._history, self._told, self.now)
+        task = self._in_force(self._told, history, self.now)
+        step = solve_step(task, history, self.now, self.options, tuple(self._events))
+        self.task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
+        else:
+            self.reject()
         return replace(step, notes=(*self.take_notes(), *step.notes))
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
         _require_known(self.task, schedule)
-        entries = {(e.id, e.occurrence): e for e in schedule.entries}
-        self._history.entries, self._history.plan = entries, dict(entries)
+        adopt(self._history, schedule, self._told, self.now)
         self._schedule = schedule
         self._events.clear()
+
+    def reject(self) -> None:
+        """Takes note that a step has no schedule: from now on nothing is presumed to begin."""
+        self._history.reject(self.now)
 
 
 def replan(

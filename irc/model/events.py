@@ -140,14 +140,26 @@ class SetObjective(Node):
     _one_objective = field_validator("objective", mode="before")(objective_names)
 
 
+ObservedStatus = Literal["not_begun", "running", "finished", "failed"]
+"""What an occurrence was at the time of a report."""
+
+
 class Observe(Node):
-    """An observation: an action really started or finished at a time."""
+    """An observation: what really happened to an action, as of the event's time.
+
+    `status` says what it is then; `finished` is also when it failed. `expected_end` is when what is
+    running should end. `mode` and `resources` are those in which it is really done.
+    """
 
     op: Literal["observe"]
     action: Name
     occurrence: Amount = 1
+    status: ObservedStatus | None = None
     started: Instant | None = None
     finished: Instant | None = None
+    expected_end: Instant | None = None
+    mode: Name | None = None
+    resources: tuple[Name, ...] = ()
 
 
 Change = Annotated[

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import NamedTuple, Protocol, TypeVar
 
 from irc.errors import IrcError
@@ -22,7 +23,7 @@ from irc.model import (
 )
 from irc.model.quantities import Number
 from irc.model.times import Clock
-from irc.schedule import Entry, Schedule
+from irc.schedule import Entry, LeftOut, Schedule
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"
 """The statuses that an entry of a schedule that is being carried out may have."""
@@ -128,6 +129,11 @@ class BoundSchedule:
     """Entries that name no action of the task."""
     at: Number | None = None
     """Entries that began before this time are history; None: no entry is."""
+
+    @cached_property
+    def left_out(self) -> frozenset[LeftOut]:
+        """What a running task goes on without, as the schedule says; of t = 0, nothing."""
+        return frozenset() if self.at is None else frozenset(self.schedule.left_out)
 
     @property
     def ranked(self) -> bool:

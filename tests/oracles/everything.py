@@ -115,6 +115,15 @@ EVERYTHING: dict[str, Any] = {
                     "started": 3,
                     "finished": 12,
                 },
+                {
+                    "op": "observe",
+                    "action": "cool",
+                    "status": "running",
+                    "expected_end": 12,
+                    "mode": "fast",
+                    "resources": ["r3", "r4"],
+                },
+                {"op": "observe", "action": "serve", "status": "not_begun"},
             ],
         }
     ],

@@ -380,7 +380,11 @@ def _observe(_printer: _Printer, change: Any) -> str:
     text = f"observe {written.name(change.action)}"
     if change.occurrence != 1:
         text += f" occurrence {change.occurrence}"
-    return " ".join([text, *_points(change, {"started": "started", "finished": "finished"})])
+    status = [] if change.status is None else [f"= {change.status.replace('_', ' ')}"]
+    times = {"started": "started", "finished": "finished", "expected_end": ".."}
+    mode = [] if change.mode is None else [f"mode {written.name(change.mode)}"]
+    taken = [f"on {written.names(change.resources)}"] if change.resources else []
+    return " ".join([text, *status, *_points(change, times), *mode, *taken])
 
 
 def _remove(_printer: _Printer, change: Any) -> str:
