@@ -13,6 +13,7 @@ from irc.errors import OptionError
 from irc.events.apply import with_observations, without_observations
 from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
+from irc.execution.interruption import lapses, with_repetitions, without_the_past
 from irc.execution.plannable import Plannable
 from irc.execution.presumed import adopt, as_of, outcomes
 from irc.execution.replanning import solve_step
@@ -21,7 +22,7 @@ from irc.execution.state import ExecutionState
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
-from irc.model.events import ObservedStatus
+from irc.model.events import ObservedStatus, SetCapacity
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
@@ -179,18 +180,33 @@ class Execution:
             raise _in_the_past(
                 "the event is at", at, self.now, self.task.time_unit, ("at",), source
             )
+        event = self._with_repetitions(event)
         history, findings, now = self._history.copy(), Findings(), max(self.now, at)
         notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
         told = without_observations(_with_own(self._told, given, event), event)
-        task = self._in_force(told, as_of(history, told, now), now)
+        taken = as_of(history, told, now)
+        told, passed = without_the_past(self._told, told, taken.state(now))
+        task = self._in_force(told, taken, now)
         self._plannable = self._after(task, event, history, source)
+        if task.lapsed != self.task.lapsed:
+            ended = {entry.id for entry in taken.state(now).completed}
+            notes = [*notes, *lapses(self.task, task, event, ended), *passed]
         self._told, self.task, self._history, self.now = told, task, history, now
         self._rounding = rounding
         self._events.append(event)
-        found = (*report.diagnostics, *self.take_notes(), *rounded, *notes)
-        return Report(found, source)
+        return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
+
+    def _with_repetitions(self, event: Event) -> Event:
+        """The event, with what runs on a resource that it breaks done again."""
+        if not any(isinstance(change, SetCapacity) for change in event.changes):
+            return event
+        if all(action.on_failure is None for action in self._told.actions):
+            return event
+        at = self.task.number(event.at)
+        state = as_of(self._history, self._told, at).state(at)
+        return with_repetitions(event, self.task, state.running)
 
     def take_notes(self) -> tuple[Diagnostic, ...]:
         """The notes on what came in since the last report or step; each is given once."""

@@ -228,13 +228,30 @@ class _Search:
         return [_ENDLESS if r in endless else level for r, level in enumerate(levels)]
 
     def _reachable(self) -> set[Fact]:
-        """The values that variables have now, or that something may still give them."""
-        return set(self._now()) | {
-            (e.var, e.value)
-            for i, activity in enumerate(self.problem.activities)
-            if (i in self._open_set and i not in self.why) or self._runs(i)
-            for e in activity.details.effects
-        }
+        """The values that variables have now, or that something may still give them.
+
+        What gives a value must first be able to happen itself: no two activities wait for each
+        other. (Values never get lost here, which makes more of them seem to be reached.)
+        """
+        values = set(self._now())
+        for i, activity in enumerate(self.problem.activities):
+            if self._runs(i):
+                values |= {(e.var, e.value) for e in activity.details.effects}
+        waiting = [(i, at_end) for i in self.open if i not in self.why for at_end in (False, True)]
+        while True:
+            left = [(i, at_end) for i, at_end in waiting if not self._happens(i, at_end, values)]
+            if len(left) == len(waiting):
+                return values
+            waiting = left
+
+    def _happens(self, i: int, at_end: bool, values: set[Fact]) -> bool:
+        """Whether an open activity can start, or end, with these values; then adds its own."""
+        details = self.problem.activities[i].details
+        needed = (c for c in details.conditions if at_end or c.at == "start")
+        if not all((c.var, c.value) in values for c in needed):
+            return False
+        values |= {(e.var, e.value) for e in details.effects if e.at_end == at_end}
+        return True
 
     def _runs(self, i: int) -> bool:
         past = self.frozen.executed.get(i)

@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.diagnostics.source import Source
 from irc.model.base import Instant, Node, Span
-from irc.model.lazy import Events, Goals, Groups, State
+from irc.model.lazy import Events, Goals, Groups, Lapses, State
 from irc.model.parts import (
     Action,
     ObjectiveName,
@@ -51,6 +51,7 @@ class Task(Node):
     goals: Goals = ()
     objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()
+    lapsed: Lapses = ()
 
     _source: Source | None = PrivateAttr(default=None)
     _clock: tuple[tuple[Any, ...], Clock] | None = PrivateAttr(default=None)
