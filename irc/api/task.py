@@ -91,6 +91,7 @@ class Task:
         groups: Iterable[Group | Object] = (),
         goals: Iterable[Goal | Object] = (),
         events: Iterable[Event | Object] = (),
+        lapsed: Iterable[Object] = (),
         irc: Literal["1"] | None = None,
         **unknown: Never,
     ) -> None:
@@ -105,6 +106,7 @@ class Task:
             "origin": origin,
             "metadata": None if metadata is None else dict(metadata),
             "objective": objective,
+            "lapsed": list(lapsed) or None,
         }
         given: dict[str, list[Any]] = {
             "resources": list(resources),

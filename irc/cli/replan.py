@@ -165,7 +165,8 @@ def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnost
             report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
-        notes += placed.anchored(report).located()
+        located = placed.anchored(report).located()
+        notes += [replace(d, within=d.within or placed.source) for d in located]
     return notes
 
 

@@ -74,7 +74,8 @@ def solve_step(
     schedule = replace(step.schedule, task_sha256=task_sha256(task))
     if schedule.answered:
         schedule = replace(schedule, left_out=left_out)
-    notes = (*in_words(stuck), *step.notes)
+    stopped = [had.action for had in task.lapsed if had.repetition is None]
+    notes = (*in_words(stuck, stopped), *step.notes)
     return replace(step, task=task, schedule=schedule, notes=notes)
 
 

@@ -7,7 +7,7 @@ of times that are merely too short for all that is to be done.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -40,8 +40,11 @@ class Stuck:
         return bool(self.actions or self.goals)
 
 
-def in_words(stuck: Stuck) -> tuple[Diagnostic, ...]:
-    """What cannot go on and why, as diagnostics."""
+def in_words(stuck: Stuck, stopped: Sequence[str] = ()) -> tuple[Diagnostic, ...]:
+    """What cannot go on and why, as diagnostics.
+
+    `stopped` are cancelled actions that have not been done again.
+    """
     reasons = list(stuck.actions.items())
     found = [
         Diagnostic(Code.NO_CONTINUATION, why, hint=f"{name!r} is left out until that changes")
@@ -57,6 +60,9 @@ def in_words(stuck: Stuck) -> tuple[Diagnostic, ...]:
     for var, value in stuck.goals:
         what = f"the goal {var!r} = {value_text(value)} cannot be reached any more"
         hint = "it is left out; an action that brings it about, or other goals, would help"
+        if stopped:
+            names = and_more([repr(name) for name in stopped[:5]], len(stopped))
+            hint += f"; `retry_action` does again what was cancelled: {names}"
         found.append(Diagnostic(Code.NO_CONTINUATION, what, hint=hint))
     return tuple(found)
 

@@ -51,6 +51,7 @@ EVERYTHING: dict[str, Any] = {
             "effects": [{"at": "start", "var": "dough", "value": "true"}],
             "reward": 7,
             "cost": -2,
+            "on_failure": "resume",
         },
         {
             "id": "cool",
@@ -124,7 +125,25 @@ EVERYTHING: dict[str, Any] = {
                     "resources": ["r3", "r4"],
                 },
                 {"op": "observe", "action": "serve", "status": "not_begun"},
+                {
+                    "op": "retry_action",
+                    "action": "cool",
+                    "id": "cool again",
+                    "done": 2,
+                    "mode": "fast",
+                },
             ],
+        }
+    ],
+    "lapsed": [
+        {
+            "action": "serve",
+            "occurs": "optional",
+            "deadline": 30,
+            "precedence": [{"before": "cool", "after": "serve", "min_lag": 1}],
+            "groups": [{"id": "order 3", "actions": ["serve"]}],
+            "goal": True,
+            "repetition": "cool",
         }
     ],
 }

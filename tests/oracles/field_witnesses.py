@@ -67,6 +67,8 @@ EXCLUDED: Mapping[str, str] = {
     "Task.description": _DESCRIPTIVE,
     "Task.metadata": "free-form, carried through untouched",
     "Task.events": _LATER,
+    "Task.lapsed": _LATER,
+    "Action.on_failure": _LATER,
     "Resource.id": _NAME,
     "Resource.label": _DESCRIPTIVE,
     "Resource.description": _DESCRIPTIVE,
@@ -87,7 +89,7 @@ EVENT_MODELS: Mapping[str, str] = dict.fromkeys(
         *("Event", "AddActions", "CancelActions", "SetDuration", "AddPrecedence", "PrecedenceKey"),
         *("RemovePrecedence", "AddResources", "SetCapacity", "SetDeadline", "SetRelease"),
         *("AddGroups", "CancelGroups", "SetGoals", "SetState", "AddState", "SetObjective"),
-        "Observe",
+        *("Observe", "RetryAction", "Lapsed"),
     ],
     _LATER,
 )
