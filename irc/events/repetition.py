@@ -105,6 +105,6 @@ def restored(
         new = edge.model_copy(update=ends)
         if over(ends[other]):
             waiting.setdefault(ends[other], []).append(new)
-        else:
+        elif new not in kept:
             kept.append(new)
     return Restored(tuple(kept), {name: tuple(edges) for name, edges in waiting.items()})

@@ -126,6 +126,7 @@ def _retry_action(step: EventStep, change: RetryAction, at: Pointer) -> None:
     name, place = change.action, (*at, "action")
     found = step.occurrences(name)
     stopped = name in step.history.cancelled or any(e.status == CANCELLED for e in found)
+    stopped = stopped or any(had.action == name for had in step.task.lapsed)
     running = [e for e in found if step.is_running(e)]
     done = [e for e in found if step.is_frozen(e) and e not in running and e.status is None]
     action = step.action(name)

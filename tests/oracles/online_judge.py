@@ -169,7 +169,7 @@ def _snapshot(
     completed = {f.entry.id for f in facts if f.is_settled and f.least <= at}
     running = {f.entry.id for f in facts if not f.is_settled or f.least > at}
     for what, told, true in (
-        ("completed", step.completed, completed),
+        ("completed", (*step.completed, *step.stopped), completed),
         ("running", step.running, running),
     ):
         if set(told) != true:

@@ -43,7 +43,7 @@ def print_task(task: Task) -> str:
         [f"goal {_goal(goal)}" for goal in task.goals],
         [] if task.objective == _DEFAULT_OBJECTIVE else [_objective(task.objective)],
         [f"metadata {written.free_form(task.metadata)}"] if task.metadata else [],
-        [f"lapsed {written.free_form({'actions': _lapsed(task)})}"] if task.lapsed else [],
+        [f"lapsed {written.free_form({'of': _lapsed(task)})}"] if task.lapsed else [],
         *([printer.event(event)] for event in task.events),
     ]
     text = "\n\n".join("\n".join(lines) for lines in sections if lines)

@@ -313,7 +313,7 @@ class _Reader:
         found = json_after(word, self.text, statement.start + len(word), statement.end)
         if word in self.fields:
             raise repeated_clause(f"`{word}`", statement.start, statement.end)
-        self.fields[word] = found.value if word == "metadata" else found.value.get("actions")
+        self.fields[word] = found.value if word == "metadata" else found.value.get("of")
         self.builder.mark((word,), found.start, found.end, statement.start)
 
     # --- include ---
