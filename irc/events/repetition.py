@@ -20,7 +20,7 @@ def lapsed_of(
     groups: Iterable[Group],
     goals: Collection[Any],
 ) -> Lapsed:
-    """What an action has that lapses when it is cancelled."""
+    """The part of an action's order, groups and goals that lapses when it is cancelled."""
     name = action.id
     fields: dict[str, Any] = {"action": name}
     if action.occurs != "once":
@@ -83,7 +83,7 @@ def _shorter(duration: Any, change: Callable[[Number], Number], clock: Clock) ->
 
 
 class Restored(NamedTuple):
-    """What a repetition has of the cancelled action."""
+    """The precedences that a repetition takes over from the cancelled action."""
 
     precedence: tuple[Precedence, ...]
     """Precedences whose other action can still happen or has happened."""

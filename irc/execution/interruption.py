@@ -1,4 +1,4 @@
-"""What an event breaks off, what lapses by it, and what is done again."""
+"""Actions that an event breaks off: those that are done again, and the order that lapses."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Plannable:
     def after(
         self, task: Task, event: Event, instants: Iterable[Number], source: Source | None
     ) -> Plannable:
-        """What is known after an event has revised the task, which is in force now.
+        """Returns the known times after an event has revised the task, which is in force now.
 
         `instants` are the times of the history. Raises `InputError` where the target cannot plan
         with the task.

@@ -100,7 +100,7 @@ class Group(Node):
 
 
 class Lapsed(Node):
-    """What a cancelled action had, for its repetition by a `retry_action`.
+    """Order, groups and goal of a cancelled action, for its repetition by a `retry_action`.
 
     Nothing of it counts for a schedule. `repetition` is the action that it was repeated by.
     """
