@@ -26,6 +26,10 @@ ABANDONED = "abandoned"
 """The status of an entry that ran for a group that is given up."""
 
 
+LeftOut = str | tuple[str, bool | str]
+"""An action, or a goal on state: a variable and its value."""
+
+
 class Status(StrEnum):
     """The result of solving. `optimal` and `infeasible` always have a proof."""
 
@@ -108,6 +112,8 @@ class Schedule:
     time_unit: str | None = None
     interrupted: bool = False
     reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
+    left_out: tuple[LeftOut, ...] = ()
+    """What is required and cannot go on at present, so that a running task goes on without it."""
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
@@ -265,6 +271,7 @@ class Schedule:
                 for o in self.objective
             ],
             "actions": [_entry_json(entry) for entry in self.entries],
+            **({"left_out": list(map(_left_out_json, self.left_out))} if self.left_out else {}),
             "target": self.target,
             "engine": self.engine,
             "seconds": self.seconds,
@@ -281,6 +288,10 @@ def _held(entry: Entry) -> str:
         name if amount == 1 else f"{name} ×{amount}"
         for name, amount in sorted(entry.resources.items())
     )
+
+
+def _left_out_json(what: LeftOut) -> str | dict[str, Any]:
+    return what if isinstance(what, str) else {"var": what[0], "value": what[1]}
 
 
 def _entry_json(entry: Entry) -> dict[str, Any]:
@@ -319,6 +330,7 @@ _SCHEDULE_FIELDS = frozenset(
         "time_unit",
         "outcome",
         "interrupted",
+        "left_out",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -383,6 +395,7 @@ class _ScheduleReader:
             self._seconds(raw),
             self._text(raw, "time_unit"),
             self._flag(raw, "interrupted"),
+            left_out=self._left_out(raw.get("left_out")),
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -397,6 +410,24 @@ class _ScheduleReader:
             )
             return Status.FEASIBLE
         return Status(value)
+
+    def _left_out(self, raw: Any) -> tuple[LeftOut, ...]:
+        found: list[LeftOut] = []
+        for k, what in enumerate(raw if isinstance(raw, list) else []):
+            if isinstance(what, str):
+                found.append(what)
+            elif (
+                isinstance(what, dict)
+                and what.keys() == {"var", "value"}
+                and isinstance(what["var"], str)
+                and isinstance(what["value"], (bool, str))
+            ):
+                found.append((what["var"], what["value"]))
+            else:
+                self._fault("expected an action, or a 'var' and its 'value'", ("left_out", k))
+        if not isinstance(raw, (list, type(None))):
+            self._fault("'left_out' must be a list", ("left_out",))
+        return tuple(found)
 
     def _text(self, raw: Mapping[str, Any], key: str) -> str | None:
         value = raw.get(key)

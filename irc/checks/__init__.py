@@ -38,6 +38,11 @@ def run_checks(
     findings = Findings(list(earlier))
     before = len(findings.items)
     names, times = check_structure(task, findings)
+    if task.clock.resolution is not None:
+        from irc.checks.resolution import check_resolution, rounding_note
+
+        if check_resolution(task, findings):
+            findings.items += rounding_note(task)
     if task.events:
         from irc.checks.events import check_events
 

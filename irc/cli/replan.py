@@ -167,12 +167,17 @@ def _running(
     return execution_of(task, schedule, options, at, source)
 
 
-def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnostic]:
+    """Applies events; returns the notes on them."""
+    notes: list[Diagnostic] = []
     for placed in events:
         try:
-            execution.apply(placed.event)
+            report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
+        located = placed.anchored(report).located()
+        notes += [replace(d, within=d.within or placed.source) for d in located]
+    return notes
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

@@ -73,6 +73,8 @@ class Code(Enum):
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
     NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
+    ROUNDED = ("IRC108", Severity.NOTE, "a time that is rounded to the resolution")
+    COARSE_RESOLUTION = ("IRC109", Severity.ERROR, "a resolution coarser than a duration")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")
@@ -130,6 +132,8 @@ class Code(Enum):
     OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
     CARRIED = ("IRC709", Severity.WARNING, "a conflict that the history alone causes")
     NO_CONTINUATION = ("IRC710", Severity.ERROR, "a history that no schedule continues")
+    LAPSED = ("IRC711", Severity.WARNING, "what lapses with an action that is cancelled")
+    CORRECTED = ("IRC712", Severity.WARNING, "an observation that another one corrects")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import later_events, lower_checked, reporting_refusals
+from irc.driver.compile import lower_checked, notes_on, reporting_refusals
 from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
 from irc.driver.progress import telling
 from irc.driver.quick import quick_outcome
@@ -101,7 +101,7 @@ def _answer(
     )
     notes = reasons_for(task, outcome)
     schedule = explained(_approved(task, schedule), notes)
-    return Answer(schedule, problem, (*later_events(task), *notes))
+    return Answer(schedule, problem, (*notes_on(task), *notes))
 
 
 def _asked(program: Program, engine: Engine, options: SolveOptions, budget: Budget) -> Outcome:

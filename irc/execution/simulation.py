@@ -8,11 +8,15 @@ from itertools import groupby
 from typing import Any, Unpack
 
 from irc.diagnostics import Diagnostic
+from irc.diagnostics.source import Pointer
+from irc.driver.compile import placed
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
+from irc.execution.rounding import Rounding
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
+from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.outcome import Outcome
 from irc.schedule import Schedule, Status
@@ -115,14 +119,26 @@ def _steps(
     if not schedule.answered:
         return
     execution = Execution(task, schedule, options=options)
-    for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
-        for event in same:
-            execution.apply(event)
+    rounding = Rounding.of(task)
+
+    def moment(event: Event) -> Number:
+        return rounding.time(task.number(event.at))
+
+    for _, same in groupby(in_order(task), key=moment):
+        noted = [
+            placed(replace(note, pointer=(*_place(task, event), *note.pointer)), task)
+            for event in same
+            for note in execution.apply(event)
+        ]
         step = execution.replan(options.budget(spent))
         spent = 0.0
-        yield step
+        yield replace(step, notes=(*noted, *step.notes))
         if not step.schedule.answered:
             return
+
+
+def _place(task: Task, event: Event) -> Pointer:
+    return "events", task.events.index(event)
 
 
 def in_order(task: Task) -> list[Event]:

@@ -13,16 +13,16 @@ from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.outcome import Outcome
-from irc.schedule import Entry, Schedule
+from irc.schedule import Entry, LeftOut, Schedule
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
     """The result of replanning at one instant.
 
-    `completed` and `running` are ids as of then. `moved` counts the planned occurrences whose
-    start, mode or resources differ from the previous plan, or that are gone. `abandoned` are
-    half-done groups that cannot be finished. `schedule` is the whole history with the new plan, an
+    `completed`, `running` and `stopped` (cancelled or failed) are ids as of then. `moved` counts
+    the planned occurrences whose start, mode or resources differ from the previous plan, or that
+    are gone. `abandoned` are half-done groups that cannot be finished. `schedule` is the whole history with the new plan, an
     answer to `task`.
     """
 
@@ -35,6 +35,12 @@ class Step:
     task: Task
     notes: tuple[Diagnostic, ...] = ()
     abandoned: tuple[str, ...] = ()
+    stopped: tuple[str, ...] = ()
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """What is required and cannot go on at present: the schedule goes on without it."""
+        return self.schedule.left_out
 
     @property
     def outcome(self) -> Outcome:
@@ -48,6 +54,7 @@ class Step:
             "event": [event.id for event in self.events],
             "completed": list(self.completed),
             "running": list(self.running),
+            "stopped": list(self.stopped),
             "moved": self.moved,
             "abandoned": list(self.abandoned),
             "notes": [note.to_dict() for note in self.notes],

@@ -9,6 +9,7 @@ Language = Literal["json", "dsl", "english"]
 
 _BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json"}
 _KEY = r'"(?:actions|irc|precedence|resources)"\s*:'
+_LAPSED = r"(?m)^lapsed[ \t]*\{"
 _SNIFFED = 10_000
 _SNIFFED_STATEMENTS = 20
 
@@ -26,7 +27,8 @@ def language_of(text: str, name: str) -> Language:
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
-    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, text):
+    own = re.split(_LAPSED, text, maxsplit=1)[0]  # (Its JSON is a part of a text of the DSL.)
+    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, own):
         return "json"
     readable, lines = _like_dsl(text[:_SNIFFED])
     if readable and readable >= lines:

@@ -133,7 +133,7 @@ def _check_fields(do: str, raw: Mapping[str, Any], findings: Findings) -> None:
 def time_of(request: Request, field: str, task: Task) -> Number:
     """A time of a request in the task's unit. Raises `InputError`."""
     try:
-        moment = task.number(parse_instant(request.raw.get(field)))
+        moment = task.clock.exact(parse_instant(request.raw.get(field)))
     except TimeError as error:
         fault = f"'{field}': {error}"
     else:

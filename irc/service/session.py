@@ -237,7 +237,7 @@ class Session:
             self.execution.advance(to)
         except InputError as error:
             raise InputError(_placed(error.report, request, "to")) from None
-        return ()
+        return tuple(_placed(Report(self.execution.take_notes()), request, "to").located())
 
     def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
         task = self.execution.task

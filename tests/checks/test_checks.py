@@ -176,6 +176,22 @@ SHAPE = [
 
 TIMES = [
     case(
+        '{"actions": [{"id": "a", "duration": ‸0.30000000000000004}]}',
+        "IRC108 /actions/0/duration",
+        says="0.30000000000000004 is read as 0.3 s: the resolution is 0.0001 s",
+    ),
+    case(
+        '{"resolution": ‸"1 min", "actions": [{"id": "a", "duration": 60},\n'
+        ' {"id": "b", "duration": 25}]}',
+        "IRC109 /resolution",
+        says="the resolution is 60 s, coarser than the duration of 'b', 25 s",
+    ),
+    case(
+        '{"resolution": ‸0, "actions": [{"id": "a", "duration": 60}]}',
+        "IRC104 /resolution",
+        says="a resolution is more than 0",
+    ),
+    case(
         actions(release='‸"2026-03-01T08:00:00Z"'),
         "IRC104 /actions/0/release",
         says="a date-time needs the task's 'origin'",

@@ -1,0 +1,230 @@
+"""Takes an observation into the history of a running task."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from irc.diagnostics import Code, Diagnostic
+from irc.diagnostics.source import Pointer
+from irc.execution.event_step import EventStep
+from irc.execution.observations import (
+    ENDED,
+    FAILED,
+    NOT_BEGUN,
+    RUNNING,
+    STARTED,
+    Fact,
+    Observed,
+    facts_of,
+    with_fact,
+)
+from irc.execution.possible import Happened
+from irc.execution.presumed import presumed, way_of
+from irc.execution.state import Key
+from irc.model import Action
+from irc.model.cancellation import is_over
+from irc.model.events import Observe
+from irc.model.quantities import Number
+from irc.schedule import CANCELLED, Entry
+
+_FIELDS = {
+    STARTED: "started",
+    NOT_BEGUN: "status",
+    RUNNING: "status",
+    ENDED: "finished",
+    FAILED: "status",
+}
+"""The field of an observation that says each fact."""
+
+
+def observe(step: EventStep, change: Observe, at: Pointer) -> None:
+    """Takes an observation into the history; adds what contradicts it in the same event."""
+    key = (change.action, change.occurrence)
+    action = step.action(change.action)
+    if action is None:
+        return  # The event does not fit the task; `check_event` has said so.
+    facts = tuple(facts_of(change, step.at, step.history.count, step.clock))
+    if _is_over(step, action, key, facts, at) or _is_too_early(step, key, at):
+        return
+    known = step.history.observed.get(key, Observed())
+    for fact in facts:
+        known, corrected, by = with_fact(known, fact)
+        _note(step, key, fact, corrected, by, at)
+    step.history.observed[key] = known
+    step.forget()
+    if known.has_begun and _has_a_start(step, action, key, known, change, at):
+        _require_way(step, action, key, known, at)
+        _expect_as_planned(step, key, facts)
+
+
+def expects(step: EventStep, key: Key, end: Number) -> None:
+    """Takes the end that an event gives to what was observed to run as the expected one."""
+    known = step.history.observed.get(key)
+    if known is not None and known.end is not None and known.end.what == RUNNING:
+        end_fact = replace(known.end, expected=end, as_planned=True)
+        step.history.observed[key] = replace(known, end=end_fact)
+        step.forget()
+
+
+def _is_over(
+    step: EventStep, action: Action, key: Key, facts: tuple[Fact, ...], at: Pointer
+) -> bool:
+    """Reports an observation that what was cancelled has gone on since."""
+    entry = step.history.entries.get(key)
+    since = step.history.cancelled.get(action.id)
+    if since is None and entry is None and is_over(action, step.at, step.clock):
+        since = step.clock.number(action.deadline or 0)
+    if since is None or (entry is not None and entry.status != CANCELLED):
+        return False
+    if any(f.what == NOT_BEGUN for f in facts):
+        return False
+    known = step.history.observed.get(key, Observed())
+    ended = next((f.time for f in facts if f.what in (ENDED, FAILED)), known.ended)
+    goes_on = any(f.what == RUNNING for f in facts) or any(f.time > since for f in facts)
+    if not goes_on and (entry is not None or ended is not None):
+        return False
+    step.add_finding(
+        Code.OVER,
+        f"action {action.id!r} was cancelled at {step.text(since)}, so it cannot have started or "
+        "ended since",
+        (*at, "action"),
+        "leave this out, or add what happened as another action",
+    )
+    return True
+
+
+def _is_too_early(step: EventStep, key: Key, at: Pointer) -> bool:
+    """Reports an occurrence before which others must have begun."""
+    name, number = key
+    before = {k for k in (*step.history.entries, *step.history.observed) if k[0] == name}
+    if key in before or number <= 1 + len(before):
+        return False
+    step.add_finding(
+        Code.OBSERVED,
+        f"occurrence {number} of {name!r} cannot have begun: there are only {len(before)} before "
+        "it",
+        (*at, "occurrence"),
+        "occurrences are numbered by start, from 1 on",
+    )
+    return True
+
+
+def _note(
+    step: EventStep,
+    key: Key,
+    fact: Fact,
+    corrected: tuple[Fact, ...],
+    by: Fact | None,
+    at: Pointer,
+) -> None:
+    """Reports which of two observations counts; of one event none does."""
+    name, unit = key[0], step.task.time_unit
+    field = _FIELDS.get(fact.what, "action")
+    same = next((old for old in corrected if old.number == fact.number), None)
+    if same is not None:
+        step.add_finding(
+            Code.OBSERVED,
+            f"action {name!r} {same.in_words(unit)}, this event says, and {fact.in_words(unit)}",
+            (*at, field),
+            "two observations of one event contradict each other; leave out the wrong one",
+        )
+        return
+    for old in corrected:
+        _add_note(
+            step,
+            f"action {name!r} {fact.in_words(unit)}; that corrects what was observed at "
+            f"{step.text(old.at)}: it {old.in_words(unit)}",
+            (*at, field),
+        )
+    if by is not None:
+        _add_note(
+            step,
+            f"that action {name!r} {fact.in_words(unit)} comes too late: at {step.text(by.at)} it "
+            f"was observed that it {by.in_words(unit)}",
+            (*at, field),
+        )
+
+
+def _add_note(step: EventStep, message: str, pointer: Pointer) -> None:
+    hint = "the later observation counts"
+    step.notes.append(Diagnostic(Code.CORRECTED, message, pointer, hint=hint))
+
+
+def _has_a_start(
+    step: EventStep, action: Action, key: Key, known: Observed, change: Observe, at: Pointer
+) -> bool:
+    """Reports an observation of what has begun where it is not known when it did."""
+    if known.started is not None:
+        return True
+    entry = step.history.entries.get(key)
+    latest = min((f.time for f in (known.end,) if f is not None), default=step.at)
+    begun = entry is not None and entry.start <= latest
+    if begun and entry is not None and known.begin is not None:
+        begun = entry.start >= known.begin.time  # It had not begun then.
+    if begun and entry is not None and _began_as_planned(step, key, entry):
+        return True
+    finished = change.finished is not None
+    field = "finished" if finished else "status" if change.status is not None else "action"
+    so = "so its end gives no duration" if finished else "so neither is how long it has run"
+    if action.may_repeat:
+        what, code = f"when occurrence {key[1]} of {key[0]!r} started is not known", Code.OBSERVED
+    else:
+        what, code = f"the start of action {key[0]!r} is not known", Code.UNSUITED_CHANGE
+    step.add_finding(code, f"{what}, {so}", (*at, field), 'add the start: "started": …')
+    return False
+
+
+def _began_as_planned(step: EventStep, key: Key, entry: Entry) -> bool:
+    """Whether it can have begun when the plan says, beside what else is known."""
+    history = step.history
+    if not history.assumes or key in history.begun:
+        return True
+    others = replace(history, observed={k: o for k, o in history.observed.items() if k != key})
+    taken = presumed(others, step.task, step.now, step.actions)
+    begun = (e for k, e in taken.entries.items() if k in taken.begun and k != key)
+    happened = Happened.all_of(step.task, begun, step.now)
+    happened.planned = {k: e for k, e in taken.entries.items() if k not in taken.begun}
+    return happened.can_begin(entry)
+
+
+def _require_way(step: EventStep, action: Action, key: Key, known: Observed, at: Pointer) -> None:
+    """Reports resources that an action cannot be done by, and a mode that is not known."""
+    if known.way is None:
+        return
+    entry = step.history.entries.get(key)
+    mode = known.way.mode or (None if entry is None else entry.mode)
+    own = next((m for m in action.modes if m.id == mode), None)
+    if action.modes and own is None:
+        step.add_finding(
+            Code.UNSUITED_CHANGE,
+            f"the mode of action {key[0]!r} is not known, so neither is what else it uses",
+            (*at, "resources"),
+            'add the mode: "mode": …',
+        )
+        return
+    uses = [*action.uses, *(own.uses if own is not None else ())]
+    planned = {} if entry is None else entry.resources
+    if known.way.resources and way_of(uses, known.way.resources, planned) is None:
+        named = ", ".join(map(repr, known.way.resources))
+        step.add_finding(
+            Code.UNSUITED_CHANGE,
+            f"action {key[0]!r} cannot be done by {named} alone: that does not say what it uses",
+            (*at, "resources"),
+            "name one resource for each use that has a choice, and none twice",
+        )
+
+
+def _expect_as_planned(step: EventStep, key: Key, facts: tuple[Fact, ...]) -> None:
+    """What runs and need not have ended yet is expected to end as planned."""
+    known = step.history.observed[key]
+    if known.end is None or known.end not in facts or known.end.what != RUNNING:
+        return
+    if known.end.expected is None:
+        unsaid = replace(known, end=None)
+        others = replace(step.history, observed={**step.history.observed, key: unsaid})
+        entry = presumed(others, step.task, step.now, step.actions).entries.get(key)
+        if entry is not None and entry.end > step.at:
+            step.history.observed[key] = replace(
+                known, end=replace(known.end, expected=entry.end, as_planned=True)
+            )
+            step.forget()
