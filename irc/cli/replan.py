@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.moments import moment_of
 from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
@@ -67,6 +70,8 @@ def replan_file(
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
                 say(f"wrote {path}")
         end_with([step.schedule.status])
+        if step.left_out:
+            sys.exit(EXIT_INPUT)
 
 
 def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
@@ -156,17 +161,22 @@ def _running(
     return execution_of(task, schedule, options, at, source)
 
 
-def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnostic]:
+    """Applies events; returns the notes on them."""
+    notes: list[Diagnostic] = []
     for placed in events:
         try:
-            execution.apply(placed.event)
+            report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
+        notes += placed.notes(report)
+    return notes
 
 
 def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
-    _apply(execution, events)
-    return execution.replan()
+    notes = _apply(execution, events)
+    step = execution.replan()
+    return replace(step, notes=(*notes, *step.notes))
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

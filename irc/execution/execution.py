@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, Unpack, get_args
+from dataclasses import replace
+from typing import Any, Literal, Unpack, get_args
 
 from irc.checks.events import check_event
-from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.errors import OptionError
 from irc.events.apply import with_observations, without_observations
 from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
-from irc.execution.presumed import adopt, as_of, outcomes
+from irc.execution.presumed import adopt, as_of, not_as_planned, outcomes
 from irc.execution.replanning import solve_step
 from irc.execution.state import ExecutionState
 from irc.execution.step import Step
@@ -21,7 +22,7 @@ from irc.model.built import Built, event_of, task_of
 from irc.model.events import ObservedStatus
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
-from irc.schedule import Schedule
+from irc.schedule import Entry, Schedule
 from irc.targets import SolveKeywords, SolveOptions
 
 Presume = Literal["assume", "confirm"]
@@ -103,6 +104,14 @@ class Execution:
         """The events since the last plan."""
         return tuple(self._events)
 
+    @property
+    def replan_needed(self) -> bool:
+        """Whether the plan is out of date: an event came in, or what should have begun has not."""
+        if self._events or self._history.held is not None:
+            return True
+        state = self.state()
+        return any(entry.start < self.now for entry in state.open)
+
     def state(self) -> ExecutionState:
         """The entries that are completed, running and open now."""
         return as_of(self._history, self._told, self.now).state(self.now)
@@ -134,16 +143,20 @@ class Execution:
         An observation may come in late: `at` is when it was made. Returns notes, such as which of
         two observations counts. Raises `InputError`.
         """
-        seen = {"started": started, "finished": finished, "expected_end": expected_end}
-        seen |= {"status": status, "mode": mode}
+        said: dict[str, Any] = {
+            "status": status,
+            "started": started,
+            "finished": finished,
+            "expected_end": expected_end,
+            "mode": mode,
+            "resources": list(resources) or None,
+        }
         change = {
             "op": "observe",
             "action": action,
             "occurrence": occurrence,
-            **{k: v for k, v in seen.items() if v is not None},
+            **{k: v for k, v in said.items() if v is not None},
         }
-        if named := list(resources):
-            change["resources"] = named
         when = self.now if at is None else at
         return self.apply(Event.model_validate({"at": when, "changes": [change]}))
 
@@ -187,12 +200,23 @@ class Execution:
         history = as_of(self._history, self._told, self.now)
         task = self._in_force(history)
         step = solve_step(task, history, self.now, self.options, tuple(self._events))
+        notes = [self._late(entry) for entry in not_as_planned(history, self.now)]
+        step = replace(step, notes=(*notes, *step.notes))
         self.task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:
             self.reject()
         return step
+
+    def _late(self, entry: Entry) -> Diagnostic:
+        start = f"{format_number(entry.start)} {self.task.time_unit}"
+        return Diagnostic(
+            Code.NOT_AS_PLANNED,
+            f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
+            "not to have begun",
+            hint="if it has, observe when it started",
+        )
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
@@ -220,9 +244,9 @@ def replan(
     Raises what `Execution.apply` and `Execution.replan` raise.
     """
     execution = Execution(task, schedule, at, options=options, **more)
-    for event in events:
-        execution.apply(event)
-    return execution.replan()
+    noted = [note for event in events for note in execution.apply(event)]
+    step = execution.replan()
+    return replace(step, notes=(*noted, *step.notes))
 
 
 def _require_known(task: Task, schedule: Schedule) -> None:

@@ -60,6 +60,20 @@ def as_of(history: History, task: Task, now: Number) -> History:
     return replace(history, entries=taken.entries, begun=taken.begun, cancelled=cancelled)
 
 
+def not_as_planned(history: History, now: Number) -> list[Entry]:
+    """What should have begun by now and cannot have, of a history as it is taken to be at `now`."""
+    if not history.assumes:
+        return []
+    return [
+        entry
+        for key, entry in history.entries.items()
+        if entry.start < now
+        and key not in history.begun
+        and (history.held is None or entry.start < history.held)
+        and not history.observed.get(key, _NOTHING).waits
+    ]
+
+
 def settle(history: History, task: Task, now: Number) -> None:
     """Keeps what has begun by now, before an event revises the task."""
     begun = presumed(history, task, now).begun

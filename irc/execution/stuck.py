@@ -48,9 +48,8 @@ def in_words(stuck: Stuck) -> tuple[Diagnostic, ...]:
         for name, why in reasons[:SHOWN]
     ]
     if len(reasons) > SHOWN:
-        names = and_more(
-            [repr(name) for name, _ in reasons[SHOWN : 2 * SHOWN]], len(reasons) - SHOWN
-        )
+        more = [repr(name) for name, _ in reasons[SHOWN : 2 * SHOWN]]
+        names = and_more(more, len(reasons) - SHOWN)
         what = f"neither can these go on: {names}"
         hint = "they are left out until that changes"
         found.append(Diagnostic(Code.NO_CONTINUATION, what, hint=hint))
@@ -140,7 +139,7 @@ class _Search:
         for u in activity.uses_in(mode) if length else ():
             use = activity.uses[u]
             its = [self.before.resources[r] for r in use.alternatives]
-            if any(_has_time(r, use.amount, length, begin, activity.deadline) for r in its):
+            if any(_has_time(r, use.amount, length, begin) for r in its):
                 continue
             names = " or ".join(repr(r.id) for r in its)
             most = max(_greatest(r, begin) for r in its)
@@ -185,7 +184,7 @@ class _Search:
             details = activity.details
             taken: Counter[int] = Counter()
             for change in details.stock:
-                if not change.at_end or change.amount < 0:
+                if change.reservoir < len(levels) and (not change.at_end or change.amount < 0):
                     taken[change.reservoir] -= change.amount
             for r, amount in taken.items():
                 if amount > levels[r]:
@@ -208,7 +207,7 @@ class _Search:
         """For each reservoir what it has if nothing more is taken and all that can be is put in."""
         levels = [
             max(one.initial, lent.initial) - one.least
-            for one, lent in zip(self.before.reservoirs, self.problem.reservoirs, strict=True)
+            for one, lent in zip(self.before.reservoirs, self.problem.reservoirs, strict=False)
         ]
         endless: set[int] = set()
         for i, activity in enumerate(self.problem.activities):
@@ -216,6 +215,8 @@ class _Search:
             if past is None and i not in self._open_set:
                 continue
             for change in activity.details.stock:
+                if change.reservoir >= len(levels):
+                    continue  # What is lent to the history, which nothing else takes.
                 if past is not None:
                     happened = not change.at_end or not past.running
                     if happened or change.amount > 0:
@@ -277,20 +278,17 @@ def _greatest(resource: Renewable, since: int) -> int:
     return max((resource.capacity, *later))
 
 
-def _has_time(
-    resource: Renewable, amount: int, length: int, begin: int, deadline: int | None
-) -> bool:
-    """Whether a resource has an amount for a length of time, from `begin` on and by a deadline."""
+def _has_time(resource: Renewable, amount: int, length: int, begin: int) -> bool:
+    """Whether a resource has an amount for a length of time, from `begin` on."""
     since = begin
     for stop, capacity in _pieces(resource, begin):
-        if capacity < amount:
-            if stop is None:
-                return False
+        if capacity >= amount:
+            if stop is None or stop - since >= length:
+                return True
+        elif stop is None:
+            return False
+        else:
             since = stop
-            continue
-        ends = [t for t in (stop, deadline) if t is not None]
-        if not ends or min(ends) - since >= length:
-            return True
     return False
 
 
