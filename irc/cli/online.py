@@ -95,7 +95,7 @@ def simulate(
 
 
 class PresumeName(StrEnum):
-    """What `irc run` takes to have happened."""
+    """The facts of a running task for `irc run`: the plan, or only observations."""
 
     assume = "assume"
     confirm = "confirm"
@@ -121,8 +121,8 @@ def run(
         PresumeName,
         typer.Option(
             "--presume",
-            help="assume: the plan happens unless told otherwise; confirm: nothing begins or ends "
-            "until it is observed.",
+            help="assume: the plan happens unless something else is observed; confirm: nothing "
+            "begins or ends until it is observed.",
         ),
     ] = PresumeName.assume,
     target: TargetOption = "cpsat",

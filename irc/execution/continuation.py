@@ -130,7 +130,7 @@ class Repair:
         return self.engine.solve(program, self.options, budget)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
-        """What is wrong with a whole history; None if it is valid, with no plans for the past."""
+        """The faults of a whole history; None if it is valid, with no plans for the past."""
         from irc.validation import validate
 
         activities = self.frozen.problem.activities

@@ -26,7 +26,7 @@ from irc.schedule import Entry, Schedule
 from irc.targets import SolveKeywords, SolveOptions
 
 Presume = Literal["assume", "confirm"]
-"""What is taken to have happened: the plan, or only what was observed."""
+"""The facts of a running task: the plan as well, or only observations."""
 
 
 class Execution:

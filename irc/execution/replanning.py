@@ -81,7 +81,7 @@ def solve_step(
 
 @dataclass(frozen=True, slots=True)
 class _Means:
-    """What a step is solved with."""
+    """The means by which a step is solved."""
 
     backend: Backend
     engine: Engine

@@ -39,7 +39,7 @@ class Step:
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """What is required and cannot go on at present: the schedule goes on without it."""
+        """The required actions and goals that cannot go on: the schedule is without them."""
         return self.schedule.left_out
 
     def to_dict(self) -> dict[str, Any]:

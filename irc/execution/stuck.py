@@ -1,4 +1,4 @@
-"""What cannot go on, whatever else is done: its resources, stock or conditions are gone for good.
+"""Finds actions that cannot go on: their resources, stock or conditions are gone for good.
 
 Everything here is certain: what it finds cannot be carried out as the task now is. It says nothing
 of times that are merely too short for all that is to be done.
@@ -18,7 +18,7 @@ from irc.model.state_values import value_text
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Condition, Problem, Renewable
 
 SHOWN = 50
-"""So many of what cannot go on are named with their reasons, and as many more by name."""
+"""At most this many are named with their reasons, and as many more by name."""
 
 Fact = tuple[int, int]
 """A state variable and a value, as indexes."""
@@ -41,7 +41,7 @@ class Stuck:
 
 
 def in_words(stuck: Stuck) -> tuple[Diagnostic, ...]:
-    """What cannot go on and why, as diagnostics."""
+    """The actions and goals that cannot go on, as diagnostics."""
     reasons = list(stuck.actions.items())
     found = [
         Diagnostic(Code.NO_CONTINUATION, why, hint=f"{name!r} is left out until that changes")
@@ -103,7 +103,7 @@ class _Search:
 
     @cached_property
     def open(self) -> list[int]:
-        """What has not begun and is not over."""
+        """The activities that have not begun and are not over."""
         return [
             i
             for i, a in enumerate(self.problem.activities)
@@ -112,7 +112,7 @@ class _Search:
 
     @cached_property
     def required(self) -> set[int]:
-        """What must happen, whatever is chosen."""
+        """The activities that must happen, whatever is chosen."""
         problem = self.problem
         chosen = {i for g in problem.groups if not g.required for i in g.members}
         must = {i for g in problem.groups if g.required for i in g.members} | {*problem.required}
@@ -152,7 +152,7 @@ class _Search:
     # --- what waits for what ---
 
     def _wait_for_each_other(self) -> None:
-        """What waits for something stuck is stuck; so is what must be followed by it in time."""
+        """Adds activities that wait for stuck ones, or must be followed by them in time."""
         again = True
         while again:
             again = False
@@ -233,13 +233,13 @@ class _Search:
         return set(self._now()) | {
             (e.var, e.value)
             for i, activity in enumerate(self.problem.activities)
-            if (i in self._open_set and i not in self.why) or self._runs(i)
             for e in activity.details.effects
+            if (i in self._open_set and i not in self.why) or (e.at_end and self._runs(i))
         }
 
     def _runs(self, i: int) -> bool:
         past = self.frozen.executed.get(i)
-        return past is not None and (past.running or past.end >= self.frozen.now)
+        return past is not None and past.running
 
     def _now(self) -> Iterator[Fact]:
         """The values that variables may have now: in doubt about an order, several."""
