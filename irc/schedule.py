@@ -109,7 +109,7 @@ class Schedule:
     seconds: float | None = None
     time_unit: str | None = None
     left_out: tuple[LeftOut, ...] = ()
-    """What is required and cannot go on at present, so that a running task goes on without it."""
+    """The required actions and goals that a running task goes on without."""
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )

@@ -498,7 +498,7 @@ def _require_one_story(walk: _Walk, change: Observe, at: Pointer) -> None:
             if getattr(change, field) not in (None, ()) and field not in _FITS[status]:
                 walk.report(
                     Code.UNSUITED_CHANGE,
-                    f"{change.action!r} is said to be {status.replace('_', ' ')}, "
+                    f"{change.action!r} is reported as {status.replace('_', ' ')}, "
                     f"so it has no {field!r}",
                     (*at, field),
                     "leave one of the two out",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.moments import moment_of
 from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
@@ -68,6 +70,8 @@ def replan_file(
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
                 say(f"wrote {path}")
         end_with([step.schedule.status])
+        if step.left_out:
+            sys.exit(EXIT_INPUT)
 
 
 def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
@@ -165,8 +169,7 @@ def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnost
             report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
-        located = placed.anchored(report).located()
-        notes += [replace(d, within=d.within or placed.source) for d in located]
+        notes += placed.notes(report)
     return notes
 
 

@@ -127,8 +127,9 @@ class Code(Enum):
     OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
     CARRIED = ("IRC709", Severity.WARNING, "a conflict that the history alone causes")
     NO_CONTINUATION = ("IRC710", Severity.ERROR, "a history that no schedule continues")
-    LAPSED = ("IRC711", Severity.WARNING, "what lapses with an action that is cancelled")
+    NOT_AS_PLANNED = ("IRC711", Severity.WARNING, "an action that cannot have begun as planned")
     CORRECTED = ("IRC712", Severity.WARNING, "an observation that another one corrects")
+    LAPSED = ("IRC713", Severity.WARNING, "what lapses with an action that is cancelled")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id

@@ -278,7 +278,7 @@ def _observe(editor: _TaskEditor, change: Observe) -> None:
 
 
 def _start_of(editor: _TaskEditor, name: str) -> Number | None:
-    """The start of an action, if the task or what was said with the event has it."""
+    """The start of an action, if the task or `starts` has it."""
     start = editor.actions[name].start
     return editor.starts.get(name) if start is None else editor.clock.number(start)
 

@@ -11,7 +11,7 @@ from irc.model.times import Clock
 
 
 class Outcome(NamedTuple):
-    """What is known of an action that occurs at most once, in the task's unit.
+    """The known facts about an action that occurs at most once, in the task's unit.
 
     `started` is an observed start. `length` is how long it took, or takes as far as is known;
     `at_least`: how long it takes at least. `failed` is when it failed.

@@ -24,7 +24,9 @@ def suspended(
         if not group.required or len(left) == len(group.actions):
             groups.append(group)
         elif left:
-            groups.append(group.model_copy(update={"actions": left}))
+            # (It is not complete, so it earns nothing and is not late.)
+            rest = {"actions": left, "reward": None, "due": None}
+            groups.append(group.model_copy(update=rest))
     kept = tuple(
         g
         for g in task.goals

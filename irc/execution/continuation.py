@@ -130,9 +130,14 @@ class Repair:
         return self.engine.solve(program, self.options, budget)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
-        """The violations that the validator finds in a whole history; None if it is valid."""
+        """The faults of a whole history; None if it is valid, with no plans for the past."""
         from irc.validation import validate
 
+        activities = self.frozen.problem.activities
+        begun = {(activities[i].id, activities[i].details.occurrence) for i in self.frozen.executed}
+        for entry in schedule.entries:
+            if entry.start < self.at and key_of(entry) not in begun:
+                return f"{entry.id!r} has not begun, and would have before now"
         verdict = validate(self.task, self.with_status(schedule, given_up), self.at)
         return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
 

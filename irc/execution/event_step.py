@@ -42,7 +42,7 @@ class EventStep:
 
     @property
     def taken(self) -> Presumed:
-        """What has happened by now, after the previous changes of the event."""
+        """The facts as of now, after the previous changes of the event."""
         if self._taken is None:
             self._taken = presumed(self.history, self.task, self.now, self.actions)
             self._keys = None

@@ -28,6 +28,8 @@ class ExecutedActivity:
     end_rank: int = 0
     by_itself: bool = False
     """Whether it is a world change, which no plan contains."""
+    ends_so: bool = False
+    """Whether it ends just at `end`, though it is running and its duration is a range."""
 
     @property
     def cancelled(self) -> bool:
@@ -80,7 +82,7 @@ def as_executed(
         return _begun(activity, past)
     activity = _in_mode(activity, past)
     shortest = longest = past.end - past.start
-    if past.running and not activity.is_fixed and not past.cancelled:
+    if past.running and not activity.is_fixed and not past.cancelled and not past.ends_so:
         shortest = max(activity.duration_min, now - past.start)
         longest = max(activity.duration_max, shortest)
     apart = _ends_apart(activity, past, ranks)
@@ -101,7 +103,7 @@ def as_executed(
         deadline=deadline,
         duration_min=shortest,
         duration_max=longest,
-        open_demands=activity.open_demands if past.running or frees_now else (),
+        open_demands=activity.open_demands if longest and (past.running or frees_now) else (),
         details=details,
     )
 

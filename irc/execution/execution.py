@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Literal, TypeVar, Unpack, get_args
+from typing import Any, Literal, TypeVar, Unpack, get_args
 
 from irc.checks.events import check_event
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
@@ -15,7 +15,7 @@ from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
 from irc.execution.interruption import lapses, with_repetitions, without_the_past
 from irc.execution.plannable import Plannable
-from irc.execution.presumed import adopt, as_of, outcomes
+from irc.execution.presumed import adopt, as_of, not_as_planned, outcomes
 from irc.execution.replanning import solve_step
 from irc.execution.rounding import Rounding
 from irc.execution.state import ExecutionState
@@ -25,13 +25,13 @@ from irc.model.built import Built, event_of, task_of
 from irc.model.events import ObservedStatus, SetCapacity
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
-from irc.schedule import Schedule
+from irc.schedule import Entry, Schedule
 from irc.targets import SolveKeywords, SolveOptions
 
 _T = TypeVar("_T")
 
 Presume = Literal["assume", "confirm"]
-"""What is taken to have happened: the plan, or only what was observed."""
+"""The facts of a running task: the plan as well, or only observations."""
 
 
 class Execution:
@@ -114,6 +114,14 @@ class Execution:
         """The events since the last plan."""
         return tuple(self._events)
 
+    @property
+    def replan_needed(self) -> bool:
+        """Whether the plan is out of date: an event came in, or what should have begun has not."""
+        if self._events or self._history.held is not None:
+            return True
+        state = self.state()
+        return any(entry.start < self.now for entry in state.open)
+
     def state(self) -> ExecutionState:
         """The entries that are completed, running and open now."""
         return as_of(self._history, self._told, self.now).state(self.now)
@@ -150,16 +158,20 @@ class Execution:
         An observation may come in late: `at` is when it was made. Returns notes, such as which of
         two observations counts. Raises `InputError`.
         """
-        seen = {"started": started, "finished": finished, "expected_end": expected_end}
-        seen |= {"status": status, "mode": mode}
+        said: dict[str, Any] = {
+            "status": status,
+            "started": started,
+            "finished": finished,
+            "expected_end": expected_end,
+            "mode": mode,
+            "resources": list(resources) or None,
+        }
         change = {
             "op": "observe",
             "action": action,
             "occurrence": occurrence,
-            **{k: v for k, v in seen.items() if v is not None},
+            **{k: v for k, v in said.items() if v is not None},
         }
-        if named := list(resources):
-            change["resources"] = named
         when = self.now if at is None else at
         return self.apply(Event.model_validate({"at": when, "changes": [change]}))
 
@@ -240,12 +252,23 @@ class Execution:
         history = as_of(self._history, self._told, self.now)
         task = self._in_force(self._told, history, self.now)
         step = solve_step(task, history, self.now, self.options, tuple(self._events))
+        notes = [self._late(entry) for entry in not_as_planned(history, self.now)]
+        step = replace(step, notes=(*notes, *step.notes))
         self.task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:
             self.reject()
         return replace(step, notes=(*self.take_notes(), *step.notes))
+
+    def _late(self, entry: Entry) -> Diagnostic:
+        start = f"{format_number(entry.start)} {self.task.time_unit}"
+        return Diagnostic(
+            Code.NOT_AS_PLANNED,
+            f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
+            "not to have begun",
+            hint="if it has, observe when it started",
+        )
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""

@@ -1,4 +1,4 @@
-"""What an event makes of a running task: of what has begun, and of what is planned.
+"""Applies an event to the history of a running task: to what has begun, and to the plan.
 
 `irc.events.apply` revises the task; here the schedule follows: a new duration moves the end of a
 running action, a cancellation ends it. Observations are in `irc.execution.observe`.
@@ -15,7 +15,7 @@ from irc.diagnostics.source import Pointer
 from irc.execution.event_step import EventStep
 from irc.execution.history import History
 from irc.execution.observe import expects, observe
-from irc.execution.presumed import settle
+from irc.execution.presumed import fix_begun
 from irc.execution.state import key_of
 from irc.model import DurationRange, Event, Task
 from irc.model.events import (
@@ -48,7 +48,7 @@ def follow(
     at = task.number(event.at)
     history.count += 1
     if not is_observation(event):
-        settle(history, task, at)
+        fix_begun(history, task, at)
     history.disturbed = True
     step = EventStep(
         history,

@@ -38,6 +38,8 @@ class History:
     """Whether something has come in since the last plan."""
     count: int = 0
     """The number of events that have come in."""
+    known_ends: frozenset[Key] = frozenset()
+    """Occurrences that run, of actions that repeat, of which the end is as their entry has it."""
 
     @classmethod
     def of(cls, schedule: Schedule, at: Number = 0, *, assumes: bool = True) -> History:

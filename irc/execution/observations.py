@@ -1,4 +1,4 @@
-"""What has been observed of each occurrence, and which of two observations counts.
+"""The observed facts about each occurrence, and which of two observations counts.
 
 An observation says one or more of three facts: whether (and when) an occurrence began, whether (and
 when) it ended, and how it is done. Where two observations contradict each other in a fact, the
@@ -8,7 +8,7 @@ later one counts: the one of the later event, and of one instant the one that ca
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from irc.model.events import Observe
 from irc.model.quantities import Number
@@ -23,7 +23,7 @@ class Fact:
 
     `number` is the place of that event among all that came in. A fact that it runs may have the
     time at which it is `expected` to end, `as_planned` or not. A fact on how it is done has `mode`
-    and `resources` (the names that were said), and no `what`.
+    and `resources` (the names in the observation), and no `what`.
     """
 
     at: Number
@@ -58,14 +58,39 @@ class Fact:
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """All that has been observed of one occurrence: what counts of it."""
+    """All facts that have been observed of one occurrence, in their order, and those that count.
 
-    begin: Fact | None = None
+    A fact counts unless a later one that counts contradicts it, in whatever order they come in.
+    """
+
+    facts: tuple[Fact, ...] = ()
+    begin: Fact | None = field(init=False)
     """When it started, or that it had not begun."""
-    end: Fact | None = None
+    end: Fact | None = field(init=False)
     """When it ended or failed, or that it was still running."""
-    way: Fact | None = None
+    way: Fact | None = field(init=False)
     """The mode and the resources."""
+
+    def __post_init__(self) -> None:
+        counting = self.counting
+        for name, whats in (("begin", (STARTED, NOT_BEGUN)), ("end", (ENDED, FAILED, RUNNING))):
+            its = [f for f in counting if f.what in whats]
+            # (That it started, or ended, says more than that it had not.)
+            best = [f for f in its if f.what not in (NOT_BEGUN, RUNNING)] or its
+            object.__setattr__(self, name, best[0] if best else None)
+        way: Fact | None = None
+        for fact in reversed([f for f in counting if not f.what]):
+            way = _joined(way, fact)
+        object.__setattr__(self, "way", way)
+
+    @property
+    def counting(self) -> list[Fact]:
+        """The facts that count, the latest first."""
+        found: list[Fact] = []
+        for fact in reversed(self.facts):
+            if not any(contradicts(fact, later) for later in found):
+                found.append(fact)
+        return found
 
     @property
     def waits(self) -> bool:
@@ -94,11 +119,6 @@ class Observed:
         """Whether it was observed to fail."""
         return self.end is not None and self.end.what == FAILED
 
-    @property
-    def facts(self) -> tuple[Fact, ...]:
-        """What counts."""
-        return tuple(fact for fact in (self.begin, self.end, self.way) if fact is not None)
-
 
 def facts_of(change: Observe, at: Number, number: int, clock: Clock) -> Iterator[Fact]:
     """The facts that an observation by an event at `at` says."""
@@ -122,7 +142,7 @@ def facts_of(change: Observe, at: Number, number: int, clock: Clock) -> Iterator
 
 
 def contradicts(earlier: Fact, later: Fact) -> bool:
-    """Whether two facts about one occurrence cannot both be so; `later` was said later."""
+    """Whether two facts about one occurrence cannot both be so; `later` was observed later."""
     if not earlier.what or not later.what:
         return earlier.what == later.what and not _same_way(earlier, later)
     pair = earlier.what, later.what
@@ -149,41 +169,21 @@ def _same_way(earlier: Fact, later: Fact) -> bool:
 
 
 def with_fact(known: Observed, new: Fact) -> tuple[Observed, tuple[Fact, ...], Fact | None]:
-    """(all that counts with one more fact, the facts it corrects, the later one that corrects it).
-
-    A fact that a later one contradicts does not count.
-    """
-    corrected: list[Fact] = []
-    for old in known.facts:
-        if new.order < old.order:
-            if contradicts(new, old):
-                return known, (), old
-        elif contradicts(old, new):
-            corrected.append(old)
-    for old in corrected:
-        known = _without(known, old)
-    if not new.what:
-        return (
-            replace(known, way=_later(known.way, _joined(known.way, new))),
-            tuple(corrected),
-            None,
-        )
-    if new.what in (STARTED, NOT_BEGUN):
-        told = known.begin
-        # (That it started says more than that it had not begun before.)
-        keeps = told is not None and told.what == STARTED and new.what == NOT_BEGUN
-        same = told is not None and told.what == new.what
-        begin = told if keeps else _later(told, new) if same else new
-        return replace(known, begin=begin), tuple(corrected), None
-    told = known.end
-    keeps = told is not None and told.what != RUNNING and new.what == RUNNING
-    same = told is not None and told.what == new.what
-    end = told if keeps else _later(told, new) if same else new
-    return replace(known, end=end), tuple(corrected), None
+    """(all facts with one more, those it corrects, the later one that contradicts it)."""
+    before = known.counting
+    facts = [f for f in known.facts if not _replaces(new, f)]
+    after = Observed(tuple(sorted((*facts, new), key=lambda f: f.order)))
+    counting = after.counting
+    if new not in counting:
+        by = next(f for f in counting if f.order >= new.order and contradicts(new, f))
+        return after, (), by
+    corrected = [f for f in before if f not in counting and contradicts(f, new)]
+    return after, tuple(corrected), None
 
 
-def _later(old: Fact | None, new: Fact) -> Fact:
-    return new if old is None or old.order <= new.order else old
+def _replaces(new: Fact, old: Fact) -> bool:
+    """Whether an old fact says nothing any more: it ran then, as it does later."""
+    return new.what == old.what == RUNNING and old.order < new.order
 
 
 def _joined(old: Fact | None, new: Fact) -> Fact:
@@ -191,7 +191,3 @@ def _joined(old: Fact | None, new: Fact) -> Fact:
     if old is None:
         return new
     return replace(new, mode=new.mode or old.mode, resources=new.resources or old.resources)
-
-
-def _without(known: Observed, fact: Fact) -> Observed:
-    return Observed(*(None if f is fact else f for f in (known.begin, known.end, known.way)))

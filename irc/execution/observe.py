@@ -25,6 +25,7 @@ from irc.model import Action
 from irc.model.cancellation import is_over
 from irc.model.events import Observe
 from irc.model.quantities import Number
+from irc.model.world_changes import is_world_change
 from irc.schedule import CANCELLED, Entry
 
 _FIELDS = {
@@ -43,6 +44,23 @@ def observe(step: EventStep, change: Observe, at: Pointer) -> None:
     action = step.action(change.action)
     if action is None:
         return  # The event does not fit the task; `check_event` has said so.
+    if is_world_change(action, step.clock):
+        step.add_finding(
+            Code.UNSUITED_CHANGE,
+            f"{change.action!r} is a change of the world, which an event has reported",
+            (*at, "action"),
+            "set the state to what it really is",
+        )
+        return
+    if action.may_repeat and change.status == "failed":
+        step.add_finding(
+            Code.UNSUITED_CHANGE,
+            f"{change.action!r} may occur several times, so one of them cannot fail: the task "
+            "cannot express that",
+            (*at, "status"),
+            "observe that it finished, and what did not come of it",
+        )
+        return
     facts = tuple(facts_of(change, step.at, step.history.count, step.clock))
     if _is_over(step, action, key, facts, at) or _is_too_early(step, key, at):
         return
@@ -52,7 +70,10 @@ def observe(step: EventStep, change: Observe, at: Pointer) -> None:
         _note(step, key, fact, corrected, by, at)
     step.history.observed[key] = known
     step.forget()
-    if known.has_begun and _has_a_start(step, action, key, known, change, at):
+    if not known.has_begun:
+        _require_order(step, action, at)
+    elif _has_a_start(step, action, key, known, change, at):
+        _require_order(step, action, at)
         _require_way(step, action, key, known, at)
         _expect_as_planned(step, key, facts)
 
@@ -61,9 +82,16 @@ def expects(step: EventStep, key: Key, end: Number) -> None:
     """Takes the end that an event gives to what was observed to run as the expected one."""
     known = step.history.observed.get(key)
     if known is not None and known.end is not None and known.end.what == RUNNING:
-        end_fact = replace(known.end, expected=end, as_planned=True)
-        step.history.observed[key] = replace(known, end=end_fact)
-        step.forget()
+        _expect(step, key, known.end, end)
+
+
+def _expect(step: EventStep, key: Key, runs: Fact, end: Number) -> None:
+    """Adds the expected end to the fact that an occurrence runs."""
+    known = step.history.observed[key]
+    expecting = replace(runs, expected=end, as_planned=True)
+    facts = tuple(expecting if fact is runs else fact for fact in known.facts)
+    step.history.observed[key] = Observed(facts)
+    step.forget()
 
 
 def _is_over(
@@ -187,6 +215,24 @@ def _began_as_planned(step: EventStep, key: Key, entry: Entry) -> bool:
     return happened.can_begin(entry)
 
 
+def _require_order(step: EventStep, action: Action, at: Pointer) -> None:
+    """Reports occurrences that would not be numbered by their starts any more."""
+    if not action.may_repeat:
+        return
+    found = sorted(step.occurrences(action.id), key=lambda e: e.occurrence)
+    begun = [step.is_frozen(entry) for entry in found]
+    in_order = begun == sorted(begun, reverse=True)
+    starts = [entry.start for entry, has in zip(found, begun, strict=True) if has]
+    if in_order and starts == sorted(starts):
+        return
+    step.add_finding(
+        Code.OBSERVED,
+        f"by this the occurrences of {action.id!r} would not have begun in their order",
+        (*at, "occurrence"),
+        "occurrences are numbered by start, from 1 on: observe the earlier ones first",
+    )
+
+
 def _require_way(step: EventStep, action: Action, key: Key, known: Observed, at: Pointer) -> None:
     """Reports resources that an action cannot be done by, and a mode that is not known."""
     if known.way is None:
@@ -215,16 +261,14 @@ def _require_way(step: EventStep, action: Action, key: Key, known: Observed, at:
 
 
 def _expect_as_planned(step: EventStep, key: Key, facts: tuple[Fact, ...]) -> None:
-    """What runs and need not have ended yet is expected to end as planned."""
+    """Expects what runs, and need not have ended yet, to end as planned."""
     known = step.history.observed[key]
     if known.end is None or known.end not in facts or known.end.what != RUNNING:
         return
     if known.end.expected is None:
-        unsaid = replace(known, end=None)
-        others = replace(step.history, observed={**step.history.observed, key: unsaid})
-        entry = presumed(others, step.task, step.now, step.actions).entries.get(key)
+        others = tuple(fact for fact in known.facts if fact is not known.end)
+        unseen = {**step.history.observed, key: Observed(others)}
+        without = replace(step.history, observed=unseen)
+        entry = presumed(without, step.task, step.now, step.actions).entries.get(key)
         if entry is not None and entry.end > step.at:
-            step.history.observed[key] = replace(
-                known, end=replace(known.end, expected=entry.end, as_planned=True)
-            )
-            step.forget()
+            _expect(step, key, known.end, entry.end)

@@ -20,7 +20,7 @@ from irc.schedule import CANCELLED, Entry
 
 @dataclass
 class Happened:
-    """What has happened by `now`, as far as it is known, and the task.
+    """The facts about a task as of `now`.
 
     `begun` are the entries of what has begun; `planned` is all else that is planned.
     """
@@ -30,13 +30,13 @@ class Happened:
     begun: dict[Key, Entry] = field(default_factory=dict)
     planned: dict[Key, Entry] = field(default_factory=dict)
     certain: Collection[Key] = ()
-    """What of it was observed."""
+    """The keys in `begun` that were observed."""
     holders: dict[str, list[Entry]] = field(default_factory=dict)
     """The entries that hold each resource."""
 
     @classmethod
     def all_of(cls, task: Task, entries: Iterable[Entry], now: Number) -> Happened:
-        """What happens if all entries are carried out as they are."""
+        """The facts if all entries are carried out as they are."""
         happened = cls(task, now)
         for entry in entries:
             happened.add(entry)
@@ -59,7 +59,7 @@ class Happened:
         return not any(self.faults(entry))
 
     def faults(self, entry: Entry) -> list[bool]:
-        """What of its windows, predecessors, resources, conditions and stock forbids a start."""
+        """Whether each of window, predecessors, resources, conditions and stock forbids a start."""
         action = self.actions.get(entry.id)
         if action is None:
             return [False] * 5

@@ -1,4 +1,4 @@
-"""What has happened by a time: what was observed, and what is presumed of the plan.
+"""The facts of a running task as of a time: observations, and the part of the plan presumed.
 
 In the mode "assume" a plan is presumed to be carried out as it is, unless something else was
 observed or it cannot have been (`irc.execution.possible`). In the mode "confirm" nothing has begun
@@ -38,7 +38,7 @@ class Presumed:
 def presumed(
     history: History, task: Task, now: Number, actions: Mapping[str, Action] | None = None
 ) -> Presumed:
-    """What has happened by `now` of a task without its observations, and what is planned.
+    """The facts as of `now` about a task without its observations, and its plan.
 
     `actions` are those of the task, where some are to be taken as an event has revised them.
     """
@@ -57,10 +57,42 @@ def as_of(history: History, task: Task, now: Number) -> History:
         ended = failed.get(action.id)
         if ended is not None and not action.may_repeat:
             cancelled[action.id] = ended
-    return replace(history, entries=taken.entries, begun=taken.begun, cancelled=cancelled)
+    return replace(
+        history,
+        entries=taken.entries,
+        begun=taken.begun,
+        cancelled=cancelled,
+        known_ends=frozenset(_known_ends(history, taken, task, now)),
+    )
 
 
-def settle(history: History, task: Task, now: Number) -> None:
+def _known_ends(history: History, taken: Presumed, task: Task, now: Number) -> Iterator[Key]:
+    """What runs of actions that repeat, and does not end when the solver likes."""
+    if history.assumes and not history.observed:
+        return
+    repeat = {action.id for action in task.actions if action.may_repeat}
+    for key in taken.begun if repeat else ():
+        observed = history.observed.get(key, _NOTHING)
+        seen = observed.end is not None and observed.ended is None
+        if key[0] in repeat and taken.entries[key].end > now and (seen or not history.assumes):
+            yield key
+
+
+def not_as_planned(history: History, now: Number) -> list[Entry]:
+    """The entries that should have begun by `now` and cannot have, of a history as of then."""
+    if not history.assumes:
+        return []
+    return [
+        entry
+        for key, entry in history.entries.items()
+        if entry.start < now
+        and key not in history.begun
+        and (history.held is None or entry.start < history.held)
+        and not history.observed.get(key, _NOTHING).waits
+    ]
+
+
+def fix_begun(history: History, task: Task, now: Number) -> None:
     """Keeps what has begun by now, before an event revises the task."""
     begun = presumed(history, task, now).begun
     history.late |= {
@@ -86,7 +118,7 @@ def adopt(history: History, schedule: Schedule, task: Task, now: Number) -> None
 
 
 def outcomes(history: History, task: Task, now: Number) -> list[Outcome]:
-    """What has to be written into the task, so that what has happened by now is what it says.
+    """The facts as of `now` that have to be written into the task.
 
     `history` is as it is taken to be at `now`. Of actions that may repeat, only the history knows.
     """
@@ -109,6 +141,8 @@ def _outcome(
     history: History, task: Task, action: Action, entry: Entry, observed: Observed, now: Number
 ) -> Outcome:
     started, took = observed.started, entry.end - entry.start
+    if started is None and entry.start == now:
+        started = now
     if observed.failed:
         return Outcome(action.id, started, at_least=took, failed=entry.end)
     if entry.status == CANCELLED:
@@ -197,13 +231,15 @@ class _Presuming:
     def _judged(
         self, entries: dict[Key, Entry], known: dict[Key, Entry], possible: list[Entry]
     ) -> Presumed:
-        """What has begun of what is possible: what can have, beside what is known."""
+        """The facts where each of `possible` has begun if it can have, beside what is `known`."""
         happened = Happened.all_of(self.task, (*known.values(), *possible), self.now)
         happened.certain = known
         happened.planned = {k: e for k, e in entries.items() if k not in happened.begun}
         as_planned: Happened | None = None
         for entry in possible:
             key = key_of(entry)
+            if key not in happened.begun:
+                continue
             faults = happened.faults(entry)
             if any(faults) and key in self.history.begun:
                 # (What an event forbade after it had begun is no reason that it has not.)
@@ -212,8 +248,12 @@ class _Presuming:
                     as_planned = Happened.all_of(self.task, plan.values(), self.now)
                 before = as_planned.faults(self.history.plan.get(key, entry))
                 faults = [now and not then for now, then in zip(faults, before, strict=True)]
-            if not any(faults):
+            later = [k for k in happened.begun if k[0] == key[0] and k[1] > key[1]]
+            if not any(faults) or any(k in known for k in later):
                 continue
+            for k in later:  # Occurrences are numbered by start.
+                happened.planned[k] = happened.begun[k]
+                happened.remove(happened.begun[k])
             happened.remove(entry)
             if entry.status == CANCELLED:
                 del entries[key]

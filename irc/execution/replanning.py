@@ -24,7 +24,7 @@ from irc.model.world_changes import is_world_change
 from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
-from irc.schedule import CANCELLED, Schedule, Status
+from irc.schedule import LeftOut, Schedule, Status
 from irc.targets import (
     Backend,
     Budget,
@@ -70,18 +70,19 @@ def solve_step(
     cancelled = {**history.cancelled, **dict.fromkeys(names, at)}
     without = replace(history, cancelled=cancelled)
     step = _continued(rest, _lowered(rest, without, at, means), without, at, means, events)
-    left_out = (*stuck.actions, *stuck.goals)
-    schedule = replace(step.schedule, task_sha256=task_sha256(task))
+    left_out: tuple[LeftOut, ...] = (*stuck.actions, *stuck.goals)
+    schedule, gone = replace(step.schedule, task_sha256=task_sha256(task)), step.moved
     if schedule.answered:
         schedule = replace(schedule, left_out=left_out)
+        gone = moved(history.state(at).open, schedule, history)
     stopped = [had.action for had in task.lapsed if had.repetition is None]
     notes = (*in_words(stuck, stopped), *step.notes)
-    return replace(step, task=task, schedule=schedule, notes=notes)
+    return replace(step, task=task, schedule=schedule, notes=notes, moved=gone)
 
 
 @dataclass(frozen=True, slots=True)
 class _Means:
-    """What a step is solved with."""
+    """The means by which a step is solved."""
 
     backend: Backend
     engine: Engine
@@ -126,18 +127,17 @@ def _continued(
     notes = outcome.notes
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))
-    stopped = [e for e in state.completed if e.status == CANCELLED]
     return Step(
         at,
         events,
-        ids([e for e in state.completed if e.status != CANCELLED]),
+        ids(state.completed),
         ids(state.running),
         moved(state.open, schedule, history) if schedule.answered else 0,
         schedule,
         task,
         notes,
         tuple(problem.groups[k].id for k in given_up),
-        ids(stopped),
+        ids(state.stopped),
     )
 
 

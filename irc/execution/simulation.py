@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Unpack
 
-from irc.diagnostics.source import Pointer
-from irc.driver.compile import placed
+from irc.diagnostics import Diagnostic, InputError, Report
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
 from irc.execution.rounding import Rounding
 from irc.execution.step import Step
+from irc.frontends.events import PlacedEvent
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
 from irc.model.quantities import Number
@@ -29,7 +29,7 @@ OnStep = Callable[[Step], None]
 class Simulation:
     """The steps of an episode; the first one is the plan as of t = 0, before any event.
 
-    An episode ends with its last event, or with the first step that has no answer.
+    An episode ends with its last event; without a first plan it does not begin.
     """
 
     task: str | None
@@ -37,7 +37,7 @@ class Simulation:
 
     @property
     def final(self) -> Schedule:
-        """The last schedule: the whole history, where every step had an answer."""
+        """The last schedule: the whole history, where the last step has an answer."""
         return self.steps[-1].schedule
 
     @property
@@ -58,6 +58,20 @@ class Simulation:
         }
 
 
+class EventRefused(InputError):
+    """An event of an episode does not fit what has happened.
+
+    `report` has what is wrong and where in the task, `simulation` all steps before it.
+    """
+
+    def __init__(self, report: Report, simulation: Simulation) -> None:
+        super().__init__(report)
+        self.simulation = simulation
+
+    def __reduce__(self) -> tuple[type[EventRefused], tuple[Report, Simulation]]:
+        return type(self), (self.report, self.simulation)
+
+
 def simulate(
     task: Task | Built[Task],
     *,
@@ -68,9 +82,10 @@ def simulate(
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
-    Events of one instant are one step, in their order. The options are those of `SolveOptions`;
-    limits hold for each step. Raises what `irc.solve` and `Execution` raise, after it has called
-    `on_step` for all previous steps.
+    Events of one instant are one step, in their order. A step without an answer does not end it:
+    nothing new begins until a later one has an answer. The options are those of `SolveOptions`;
+    limits hold for each step. Raises `EventRefused`, and what `irc.solve` and `Execution` raise,
+    after it has called `on_step` for all previous steps.
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
     if schedule is None:
@@ -90,23 +105,25 @@ def simulate(
         return rounding.time(task.number(event.at))
 
     for _, same in groupby(in_order(task), key=moment):
-        noted = [
-            placed(replace(note, pointer=(*_place(task, event), *note.pointer)), task)
-            for event in same
-            for note in execution.apply(event)
-        ]
+        noted: list[Diagnostic] = []
+        for event in same:
+            try:
+                noted += _placed(task, event).notes(execution.apply(event))
+            except InputError as error:
+                report = _placed(task, event).anchored(error.report)
+                raise EventRefused(report, Simulation(task.name, tuple(steps))) from None
         step = execution.replan()
         step = replace(step, notes=(*noted, *step.notes))
         steps.append(step)
         if on_step is not None:
             on_step(step)
-        if not step.schedule.answered:
-            break
     return Simulation(task.name, tuple(steps))
 
 
-def _place(task: Task, event: Event) -> Pointer:
-    return "events", task.events.index(event)
+def _placed(task: Task, event: Event) -> PlacedEvent:
+    """One of a task's own events with its place in the text of the task."""
+    place = next(i for i, own in enumerate(task.events) if own is event)
+    return PlacedEvent(event, ("events", place), task.source)
 
 
 def in_order(task: Task) -> list[Event]:

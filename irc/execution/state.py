@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from irc.model.quantities import Number
-from irc.schedule import Entry, Schedule
+from irc.schedule import CANCELLED, Entry, Schedule
 
 Key = tuple[str, int]
 """An occurrence: the action's id and the number of the occurrence."""
@@ -30,6 +30,11 @@ class ExecutionState:
     completed: tuple[Entry, ...]
     running: tuple[Entry, ...]
     open: tuple[Entry, ...]
+
+    @property
+    def stopped(self) -> tuple[Entry, ...]:
+        """The completed entries that were cancelled, or failed."""
+        return tuple(entry for entry in self.completed if entry.status == CANCELLED)
 
     @property
     def frozen(self) -> tuple[Entry, ...]:

@@ -19,10 +19,11 @@ from irc.schedule import Entry, LeftOut, Schedule
 class Step:
     """The result of replanning at one instant.
 
-    `completed`, `running` and `stopped` (cancelled or failed) are ids as of then. `moved` counts the planned occurrences whose
-    start, mode or resources differ from the previous plan, or that are gone. `abandoned` are
-    half-done groups that cannot be finished. `schedule` is the whole history with the new plan, an
-    answer to `task`.
+    `completed` and `running` are ids as of then; `stopped` are those of what was cancelled or
+    failed, which is over too. `moved` counts the planned occurrences whose start, mode or resources
+    differ from the previous plan, or that are gone. `abandoned` are half-done groups that cannot be
+    finished. `schedule` is the whole history with the new plan, an answer to `task` except for what
+    is `left_out`.
     """
 
     at: Number
@@ -38,7 +39,7 @@ class Step:
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """What is required and cannot go on at present: the schedule goes on without it."""
+        """The required actions and goals that cannot go on: the schedule is without them."""
         return self.schedule.left_out
 
     def to_dict(self) -> dict[str, Any]:

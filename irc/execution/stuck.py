@@ -1,4 +1,4 @@
-"""What cannot go on, whatever else is done: its resources, stock or conditions are gone for good.
+"""Finds actions that cannot go on: their resources, stock or conditions are gone for good.
 
 Everything here is certain: what it finds cannot be carried out as the task now is. It says nothing
 of times that are merely too short for all that is to be done.
@@ -18,7 +18,7 @@ from irc.model.state_values import value_text
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Condition, Problem, Renewable
 
 SHOWN = 50
-"""So many of what cannot go on are named with their reasons, and as many more by name."""
+"""At most this many are named with their reasons, and as many more by name."""
 
 Fact = tuple[int, int]
 """A state variable and a value, as indexes."""
@@ -41,7 +41,7 @@ class Stuck:
 
 
 def in_words(stuck: Stuck, stopped: Sequence[str] = ()) -> tuple[Diagnostic, ...]:
-    """What cannot go on and why, as diagnostics.
+    """The actions and goals that cannot go on, as diagnostics.
 
     `stopped` are cancelled actions that have not been done again.
     """
@@ -51,9 +51,8 @@ def in_words(stuck: Stuck, stopped: Sequence[str] = ()) -> tuple[Diagnostic, ...
         for name, why in reasons[:SHOWN]
     ]
     if len(reasons) > SHOWN:
-        names = and_more(
-            [repr(name) for name, _ in reasons[SHOWN : 2 * SHOWN]], len(reasons) - SHOWN
-        )
+        more = [repr(name) for name, _ in reasons[SHOWN : 2 * SHOWN]]
+        names = and_more(more, len(reasons) - SHOWN)
         what = f"neither can these go on: {names}"
         hint = "they are left out until that changes"
         found.append(Diagnostic(Code.NO_CONTINUATION, what, hint=hint))
@@ -110,7 +109,7 @@ class _Search:
 
     @cached_property
     def open(self) -> list[int]:
-        """What has not begun and is not over."""
+        """The activities that have not begun and are not over."""
         return [
             i
             for i, a in enumerate(self.problem.activities)
@@ -119,7 +118,7 @@ class _Search:
 
     @cached_property
     def required(self) -> set[int]:
-        """What must happen, whatever is chosen."""
+        """The activities that must happen, whatever is chosen."""
         problem = self.problem
         chosen = {i for g in problem.groups if not g.required for i in g.members}
         must = {i for g in problem.groups if g.required for i in g.members} | {*problem.required}
@@ -146,7 +145,7 @@ class _Search:
         for u in activity.uses_in(mode) if length else ():
             use = activity.uses[u]
             its = [self.before.resources[r] for r in use.alternatives]
-            if any(_has_time(r, use.amount, length, begin, activity.deadline) for r in its):
+            if any(_has_time(r, use.amount, length, begin) for r in its):
                 continue
             names = " or ".join(repr(r.id) for r in its)
             most = max(_greatest(r, begin) for r in its)
@@ -159,7 +158,7 @@ class _Search:
     # --- what waits for what ---
 
     def _wait_for_each_other(self) -> None:
-        """What waits for something stuck is stuck; so is what must be followed by it in time."""
+        """Adds activities that wait for stuck ones, or must be followed by them in time."""
         again = True
         while again:
             again = False
@@ -191,7 +190,7 @@ class _Search:
             details = activity.details
             taken: Counter[int] = Counter()
             for change in details.stock:
-                if not change.at_end or change.amount < 0:
+                if change.reservoir < len(levels) and (not change.at_end or change.amount < 0):
                     taken[change.reservoir] -= change.amount
             for r, amount in taken.items():
                 if amount > levels[r]:
@@ -214,7 +213,7 @@ class _Search:
         """For each reservoir what it has if nothing more is taken and all that can be is put in."""
         levels = [
             max(one.initial, lent.initial) - one.least
-            for one, lent in zip(self.before.reservoirs, self.problem.reservoirs, strict=True)
+            for one, lent in zip(self.before.reservoirs, self.problem.reservoirs, strict=False)
         ]
         endless: set[int] = set()
         for i, activity in enumerate(self.problem.activities):
@@ -222,6 +221,8 @@ class _Search:
             if past is None and i not in self._open_set:
                 continue
             for change in activity.details.stock:
+                if change.reservoir >= len(levels):
+                    continue  # What is lent to the history, which nothing else takes.
                 if past is not None:
                     happened = not change.at_end or not past.running
                     if happened or change.amount > 0:
@@ -242,7 +243,7 @@ class _Search:
         values = set(self._now())
         for i, activity in enumerate(self.problem.activities):
             if self._runs(i):
-                values |= {(e.var, e.value) for e in activity.details.effects}
+                values |= {(e.var, e.value) for e in activity.details.effects if e.at_end}
         waiting = [(i, at_end) for i in self.open if i not in self.why for at_end in (False, True)]
         while True:
             left = [(i, at_end) for i, at_end in waiting if not self._happens(i, at_end, values)]
@@ -261,7 +262,7 @@ class _Search:
 
     def _runs(self, i: int) -> bool:
         past = self.frozen.executed.get(i)
-        return past is not None and (past.running or past.end >= self.frozen.now)
+        return past is not None and past.running
 
     def _now(self) -> Iterator[Fact]:
         """The values that variables may have now: in doubt about an order, several."""
@@ -300,20 +301,17 @@ def _greatest(resource: Renewable, since: int) -> int:
     return max((resource.capacity, *later))
 
 
-def _has_time(
-    resource: Renewable, amount: int, length: int, begin: int, deadline: int | None
-) -> bool:
-    """Whether a resource has an amount for a length of time, from `begin` on and by a deadline."""
+def _has_time(resource: Renewable, amount: int, length: int, begin: int) -> bool:
+    """Whether a resource has an amount for a length of time, from `begin` on."""
     since = begin
     for stop, capacity in _pieces(resource, begin):
-        if capacity < amount:
-            if stop is None:
-                return False
+        if capacity >= amount:
+            if stop is None or stop - since >= length:
+                return True
+        elif stop is None:
+            return False
+        else:
             since = stop
-            continue
-        ends = [t for t in (stop, deadline) if t is not None]
-        if not ends or min(ends) - since >= length:
-            return True
     return False
 
 

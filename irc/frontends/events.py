@@ -43,6 +43,11 @@ class PlacedEvent:
         )
         return Report(tuple(moved), self.source)
 
+    def notes(self, report: Report) -> list[Diagnostic]:
+        """The findings of a report on the event alone, each with its place and its text."""
+        found = self.anchored(report)
+        return [d if d.within else replace(d, within=found.source) for d in found.located()]
+
 
 def read_events(
     path: str, at: int | float | str

@@ -156,7 +156,7 @@ class RetryAction(Node):
 
 
 ObservedStatus = Literal["not_begun", "running", "finished", "failed"]
-"""What an occurrence was at the time of a report."""
+"""The state of an occurrence at the time of an observation."""
 
 
 class Observe(Node):

@@ -132,7 +132,7 @@ class BoundSchedule:
 
     @cached_property
     def left_out(self) -> frozenset[LeftOut]:
-        """What a running task goes on without, as the schedule says; of t = 0, nothing."""
+        """The actions and goals that a running task goes on without; none as of t = 0."""
         return frozenset() if self.at is None else frozenset(self.schedule.left_out)
 
     @property

@@ -74,7 +74,7 @@ def test_what_waited_waits_for_the_repetition(changes: Any, target: str) -> None
 def test_it_can_be_done_again_later_and_from_files(how: str) -> None:
     failed = {"op": "observe", "action": "weld", "status": "failed"}
     first = step_of(WELD, PLAN, 6, CANCEL if how == "cancelled" else failed)
-    assert codes(first) == ["IRC711"]
+    assert codes(first) == ["IRC713"]
     assert "that it comes before 'paint'" in first.notes[0].message
     kept = Task.model_validate(json.loads(json.dumps(written_task(first.task))))
     assert irc.loads(print_task(kept)).ir == kept
@@ -145,7 +145,7 @@ def test_a_group_and_a_goal_come_back_when_all_had_been_cancelled() -> None:
     schedule = plan(entry("a", 0, 2), entry("b", 2, 4))
     both = {"op": "cancel_actions", "actions": ["a", "b"]}
     step = step_of(task, schedule, 1, both)
-    assert (step.task.groups, step.task.goals, codes(step)) == ((), (), ["IRC711"])
+    assert (step.task.groups, step.task.goals, codes(step)) == ((), (), ["IRC713"])
     again = [{"op": "retry_action", "action": name} for name in ("b", "a")]
     step = step_of(step.task, step.schedule, 1, *again)
     (group,) = step.task.groups
@@ -175,7 +175,7 @@ def test_it_is_too_late_to_come_before_what_has_begun() -> None:
     assert starts(first.schedule)["paint"] == 6
     step = step_of(first.task, first.schedule, 7, RETRY)
     assert starts(step.schedule) == {"weld": 0, "paint": 6, "weld (2)": 10}
-    (note,) = [n for n in step.notes if n.code.id == "IRC711"]
+    (note,) = [n for n in step.notes if n.code.id == "IRC713"]
     assert note.message == "that 'weld (2)' comes before 'paint' lapses: it is too late for that"
 
 
@@ -361,4 +361,4 @@ def test_the_cases_that_people_had(tmp_path: Path, target: str) -> None:
     assert weld.exit_code == 0
     options = ("--schedule", schedule, "--at", "6", "--target", target, "--format", "json")
     told = run_irc("replan", cases / "weld.irc", *options, "--event", cases / "wfail2.json")
-    assert "IRC711" in [note["code"] for note in json.loads(told.stdout)["notes"]]
+    assert "IRC713" in [note["code"] for note in json.loads(told.stdout)["notes"]]

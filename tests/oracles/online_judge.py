@@ -225,7 +225,12 @@ def _compare(
         return
     found.compared = True
     before = len(found.faults)
-    if exact.best is None:
+    if step.left_out:
+        if exact.best is not None:
+            found.faults.append(
+                f"compare: {step.left_out} left out, and {_shown(exact)} is possible"
+            )
+    elif exact.best is None:
         if not found.infeasible:
             found.faults.append("compare: an answer, and brute force proves that there is none")
     elif found.infeasible:
@@ -281,6 +286,7 @@ def _needlessly_moved(
         step.schedule.status is not Status.OPTIMAL
         or not step.moved
         or step.abandoned
+        or step.left_out
         or any(not f.is_settled for f in facts)
     ):
         return
