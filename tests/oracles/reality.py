@@ -219,7 +219,8 @@ def judged(
     observed = {key[0] for key, facts in known.items() if facts}
     for violation in verdict.carried:
         if violation.rule in ("precedence", "capacity", "release") and not (
-            observed & set(violation.actions) or any(repr(name) in violation.message for name in changed)
+            observed & set(violation.actions)
+            or any(repr(name) in violation.message for name in changed)
         ):
             yield f"presumed, and impossible: {violation.message}"
     yield from _presumed_starts(task, entries, observed, going, now)
