@@ -215,14 +215,14 @@ def explain(
 ) -> None:
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
-    from irc.driver.compile import later_events
+    from irc.driver.compile import notes_on
     from irc.explanation import explain_task
 
     with reporting_errors(format):
         reading = _read(file)
         explanation = explain_task(reading.task, time_limit)
         _print_reading_notes(reading, format)
-        print_notes(later_events(reading.task))
+        print_notes(notes_on(reading.task))
         put_explanation(explanation, format)
 
 
