@@ -1,9 +1,9 @@
 """Random sessions of an executive that reports late, out of order, wrongly and again.
 
-`play` carries out a small random task: plans, observations of all sorts, capacities and states that
-change. Each step is judged by what was observed, worked out here in another way than in
-`irc.execution`, and by the validator: what counts of the observations stands in the schedule, nothing
-is planned for the past, and nothing that is only presumed contradicts what is known.
+`play` carries out a small random task: plans, observations of all sorts, capacities and states
+that change. Each step is judged by what was observed, worked out here in another way than in
+`irc.execution`, and by the validator: what counts of the observations stands in the schedule,
+nothing is planned for the past, and nothing that is only presumed contradicts what is known.
 """
 
 from __future__ import annotations
@@ -219,7 +219,8 @@ def judged(
     observed = {key[0] for key, facts in known.items() if facts}
     for violation in verdict.carried:
         if violation.rule in ("precedence", "capacity", "release") and not (
-            observed & set(violation.actions) or any(repr(name) in violation.message for name in changed)
+            observed & set(violation.actions)
+            or any(repr(name) in violation.message for name in changed)
         ):
             yield f"presumed, and impossible: {violation.message}"
     yield from _presumed_starts(task, entries, observed, going, now)
