@@ -57,11 +57,13 @@ def too_short(duration: Instant, clock: Clock) -> Number | None:
 
 
 def _too_coarse(name: str, short: Number, task: Task, place: Pointer) -> tuple[Code, str, Pointer]:
+    from irc.model.resolution import in_words
+
     resolution = task.clock.resolution
     assert resolution is not None
     unit = task.time_unit
     message = (
-        f"the resolution is {format_number(resolution)} {unit}, coarser than the duration of "
+        f"the resolution is {in_words(resolution, task.clock)}, coarser than the duration of "
         f"{name!r}, {format_number(short)} {unit}"
     )
     return Code.COARSE_RESOLUTION, message, place
@@ -75,7 +77,7 @@ def rounding_note(task: Task) -> tuple[Diagnostic, ...]:
     clock = task.clock
     if clock.resolution is None:
         return ()
-    from irc.model.resolution import times_of
+    from irc.model.resolution import in_words, times_of
 
     changed = []
     for place, value in times_of(task.model_copy(update={"events": ()})):
@@ -92,7 +94,7 @@ def rounding_note(task: Task) -> tuple[Diagnostic, ...]:
     note = Diagnostic(
         Code.ROUNDED,
         f"{write_time(value)} is read as {format_number(clock.number(value))} {unit}{more}: "
-        f"the resolution is {format_number(clock.resolution)} {unit}",
+        f"the resolution is {in_words(clock.resolution, clock)}",
         first,
         _DERIVED if task.resolution is None else "write a finer resolution to keep more digits",
     )

@@ -225,7 +225,7 @@ def explain(
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
     from irc.cli.interruption import INTERRUPTION
-    from irc.driver.compile import later_events
+    from irc.driver.compile import notes_on
     from irc.explanation import explain_task
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
@@ -234,7 +234,7 @@ def explain(
             reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
         )
         _print_reading_notes(reading, format)
-        print_notes(later_events(reading.task))
+        print_notes(notes_on(reading.task))
         put_explanation(explanation, format)
 
 

@@ -77,12 +77,12 @@ def freeze(
             replace(
                 executed_activity(problem, activity, e, running=r),
                 by_itself=by_itself,
-                ends_so=key_of(e) in history.known_ends,
+                least_end=problem.whole_ticks(history.least_ends.get(key_of(e), 0)),
             )
             for e, r in begun
         ]
         if activity.details.repeats is not None:
-            in_order = sorted(found, key=lambda f: (f.start, f.end))
+            in_order = sorted(found, key=lambda f: (f.start, f.entry.occurrence))
             first = len(problem.activities)
             for k, past in enumerate(in_order, 1):
                 executed[first + len(further)] = past

@@ -38,8 +38,8 @@ class History:
     """Whether something has come in since the last plan."""
     count: int = 0
     """The number of events that have come in."""
-    known_ends: frozenset[Key] = frozenset()
-    """Occurrences that run, of actions that repeat, of which the end is as their entry has it."""
+    least_ends: Mapping[Key, Number] = field(default_factory=dict)
+    """Times before which running occurrences of actions that repeat do not end."""
 
     @classmethod
     def of(cls, schedule: Schedule, at: Number = 0, *, assumes: bool = True) -> History:

@@ -72,7 +72,9 @@ def observe(step: EventStep, change: Observe, at: Pointer) -> None:
     step.forget()
     if not known.has_begun:
         _require_order(step, action, at)
-    elif _has_a_start(step, action, key, known, change, at):
+    elif not _takes_no_time(step, action, key, known, at) and _has_a_start(
+        step, action, key, known, change, at
+    ):
         _require_order(step, action, at)
         _require_way(step, action, key, known, at)
         _expect_as_planned(step, key, facts)
@@ -213,6 +215,25 @@ def _began_as_planned(step: EventStep, key: Key, entry: Entry) -> bool:
     happened = Happened.all_of(step.task, begun, step.now)
     happened.planned = {k: e for k, e in taken.entries.items() if k not in taken.begun}
     return happened.can_begin(entry)
+
+
+def _takes_no_time(step: EventStep, action: Action, key: Key, known: Observed, at: Pointer) -> bool:
+    """Reports an occurrence that would begin and end just now, of an action that may repeat.
+
+    Its start is history, and a task does not fix one of several starts."""
+    entry = step.history.entries.get(key)
+    planned = None if entry is None else entry.start
+    started = planned if known.started is None else known.started
+    if not action.may_repeat or started != step.now or known.ended != step.now:
+        return False
+    step.add_finding(
+        Code.UNSUITED_CHANGE,
+        f"{action.id!r} may occur several times, so one of them cannot have begun and ended just "
+        "when that is observed",
+        (*at, "finished"),
+        "observe that it started, and later that it finished",
+    )
+    return True
 
 
 def _require_order(step: EventStep, action: Action, at: Pointer) -> None:

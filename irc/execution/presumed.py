@@ -62,20 +62,26 @@ def as_of(history: History, task: Task, now: Number) -> History:
         entries=taken.entries,
         begun=taken.begun,
         cancelled=cancelled,
-        known_ends=frozenset(_known_ends(history, taken, task, now)),
+        least_ends=dict(_least_ends(history, taken, task, now)),
     )
 
 
-def _known_ends(history: History, taken: Presumed, task: Task, now: Number) -> Iterator[Key]:
-    """What runs of actions that repeat, and does not end when the solver likes."""
+def _least_ends(
+    history: History, taken: Presumed, task: Task, now: Number
+) -> Iterator[tuple[Key, Number]]:
+    """Times before which what runs of actions that repeat does not end."""
     if history.assumes and not history.observed:
         return
-    repeat = {action.id for action in task.actions if action.may_repeat}
+    repeat = {action.id: action for action in task.actions if action.may_repeat}
     for key in taken.begun if repeat else ():
+        action, entry = repeat.get(key[0]), taken.entries[key]
         observed = history.observed.get(key, _NOTHING)
         seen = observed.end is not None and observed.ended is None
-        if key[0] in repeat and taken.entries[key].end > now and (seen or not history.assumes):
-            yield key
+        if action is None or entry.end <= now or not (seen or not history.assumes):
+            continue
+        usual = length_of(action, entry, task.clock) == entry.end - entry.start
+        soonest = min(entry.end, soon(action, entry, task, now))
+        yield key, soonest if usual else entry.end
 
 
 def not_as_planned(history: History, now: Number) -> list[Entry]:
@@ -209,10 +215,17 @@ class _Presuming:
                 entries[key] = self._to_its_end(entry) if key in history.begun else entry
                 if not observed.waits and self._is_due(key, entry):
                     possible.append(entries[key])
-        if not possible or (not history.disturbed and history.assumes):
+        if not possible or (history.assumes and self._as_planned(known)):
             begun = {*known, *map(key_of, possible)}
             return Presumed(_ended(entries, begun, self), begun)
         return self._judged(entries, known, sorted(possible, key=lambda e: (e.start, e.rank)))
+
+    def _as_planned(self, known: Mapping[Key, Entry]) -> bool:
+        """Whether nothing has come in since the last plan, and what is known goes as planned."""
+        plan = self.history.plan
+        return not self.history.disturbed and all(
+            key in plan and plan[key].end == entry.end for key, entry in known.items()
+        )
 
     def _is_due(self, key: Key, entry: Entry) -> bool:
         """Whether an occurrence has begun if all goes as planned."""

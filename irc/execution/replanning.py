@@ -116,6 +116,7 @@ def _lowered(
     """The problem of a task, and the same with the history fixed."""
     state = history.state(at)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
+    instants += history.least_ends.values()
     problem = lower(task, instants)
     previous = replace(problem.previous, stability=means.options.share)
     problem = replace(problem, previous=previous)

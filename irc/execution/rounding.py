@@ -17,7 +17,14 @@ from irc.model import Event, Task
 from irc.model.base import write_time
 from irc.model.events import AddActions, SetDuration
 from irc.model.quantities import Number, TimeError
-from irc.model.resolution import durations, fine_enough, running_resolution, times_of, with_times
+from irc.model.resolution import (
+    durations,
+    fine_enough,
+    in_words,
+    running_resolution,
+    times_of,
+    with_times,
+)
 from irc.model.times import Instant, common_tick, format_number, rounded
 from irc.schedule import Schedule
 
@@ -120,7 +127,7 @@ class Rounding:
             Code.ROUNDED,
             f"{what}'{name}' {write_time(value)} is taken as {format_number(time)} {unit}: times "
             "that come in while the task runs are rounded to its resolution, "
-            f"{format_number(self.resolution)} {unit}",
+            f"{in_words(self.resolution, self.task.clock)}",
             place,
             'a "resolution" of the task chooses another one; later roundings are not reported',
         )

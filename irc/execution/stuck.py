@@ -41,7 +41,7 @@ class Stuck:
 
 
 def in_words(stuck: Stuck, stopped: Sequence[str] = ()) -> tuple[Diagnostic, ...]:
-    """What cannot go on and why, as diagnostics.
+    """The actions and goals that cannot go on, as diagnostics.
 
     `stopped` are cancelled actions that have not been done again.
     """
@@ -243,7 +243,7 @@ class _Search:
         values = set(self._now())
         for i, activity in enumerate(self.problem.activities):
             if self._runs(i):
-                values |= {(e.var, e.value) for e in activity.details.effects}
+                values |= {(e.var, e.value) for e in activity.details.effects if e.at_end}
         waiting = [(i, at_end) for i in self.open if i not in self.why for at_end in (False, True)]
         while True:
             left = [(i, at_end) for i, at_end in waiting if not self._happens(i, at_end, values)]

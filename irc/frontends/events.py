@@ -35,7 +35,7 @@ class PlacedEvent:
 
     def anchored(self, report: Report) -> Report:
         """A report on the event alone, with places in the text of the event."""
-        if report.source is not None or self.source is None:
+        if report.source is not None:
             return report
         moved = (
             replace(d, pointer=(*self.pointer, *d.pointer), fix=()) if d.offset is None else d

@@ -17,13 +17,13 @@ from pydantic import PlainValidator
 from irc.diagnostics.source import Pointer
 from irc.model.base import Node
 from irc.model.quantities import Number, Quantity, TimeError, exact
-from irc.model.times import Clock, Instant, parse_instant, parse_span
+from irc.model.times import Clock, Instant, format_number, parse_instant, parse_span
 
 if TYPE_CHECKING:
     from irc.model.task import Task
 
 FINEST = 10**9
-"""A number with a greater denominator is finer than any clock: nobody wrote it by hand."""
+"""A time with a greater denominator, as it is written and in seconds, is finer than any clock."""
 
 COARSEST = Fraction(1, 1000)
 """Seconds: the resolution of a running task, unless it has a duration below a second."""
@@ -38,7 +38,7 @@ def derived_resolution(task: Task, clock: Clock, exact: tuple[Any, ...] = ()) ->
     Parts of the tuples in `exact` are known to have no raw times.
     """
     known = {id(part) for parts in exact if isinstance(parts, tuple) for part in parts}
-    return running_resolution(task, clock) if _has_raw_times(task, known) else None
+    return running_resolution(task, clock) if _has_raw_times(task, clock.unit, known) else None
 
 
 def running_resolution(task: Task, clock: Clock) -> Number:
@@ -63,6 +63,15 @@ def fine_enough(lengths: Iterable[Instant], clock: Clock) -> Number:
     while step > limit:
         step /= 10
     return exact(step / clock.unit)
+
+
+def in_words(resolution: Number, clock: Clock) -> str:
+    """ "1 ms": a resolution in the greatest unit of which it is a multiple."""
+    seconds = Fraction(resolution) * clock.unit
+    for name, size in (("s", 1), ("ms", 1000), ("us", 1_000_000)):
+        if (seconds * size).denominator == 1:
+            return f"{seconds * size} {name}"
+    return f"{format_number(exact(seconds))} s"
 
 
 def pinned(task: Task) -> Task:
@@ -132,34 +141,34 @@ def _exact_all(values: Iterable[Instant], clock: Clock) -> Iterator[Number]:
             continue
 
 
-def _has_raw_times(task: Task, known: Container[int]) -> bool:
+def _has_raw_times(task: Task, unit: Fraction, known: Container[int]) -> bool:
     """Whether a time of the task is finer than any clock. Its events do not count.
 
     `known` are the identities of parts that have no such time.
     """
-    if _is_raw(task.deadline):
+    if _is_raw(task.deadline, unit):
         return True
     parts = [*task.actions, *task.resources, *task.groups]
     parts += [e for e in task.precedence if e.model_fields_set != _PLAIN]
-    return any(id(part) not in known and _holds_raw(part) for part in parts)
+    return any(id(part) not in known and _holds_raw(part, unit) for part in parts)
 
 
 _PLAIN = {"before", "after"}
 
 
-def _holds_raw(node: Node) -> bool:
+def _holds_raw(node: Node, unit: Fraction) -> bool:
     for value in node.__dict__.values():
         if isinstance(value, tuple):
-            if any(isinstance(item, Node) and _holds_raw(item) for item in value):
+            if any(isinstance(item, Node) and _holds_raw(item, unit) for item in value):
                 return True
-        elif _holds_raw(value) if isinstance(value, Node) else _is_raw(value):
+        elif _holds_raw(value, unit) if isinstance(value, Node) else _is_raw(value, unit):
             return True
     return False
 
 
-def _is_raw(value: Any) -> bool:
+def _is_raw(value: Any, unit: Fraction) -> bool:
     if isinstance(value, Fraction):
-        return value.denominator > FINEST
+        return value.denominator > FINEST and (value * unit).denominator > FINEST
     return isinstance(value, Quantity) and value.seconds.denominator > FINEST
 
 

@@ -260,6 +260,8 @@ def _past(
     over = entry.end <= at
     if over or shortest is None or longest is None or shortest == longest:
         return Past(over, entry.end, entry.end)
+    if not shortest <= entry.end - entry.start <= longest:
+        return Past(over, entry.end, entry.end)  # It was observed to take another time.
     earliest = max(at, entry.start + shortest)
     return Past(over, earliest, max(earliest, entry.start + longest))
 

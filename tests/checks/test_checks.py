@@ -178,7 +178,7 @@ TIMES = [
     case(
         '{"actions": [{"id": "a", "duration": ‸0.30000000000000004}]}',
         "IRC108 /actions/0/duration",
-        says="0.30000000000000004 is read as 0.3 s: the resolution is 0.0001 s",
+        says="0.30000000000000004 is read as 0.3 s: the resolution is 100 us",
     ),
     case(
         '{"resolution": ‸"1 min", "actions": [{"id": "a", "duration": 60},\n'

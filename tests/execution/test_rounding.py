@@ -181,7 +181,7 @@ def test_a_feature_that_the_target_lacks_is_refused_as_it_comes_in() -> None:
 
 def test_an_own_event_with_raw_times_is_applied_and_gone() -> None:
     own = {"at": 0.10003671646118173, "changes": [{"op": "observe", "action": "c", "started": 0.1}]}
-    task = robot(events=[own])
+    task = irc.loads(robot(events=[own]).model_dump_json(exclude_unset=True)).ir
     episode = irc.simulate(task)
     assert episode.steps[1].at == Fraction(1, 10)
     assert episode.steps[1].task.events == ()

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from irc.errors import IrcError
 from irc.model import Task
 from irc.model.canonical import task_sha256, written_task
-from irc.model.resolution import pinned, running_resolution, times_of, with_times
+from irc.model.resolution import in_words, pinned, running_resolution, times_of, with_times
 from irc.model.times import rounded
 
 
@@ -79,6 +79,14 @@ def test_a_resolution_is_derived_where_a_time_has_more_digits_than_a_clock(
     assert task(*durations).clock.resolution == derived
 
 
+def test_an_exact_time_of_a_large_or_small_unit_is_not_raw() -> None:
+    assert task("86.492 ms", "16/17", time_unit="month").clock.resolution is None
+    assert task(Fraction(86_492, 432 * 10**9), time_unit="month").clock.resolution is None
+    assert task(1.2345, 0.00025, time_unit="us").clock.resolution is None
+    assert task(0.1 + 0.2, time_unit="us").clock.resolution is not None
+    assert task(1 / 3, time_unit="month").clock.resolution is not None
+
+
 def test_a_raw_time_anywhere_in_the_task_counts() -> None:
     raw = 0.1 + 0.2
     windows = [{"from": raw, "to": 4, "capacity": 0}]
@@ -106,6 +114,21 @@ def test_a_thousandth_of_the_smallest_duration_is_kept_apart() -> None:
     assert running(5, 2, time_unit="us") == Fraction(1, 10**9)
     assert running(5, 2, time_unit="day") == Fraction(1, 1000)
     assert running(5, 2, resolution="1 min") == 60
+
+
+@pytest.mark.parametrize(
+    ("unit", "resolution", "text"),
+    [
+        ("s", "1 ms", "1 ms"),
+        ("min", 1, "60 s"),
+        ("h", "0.1 ms", "100 us"),
+        ("s", 1e-9, "0.000000001 s"),
+    ],
+)
+def test_a_resolution_is_shown_in_a_unit_of_its_size(unit: str, resolution: Any, text: str) -> None:
+    made = task(100, time_unit=unit, resolution=resolution)
+    assert made.clock.resolution is not None
+    assert in_words(made.clock.resolution, made.clock) == text
 
 
 def test_a_derived_resolution_stays_when_the_task_changes() -> None:

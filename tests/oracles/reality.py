@@ -1,9 +1,9 @@
 """Random sessions of an executive that reports late, out of order, wrongly and again.
 
-`play` carries out a small random task: plans, observations of all sorts, capacities and states that
-change. Each step is judged by what was observed, worked out here in another way than in
-`irc.execution`, and by the validator: what counts of the observations stands in the schedule, nothing
-is planned for the past, and nothing that is only presumed contradicts what is known.
+`play` carries out a small random task: plans, observations of all sorts, capacities and states
+that change. Each step is judged by what was observed, worked out here in another way than in
+`irc.execution`, and by the validator: what counts of the observations stands in the schedule,
+nothing is planned for the past, and nothing that is only presumed contradicts what is known.
 """
 
 from __future__ import annotations
