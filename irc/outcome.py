@@ -1,4 +1,4 @@
-"""The outcome of a call or a command: one form, whoever found it out (docs/outcomes.md)."""
+"""The outcome of a call or a command: one form for all (docs/outcomes.md)."""
 
 from __future__ import annotations
 

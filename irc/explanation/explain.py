@@ -69,7 +69,7 @@ def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation
 
 
 def _by_checks(task: Task, report: Report) -> Explanation:
-    """What the checks found to rule every schedule out, where no conflict is known for it."""
+    """The proof of the checks that no schedule exists, where no conflict is known for it."""
     return Explanation(
         Status.INFEASIBLE,
         task.name,
