@@ -29,8 +29,14 @@ if TYPE_CHECKING:
         Group,
         Mode,
         Resource,
+        Solving,
         StateVariable,
         Task,
+        aexplain,
+        areplan,
+        asimulate,
+        asolve,
+        asolve_iter,
         between,
         check,
         compile,
@@ -41,6 +47,8 @@ if TYPE_CHECKING:
         replan,
         simulate,
         solve,
+        solve_iter,
+        start,
         validate,
     )
     from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
@@ -53,8 +61,10 @@ if TYPE_CHECKING:
     from irc.problem.decisions import AnswerError
     from irc.schedule import Entry, ObjectiveValue, Schedule, Status
     from irc.targets import (
+        Cancellation,
         EngineFailed,
         EngineMissing,
+        ObjectiveLevel,
         Program,
         Progress,
         Refusal,
@@ -67,10 +77,12 @@ _HOMES = {
     "irc.api.calls": "check compile explain extract replan simulate solve validate",
     "irc.api.elements": "Action Group Mode Resource StateVariable",
     "irc.api.event": "Event",
+    "irc.api.running": "Solving aexplain areplan asimulate asolve asolve_iter solve_iter start",
     "irc.api.task": "Task load loads",
     "irc.api.values": "Between between",
     "irc.targets": (
-        "EngineFailed EngineMissing Program Progress Refusal SolveOptions UnknownTarget"
+        "Cancellation EngineFailed EngineMissing ObjectiveLevel Program Progress Refusal "
+        "SolveOptions UnknownTarget"
     ),
     "irc.diagnostics": "Code Diagnostic InputError Report Severity",
     "irc.errors": "IrcError LibraryMissing NameNotFound OptionError",
@@ -89,6 +101,7 @@ __all__ = [
     "Action",
     "AnswerError",
     "Between",
+    "Cancellation",
     "Code",
     "Diagnostic",
     "EngineFailed",
@@ -104,6 +117,7 @@ __all__ = [
     "LibraryMissing",
     "Mode",
     "NameNotFound",
+    "ObjectiveLevel",
     "ObjectiveValue",
     "OptionError",
     "Outcome",
@@ -116,6 +130,7 @@ __all__ = [
     "Severity",
     "Simulation",
     "SolveOptions",
+    "Solving",
     "StateVariable",
     "Status",
     "Step",
@@ -125,7 +140,12 @@ __all__ = [
     "Verdict",
     "Violation",
     "__version__",
+    "aexplain",
     "apply",
+    "areplan",
+    "asimulate",
+    "asolve",
+    "asolve_iter",
     "between",
     "check",
     "compile",
@@ -136,6 +156,8 @@ __all__ = [
     "replan",
     "simulate",
     "solve",
+    "solve_iter",
+    "start",
     "state_at",
     "validate",
 ]

@@ -1,4 +1,4 @@
-"""The outcome of a call or a command: one form for all (docs/outcomes.md)."""
+"""The outcome of a call or a command: one form for all stages (docs/outcomes.md)."""
 
 from __future__ import annotations
 
@@ -58,24 +58,31 @@ class Outcome:
     `status` is "optimal" or "feasible" (there is a schedule), "infeasible" (a proof that there is
     none), "unknown" (neither, within the limits), "interrupted", "refused" (the target cannot
     express the task), "faulty" (the input), "misused" (an option, a file that cannot be written),
-    "missing" or "failed" (the engine).
+    "missing" or "failed" (the engine). `answered`: there is a schedule, which there may also be
+    where the search was interrupted.
     """
 
     status: str
     message: str
     diagnostics: tuple[Finding, ...] = ()
+    answered: bool = False
 
     @classmethod
     def of(
-        cls, status: str, diagnostics: Iterable[Finding] = (), message: str | None = None
+        cls,
+        status: str,
+        diagnostics: Iterable[Finding] = (),
+        message: str | None = None,
+        *,
+        answered: bool | None = None,
     ) -> Outcome:
-        """The outcome with a status; the sentence is the usual one where none is given."""
-        return cls(status, message or _MESSAGES[status], tuple(diagnostics))
+        """The outcome with a status; the sentence is the usual one where none is given.
 
-    @property
-    def answered(self) -> bool:
-        """Whether there is a schedule."""
-        return self.status in (OPTIMAL, FEASIBLE)
+        Unless it says so itself, it is answered if the status is that of a schedule.
+        """
+        if answered is None:
+            answered = status in (OPTIMAL, FEASIBLE)
+        return cls(status, message or _MESSAGES[status], tuple(diagnostics), answered)
 
     @property
     def exit(self) -> int:
@@ -93,5 +100,6 @@ class Outcome:
             "status": self.status,
             "exit": self.exit,
             "message": self.message,
+            "answered": self.answered,
             "diagnostics": [finding.to_dict() for finding in self.diagnostics],
         }

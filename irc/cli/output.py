@@ -82,14 +82,24 @@ _STATUS = {EXIT_INPUT: FAULTY, EXIT_USE: MISUSED, EXIT_NO_ANSWER: UNKNOWN, EXIT_
 """The status of the outcome of a command that exits with a code and a message."""
 
 
+def prepare(format: Format) -> None:
+    """Loads what showing an answer takes: before planning, so that after it nothing is slow."""
+    if format is Format.text:
+        import irc.cli.render
+        import irc.cli.step_text  # noqa: F401
+
+
 @contextmanager
 def reporting_errors(format: Format) -> Iterator[None]:
     """Turns irc's errors into messages and exit codes, so that none ends in a traceback."""
+    from irc.cli.interruption import Interrupted
     from irc.driver.files import WriteError
     from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 
     try:
         yield
+    except Interrupted as interrupted:
+        fail(interrupted.status, "interrupted, before there was anything to show", format)
     except InputError as error:
         if format is Format.json:
             put_json(error.report.to_dict())

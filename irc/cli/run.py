@@ -7,11 +7,12 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from types import FrameType
-from typing import IO, NoReturn
+from typing import IO
 
-from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
+from irc.cli.exit_codes import EXIT_USE
+from irc.cli.interruption import INTERRUPTION, Interrupted
 from irc.cli.output import Format, fail, print_notes, reporting_errors, say
 from irc.cli.planning import (
     end_with,
@@ -39,21 +40,21 @@ def run_file(
         fail(EXIT_USE, "add --stdio: requests come from standard input", Format.text)
     if STANDARD_INPUT in (file, schedule):
         fail(EXIT_USE, "standard input is for the requests: name a file", Format.text)
+    # (Every acknowledged request is on disk.)
+    INTERRUPTION.usual = signal.SIGTERM
     with reporting_errors(Format.text), ExitStack() as open_files:
-        before = signal.signal(signal.SIGTERM, _ended)
-        open_files.callback(signal.signal, signal.SIGTERM, before)
         require_engine(options)
         task = read_sound_task(file, Format.text)
         try:
-            session = _session(task, schedule, journal, options, open_files)
-            _serve(session, sys.stdin.buffer)
+            with INTERRUPTION.planning() as cancel:
+                options = replace(options, cancel=cancel)
+                session = _session(task, schedule, journal, options, open_files)
+            if INTERRUPTION.status is None:
+                _serve(session, sys.stdin.buffer)
+        except Interrupted as interrupted:
+            sys.exit(interrupted.status)
         except JournalError as error:
             fail(EXIT_USE, str(error), Format.text)
-
-
-def _ended(_number: int, _frame: FrameType | None) -> NoReturn:
-    """Exits with success after SIGTERM: every acknowledged request is on disk."""
-    sys.exit(EXIT_DONE)
 
 
 def _session(
@@ -102,13 +103,14 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
         if len(line) > MAX_LINE:
             _send(session.too_long().line())
             continue
-        try:
-            answer = session.answer(line)
-        except JournalError as error:
-            _send(session.broken(str(error)).line())
-            raise
-        _send(answer.line())
-        if answer.last:
+        with INTERRUPTION.planning(session.execution.options.cancel):
+            try:
+                answer = session.answer(line)
+            except JournalError as error:
+                _send(session.broken(str(error)).line())
+                raise
+            _send(answer.line())
+        if answer.last or INTERRUPTION.status is not None:
             return
         if (unsaved := session.save()) is not None:
             say(f"note: {unsaved}")

@@ -115,8 +115,19 @@ def validate_schedule(
     return validate(task, schedule, at)
 
 
-def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
-    """The schedule of an outcome, with its status, objective values and bounds."""
+def finish(
+    task: Task,
+    problem: Problem,
+    outcome: Outcome,
+    target: str,
+    seconds: float,
+    *,
+    cancelled: bool = False,
+) -> Schedule:
+    """The schedule of an outcome, with its status, objective values and bounds.
+
+    It is interrupted where the call was cancelled before the answer was certain.
+    """
     schedule = outcome.schedule or Schedule(())
     status = outcome.status
     objective: tuple[ObjectiveValue, ...] = ()
@@ -132,6 +143,7 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
         engine=outcome.engine,
         seconds=round(seconds, 3),
         time_unit=task.time_unit,
+        interrupted=cancelled and status in (Status.FEASIBLE, Status.UNKNOWN),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Unpack
 
 from irc.checks.events import check_event
@@ -18,7 +19,7 @@ from irc.model.built import Built, event_of, task_of
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Schedule
-from irc.targets import SolveKeywords, SolveOptions
+from irc.targets import Budget, Cancellation, SolveKeywords, SolveOptions
 
 
 class Execution:
@@ -142,13 +143,33 @@ class Execution:
         self._events.append(event)
         return report
 
-    def replan(self) -> Step:
+    def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
-        Where no continuation exists the step reports it, and the previous schedule stays. Raises
-        `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+        Where no continuation exists the step reports it, and the previous schedule stays. `budget`
+        replaces the time limit and the cancellation of the options. Raises `InputError`,
+        `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt`
+        where ^C comes before there is any answer.
         """
-        step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
+        events = tuple(self._events)
+        step = solve_step(self.task, self._history, self.now, self.options, events, budget)
+        if step.schedule.answered:
+            self.adopt(step.schedule)
+        return step
+
+    async def areplan(self) -> Step:
+        """`replan` for `async` code: the execution must not be changed meanwhile.
+
+        If the task that awaits it is cancelled, the engine ends, and the plan stays as it was.
+        """
+        from irc.driver.running import awaited
+
+        task, history, at, events = self.task, self._history, self.now, tuple(self._events)
+
+        def call(cancel: Cancellation) -> Step:
+            return solve_step(task, history, at, replace(self.options, cancel=cancel), events)
+
+        step = await awaited(call, self.options.cancel)
         if step.schedule.answered:
             self.adopt(step.schedule)
         return step

@@ -23,6 +23,7 @@ from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
 from irc.schedule import Schedule, Status
 from irc.targets import Budget, EngineFailed, SolveOptions, get_backend, require_support
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 __all__ = ["Step", "solve_step"]
 
@@ -37,13 +38,32 @@ def solve_step(
     at: Number,
     options: SolveOptions,
     events: tuple[Event, ...] = (),
+    budget: Budget | None = None,
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
-    Raises `InputError` (the target refuses the task, or the history does not fit it),
-    `UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    `budget` replaces the time limit and the cancellation of the options. Raises `InputError` (the
+    target refuses the task, or the history does not fit it), `UnknownTarget`, `EngineMissing` or
+    `EngineFailed`, and `KeyboardInterrupt` where ^C comes before there is any answer.
     """
-    budget = Budget(options.time_limit)
+    if budget is not None:
+        return _step(task, history, at, options, events, budget)
+    with ended_by_interrupt(options.cancel) as cancel:
+        budget = replace(options, cancel=cancel).budget()
+        step = _step(task, history, at, options, events, budget)
+        if step.schedule.status is Status.UNKNOWN:
+            lost(cancel)
+    return step
+
+
+def _step(
+    task: Task,
+    history: History,
+    at: Number,
+    options: SolveOptions,
+    events: tuple[Event, ...],
+    budget: Budget,
+) -> Step:
     state = history.state(at)
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
@@ -64,7 +84,9 @@ def solve_step(
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
-    schedule = finish(task, whole, outcome, backend.name, budget.elapsed)
+    schedule = finish(
+        task, whole, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
+    )
     notes = reasons_for(task, outcome)
     schedule = explained(schedule, notes)
     if schedule.answered:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Unpack
 
+from irc.diagnostics import Diagnostic
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
 from irc.execution.step import Step
@@ -14,8 +15,9 @@ from irc.model import Event, Task
 from irc.model.built import Built, task_of
 from irc.model.times import json_number
 from irc.outcome import Outcome
-from irc.schedule import Schedule
+from irc.schedule import Schedule, Status
 from irc.targets import SolveKeywords, SolveOptions
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 SIMULATION_VERSION = "1"
 
@@ -26,11 +28,13 @@ OnStep = Callable[[Step], None]
 class Simulation:
     """The steps of an episode; the first one is the plan as of t = 0, before any event.
 
-    An episode ends with its last event, or with the first step that has no answer.
+    An episode ends with its last event, or with the first step that has no answer, or where it was
+    `interrupted`.
     """
 
     task: str | None
     steps: tuple[Step, ...]
+    interrupted: bool = False
 
     @property
     def final(self) -> Schedule:
@@ -53,6 +57,7 @@ class Simulation:
         return {
             "irc_simulation": SIMULATION_VERSION,
             "task": self.task,
+            **({"interrupted": True} if self.interrupted else {}),
             "steps": [step.to_dict() for step in self.steps],
             "final": final.to_dict(),
             "makespan": json_number(final.makespan) if final.answered else None,
@@ -67,36 +72,57 @@ def simulate(
     schedule: Schedule | None = None,
     on_step: OnStep | None = None,
     options: SolveOptions | None = None,
+    spent: float = 0.0,
     **more: Unpack[SolveKeywords],
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
     Events of one instant are one step, in their order. The options are those of `SolveOptions`;
-    limits hold for each step. Raises what `irc.solve` and `Execution` raise, after it has called
-    `on_step` for all previous steps.
+    limits hold for each step (`spent` are seconds that the first one has used already). Where it is
+    cancelled, the step that is being planned is the last. Raises what `irc.solve` and `Execution`
+    raise, after it has called `on_step` for all previous steps.
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
+    with ended_by_interrupt(chosen.cancel) as cancel:
+        options = replace(chosen, cancel=cancel)
+        steps = []
+        for step in _steps(task, schedule, options, spent):
+            steps.append(step)
+            if on_step is not None:
+                on_step(step)
+            if cancel is not None:
+                cancel.keep()
+                if cancel.is_cancelled:
+                    break
+        if len(steps) == 1 and steps[0].schedule.status is Status.UNKNOWN:
+            lost(cancel)
+        planned = schedule is None or len(steps) > 1
+        done = len(steps) > len({task.number(event.at) for event in task.events})
+        ended = cancel is not None and cancel.is_cancelled
+        partial = not done or (planned and steps[-1].schedule.interrupted)
+        return Simulation(task.name, tuple(steps), ended and partial)
+
+
+def _steps(
+    task: Task, schedule: Schedule | None, options: SolveOptions, spent: float
+) -> Iterator[Step]:
+    """The first plan, and the step of each instant with events, as long as there are answers."""
+    notes: tuple[Diagnostic, ...] = ()
     if schedule is None:
-        answer = solve_task(task, chosen)
-        schedule, notes = answer.schedule, answer.notes
-    else:
-        notes = ()
-    steps = [Step(0, (), (), (), 0, schedule, task, notes)]
-    if on_step is not None:
-        on_step(steps[0])
+        answer = solve_task(task, options, options.budget(spent))
+        schedule, notes, spent = answer.schedule, answer.notes, 0.0
+    yield Step(0, (), (), (), 0, schedule, task, notes)
     if not schedule.answered:
-        return Simulation(task.name, tuple(steps))
-    execution = Execution(task, schedule, options=chosen)
+        return
+    execution = Execution(task, schedule, options=options)
     for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
         for event in same:
             execution.apply(event)
-        step = execution.replan()
-        steps.append(step)
-        if on_step is not None:
-            on_step(step)
+        step = execution.replan(options.budget(spent))
+        spent = 0.0
+        yield step
         if not step.schedule.answered:
-            break
-    return Simulation(task.name, tuple(steps))
+            return
 
 
 def in_order(task: Task) -> list[Event]:

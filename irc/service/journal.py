@@ -134,8 +134,8 @@ class Journal:
     def save(self, snapshot: str) -> None:
         """Writes a snapshot, a JSON text on one line, from which a restart can begin.
 
-        A long journal then loses the lines in front of its previous snapshot. Raises `OSError`
-        where there is no room: the journal is as before, and can be written.
+        A long journal then loses the part in front of its previous snapshot. Raises `OSError` where
+        there is no room: the journal is as before, and can be written.
         """
         begin, before = self._file.seek(0, os.SEEK_END), self._snapshot
         self._write(to_line(self._lines, SNAPSHOT + snapshot.encode() + b"}"))

@@ -42,7 +42,7 @@ from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 RUN_VERSION = "1"
 
 MOST_REQUESTS, FEWEST_REQUESTS, ACTIONS_REPLAYED = 100, 20, 50_000
-"""There is a snapshot every 100 requests, or every 20 to 100 for a task with many actions."""
+"""A snapshot follows each such number of requests, fewer of them for a task with many actions."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The state of an execution as JSON, and back: nothing in it is run, only data.
+"""The state of an execution as JSON, and back: nothing but data, which is safe to read.
 
 Whole numbers, texts, truth values, null and floats are themselves, and a list is a tuple. All else
 is an object whose `$` names its kind: a class of `_CLASSES` with its fields, a part of the IR as it

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from irc import outcome
@@ -16,19 +17,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
-    """An improving answer while an engine runs. Makespan and bound in ticks."""
-
-    seconds: float
-    makespan: int | None
-    bound: int
-    engine: str
-
-
-OnProgress = Callable[[Progress], None]
-
-
-@dataclass(frozen=True, slots=True)
 class ObjectiveLevel:
     """The value reached for one objective, and a bound on it given the best earlier objectives.
 
@@ -38,6 +26,68 @@ class ObjectiveLevel:
     name: str
     value: Number
     bound: Number | None = None
+
+    @property
+    def gap(self) -> float | None:
+        """How far value and bound are apart, from 0 (proven best) to 1; None without a bound."""
+        if self.bound is None:
+            return None
+        if self.value == self.bound:
+            return 0.0
+        value, bound = Fraction(self.value), Fraction(self.bound)
+        return float(abs(value - bound) / max(abs(value), abs(bound)))
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """A better answer, or a better bound on it, while an engine runs.
+
+    `seconds` count from when the call began. `objective` names what is being improved, and `value`,
+    `bound` and `gap` are its own; `levels` have it with the objectives before it, or all of them,
+    in their order. Engines give `found`, which makes the schedule of this answer; it is lost when a
+    progress is pickled.
+    """
+
+    seconds: float
+    engine: str
+    objective: str
+    levels: tuple[ObjectiveLevel, ...]
+    found: Callable[[], Schedule] | None = field(default=None, repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.seconds, self.engine, self.objective, self.levels)
+
+    @property
+    def level(self) -> ObjectiveLevel:
+        """The objective that is being improved."""
+        return next(level for level in self.levels if level.name == self.objective)
+
+    @property
+    def value(self) -> Number:
+        """The value of the objective that is being improved."""
+        return self.level.value
+
+    @property
+    def bound(self) -> Number | None:
+        """A proven bound on it; None where none is known."""
+        return self.level.bound
+
+    @property
+    def gap(self) -> float | None:
+        """How far the two are apart, from 0 (proven the best) to 1; None without a bound."""
+        return self.level.gap
+
+    def schedule(self) -> Schedule:
+        """The schedule of this answer, exact and validated; it is made when it is asked for.
+
+        Raises `EngineFailed` where the validator rejects it, or where it is not to be had.
+        """
+        if self.found is None:
+            raise EngineFailed("this progress is a copy, which has no schedule")
+        return self.found()
+
+
+OnProgress = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,7 +58,7 @@ REFUSED["objective"] = ["minimize_tardiness"]
 FAULTY = {"name": "x", "actions": [{"id": "a0", "duratio": 5}]}
 PLAN = {"actions": [{"id": "a0", "start": 0, "end": 5}]}
 
-OUTCOME_FIELDS = {"irc_outcome", "status", "exit", "message", "diagnostics"}
+OUTCOME_FIELDS = {"irc_outcome", "status", "exit", "message", "answered", "diagnostics"}
 SCHEDULE_FIELDS = {
     *("irc_schedule", "task", "task_sha256", "time_unit", "status", "makespan", "objective"),
     *("actions", "target", "engine", "seconds", "outcome"),
