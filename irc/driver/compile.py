@@ -27,13 +27,13 @@ def _accepted(task: Task) -> Checked:
 
 
 HURRIED_SHARE = 0.3
-"""Of the time limit: once it is spent, passes that only prove bounds are left out."""
+"""Of the time limit: once it is spent, only the quick bounds on the makespan are sought."""
 
 
 def lower_for(task: Task, backend: Backend, budget: Budget | None = None) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
-    Passes that only bound the makespan are left out if much of the budget is spent. Raises
+    If much of the budget is spent, only quick bounds on the makespan are sought. Raises
     `InputError` if the task is faulty or the target does not support it.
     """
     checked = _accepted(task)
