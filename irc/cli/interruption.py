@@ -91,7 +91,7 @@ class Interruption:
 
     def _waited(self, _number: int, _frame: FrameType | None) -> None:
         cancellation = self.cancellation
-        if self._is_planning and cancellation is not None and not cancellation.is_worth_waiting:
+        if self._is_planning and cancellation is not None and not cancellation.will_answer:
             self._end_here()
 
     def _end_here(self) -> NoReturn:

@@ -79,9 +79,9 @@ def solve_by(
         def approve(found: Outcome) -> Schedule:
             return _approved(task, finish(task, problem, found, backend.name, budget.elapsed))
 
-        told = telling(options, budget, approve)
+        reporting = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = _asked(Program(backend, task, problem), engine, told, budget)
+            outcome = _asked(Program(backend, task, problem), engine, reporting, budget)
     schedule = finish(
         task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )

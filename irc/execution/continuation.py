@@ -155,7 +155,7 @@ class Repair:
         given_up: Sequence[int],
         residual: ResidualProblem | None = None,
     ) -> SolveOptions:
-        """The options with which progress, of the residual problem too, is told as of the whole."""
+        """The options that report progress, of the residual problem too, as that of the whole."""
 
         def approve(outcome: Outcome) -> Schedule:
             assert outcome.schedule is not None
