@@ -17,8 +17,12 @@ from typing import TYPE_CHECKING, NoReturn
 if TYPE_CHECKING:
     from irc.targets import Cancellation
 
-PATIENCE_SECONDS = 0.7
+PATIENCE_SECONDS = 0.6
 """Planning that has not noticed by then that it is to end has no answer yet, and ends without."""
+
+
+AGAIN_SECONDS = 0.5
+"""A command that still has not ended by then is ended once more."""
 
 
 class Interrupted(BaseException):
@@ -50,8 +54,11 @@ class Interruption:
 
     def end(self) -> None:
         """Nothing is left to interrupt: the next signal finds Python on its way out."""
-        if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, 0)
+        self._wait(0)
+
+    def _wait(self, seconds: float) -> None:
+        if hasattr(signal, "setitimer") and self._is_installed:
+            signal.setitimer(signal.ITIMER_REAL, seconds)
 
     @property
     def status(self) -> int | None:
@@ -86,17 +93,19 @@ class Interruption:
         if not (first and self._is_planning) or self.cancellation is None:
             self._end_here()
         self.cancellation.cancel()
-        if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, PATIENCE_SECONDS)
+        self._wait(PATIENCE_SECONDS)
 
     def _waited(self, _number: int, _frame: FrameType | None) -> None:
         cancellation = self.cancellation
-        if self._is_planning and cancellation is not None and not cancellation.will_answer:
+        noticed = self._is_planning and cancellation is not None and cancellation.will_answer
+        if self.has_ended or not noticed:
             self._end_here()
 
     def _end_here(self) -> NoReturn:
-        # (A library that is being loaded may turn this into an error of its own.)
+        # (Code that Python runs on its own account swallows what is raised in it, and a library
+        # that is being loaded may turn it into another error: so it is raised until it arrives.)
         self.has_ended = True
+        self._wait(AGAIN_SECONDS)
         raise Interrupted(self.status or 0)
 
 

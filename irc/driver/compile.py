@@ -38,13 +38,14 @@ def lower_for(task: Task, backend: Backend, budget: Budget | None = None) -> Pro
     """
     checked = _accepted(task)
     require_support(task, backend)
+    return run_passes(checked.problem, hurried=lambda: is_hurried(budget))
 
-    def hurried() -> bool:
-        if budget is None:
-            return False
-        return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
 
-    return run_passes(checked.problem, hurried=hurried)
+def is_hurried(budget: Budget | None) -> bool:
+    """Whether much of a budget is spent already."""
+    if budget is None:
+        return False
+    return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
 
 
 def compile_task(task: Task, target: str) -> Program:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irc.diagnostics import Code, Diagnostic
+from irc.driver.asking import asked
 from irc.driver.compile import later_events, lower_for, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
 from irc.driver.progress import telling
-from irc.driver.quick import quick_outcome
 from irc.model import Task
 from irc.problem import Problem
 from irc.retiming.retime import earliest_schedule
@@ -18,7 +18,6 @@ from irc.targets import (
     Backend,
     Budget,
     Engine,
-    EngineMissing,
     Outcome,
     Program,
     SolveOptions,
@@ -28,9 +27,6 @@ from irc.targets.interrupt import ended_by_interrupt, lost
 
 SHORTCUT_ENGINE = "critical-path"
 """The name of the engine in a schedule that needed no solver."""
-
-AFTERWARDS_SHARE = 0.05
-"""The part of a time limit that is kept for re-timing, the validator and the output, at most."""
 
 CHECK_ENGINE = "stock-order"
 """The engine named where stock alone rules every schedule out."""
@@ -81,32 +77,11 @@ def solve_by(
 
         reporting = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = _asked(Program(backend, task, problem), engine, reporting, budget)
+            outcome = asked(Program(backend, task, problem), engine, reporting, budget)
     schedule = finish(
         task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )
     return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
-
-
-def _asked(program: Program, engine: Engine, options: SolveOptions, budget: Budget) -> Outcome:
-    """The engine's outcome; the compiler's own schedule where there was no time for an engine."""
-    reason = engine.missing()
-    if reason is not None:
-        raise EngineMissing(reason)
-    if not budget.is_cancelled:
-        import irc.validation  # noqa: F401 - now, while there is time: a search may be cut short
-    hurried = budget.is_cancelled or budget.left < engine.loading_seconds * budget.slowness
-    quick = quick_outcome(program.problem) if hurried else None
-    if quick is not None:
-        return quick
-    if budget.is_cancelled:
-        return Outcome(Status.UNKNOWN, engine.name)
-    # What follows takes about as long as what came before: reading and checking.
-    after = min(budget.elapsed, AFTERWARDS_SHARE * budget.limit)
-    outcome = engine.solve(program, options, budget.at_most(budget.left - after))
-    if outcome.status is Status.UNKNOWN and budget.is_cancelled:
-        quick = quick_outcome(program.problem)
-    return outcome if quick is None else replace(quick, notes=outcome.notes)
 
 
 def _too_short(problem: Problem) -> Diagnostic:
