@@ -53,7 +53,10 @@ class Interruption:
             signal.signal(signal.SIGALRM, self._waited)
 
     def end(self) -> None:
-        """Nothing is left to interrupt: the next signal finds Python on its way out."""
+        """Nothing is left to interrupt: a signal that comes now must not change how it ended."""
+        if self._is_installed:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
         self._wait(0)
 
     def _wait(self, seconds: float) -> None:
