@@ -104,6 +104,9 @@ class Run:
                 out, errors = process.communicate()
                 self.seconds = time.perf_counter() - began
         self.status, self.output = process.returncode, out.decode()
+        # (It had its answer, and the signal came while it ended.)
+        usual = self.status in (0, 1, 3) and '"interrupted": true' not in self.output
+        self.ended_before |= usual and self.seconds < 0.5
         if b"Traceback" in errors:
             self.faults.append(f"a traceback: {errors.decode()[-300:]}")
         self.faults += [f"process {pid} is left" for pid in bearers(token)]
