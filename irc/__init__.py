@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from irc.execution import Execution, ExecutionState, Simulation, Step, state_at
     from irc.explanation import Explanation
     from irc.model.quantities import TimeError
+    from irc.outcome import Outcome
     from irc.problem.decisions import AnswerError
     from irc.schedule import Entry, ObjectiveValue, Schedule, Status
     from irc.targets import (
@@ -86,6 +87,7 @@ _HOMES = {
     "irc.diagnostics": "Code Diagnostic InputError Report Severity",
     "irc.errors": "IrcError LibraryMissing NameNotFound OptionError",
     "irc.explanation": "Explanation",
+    "irc.outcome": "Outcome",
     "irc.events": "apply",
     "irc.execution": "Execution ExecutionState Simulation Step state_at",
     "irc.problem.decisions": "AnswerError",
@@ -118,6 +120,7 @@ __all__ = [
     "ObjectiveLevel",
     "ObjectiveValue",
     "OptionError",
+    "Outcome",
     "Program",
     "Progress",
     "Refusal",

@@ -10,11 +10,12 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
+from irc.outcome import INTERRUPTED, Outcome
 
 SCHEDULE_VERSION = "1"
 
@@ -106,6 +107,7 @@ class Schedule:
     seconds: float | None = None
     time_unit: str | None = None
     interrupted: bool = False
+    reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
@@ -154,6 +156,13 @@ class Schedule:
     def makespan(self) -> Number:
         """The latest end; 0 for an empty schedule."""
         return max((entry.end for entry in self.entries), default=0)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the call ended; without a schedule, with the diagnostics that say why: `reasons`."""
+        if self.interrupted:
+            return Outcome.of(INTERRUPTED, self.reasons, answered=self.answered)
+        return Outcome.of(str(self.status), self.reasons, _MESSAGES.get(self.status))
 
     @property
     def answered(self) -> bool:
@@ -259,7 +268,11 @@ class Schedule:
             "target": self.target,
             "engine": self.engine,
             "seconds": self.seconds,
+            **({} if self.answered else {"outcome": self.outcome.to_dict()}),
         }
+
+
+_MESSAGES = {Status.FAILED: "the engine broke down before it had an answer"}
 
 
 def _held(entry: Entry) -> str:
@@ -304,6 +317,7 @@ _SCHEDULE_FIELDS = frozenset(
         "engine",
         "seconds",
         "time_unit",
+        "outcome",
         "interrupted",
     ]
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_STATUSES, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -239,7 +239,7 @@ def explain(
 
 
 def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
-    from irc.schedule import Status, dump_json
+    from irc.schedule import dump_json
 
     schedule = answer.schedule
     print_notes(answer.notes)
@@ -256,10 +256,8 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
         print_answer(answer, answer_console())
         if output is not None:
             say(f"wrote {output}")
-    if schedule.status is Status.INFEASIBLE:
-        sys.exit(EXIT_INPUT)
-    if schedule.status is Status.UNKNOWN:
-        sys.exit(EXIT_NO_ANSWER)
+    if not schedule.answered:
+        sys.exit(schedule.outcome.exit)
 
 
 def extract(

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER
 from irc.cli.output import Format, put, put_json
 from irc.diagnostics.source import Source, pointer_text
 from irc.diagnostics.text import excerpt
@@ -33,10 +32,8 @@ def put_explanation(explanation: Explanation, format: Format) -> None:
         put_json(explanation.to_dict())
     else:
         put("\n".join(_lines(explanation)))
-    if explanation.status is Status.INFEASIBLE:
-        sys.exit(EXIT_INPUT)
-    if explanation.feasible is None:
-        sys.exit(EXIT_NO_ANSWER)
+    if not explanation.outcome.answered:
+        sys.exit(explanation.outcome.exit)
 
 
 def _lines(explanation: Explanation) -> Iterator[str]:

@@ -68,10 +68,11 @@ def print_answer(answer: Answer, console: Console) -> None:
     page = Page(console)
     schedule, problem = answer.schedule, answer.problem
     lines = [*_headline(page, problem, schedule)]
+    slack: dict[str, int] | None = None
     try:
-        slack: dict[str, int] | None = slacks(problem, schedule)
+        if schedule.answered:
+            slack = slacks(problem, schedule)
     except AnswerError as error:
-        slack = None
         lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
     print_lines(page, console, (line for text in lines for line in text.wrap(console, page.width)))
     if not schedule.entries:

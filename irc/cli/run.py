@@ -89,7 +89,7 @@ def _planned(task: Task, options: SolveOptions) -> Schedule:
 
 def _other_schedule() -> Diagnostic:
     return Diagnostic(
-        Code.BAD_JOURNAL,
+        Code.OTHER_JOURNAL,
         "the execution in the journal began with another schedule",
         hint="leave --schedule out to continue it, or start another journal",
     )
@@ -112,6 +112,8 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
             _send(answer.line())
         if answer.last or INTERRUPTION.status is not None:
             return
+        if (unsaved := session.save()) is not None:
+            say(f"note: {unsaved}")
 
 
 def _lines(requests: IO[bytes]) -> Iterator[bytes]:

@@ -19,25 +19,26 @@ def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
     return run_checks(task, earlier).report
 
 
-def _accepted(task: Task) -> Checked:
-    checked = run_checks(task, lint=False)
-    if not checked.report.ok:
-        raise InputError(checked.report)
-    return checked
-
-
 HURRIED_SHARE = 0.3
 """Of the time limit: once it is spent, only the quick bounds on the makespan are sought."""
 
 
-def lower_for(task: Task, backend: Backend, budget: Budget | None = None) -> Problem:
+def lower_for(task: Task, backend: Backend) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
-    If much of the budget is spent, only quick bounds on the makespan are sought. Raises
-    `InputError` if the task is faulty or the target does not support it.
+    Raises `InputError` if the task is faulty or the target does not support it.
     """
-    checked = _accepted(task)
-    require_support(task, backend)
+    return lower_checked(run_checks(task, lint=False), backend)
+
+
+def lower_checked(checked: Checked, backend: Backend, budget: Budget | None = None) -> Problem:
+    """The same for a task that has been checked.
+
+    If much of the budget is spent, only quick bounds on the makespan are sought.
+    """
+    if not checked.report.ok:
+        raise InputError(checked.report)
+    require_support(checked.task, backend)
     return run_passes(checked.problem, hurried=lambda: is_hurried(budget))
 
 

@@ -9,10 +9,13 @@ from contextlib import suppress
 from pathlib import Path
 
 from irc.errors import IrcError
+from irc.outcome import MISUSED
 
 
 class WriteError(IrcError):
     """A file or folder that cannot be written; the message says which and why."""
+
+    ends_as = MISUSED
 
 
 def write_whole(path: Path, content: str | bytes, *, mode: int | None = None) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.asking import asked
-from irc.driver.compile import later_events, lower_for, reporting_refusals
-from irc.driver.judge import Answer, _approved, finish
+from irc.driver.compile import later_events, lower_checked, reporting_refusals
+from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
 from irc.driver.progress import telling
 from irc.model import Task
 from irc.problem import Problem
@@ -27,6 +28,9 @@ from irc.targets.interrupt import ended_by_interrupt, lost
 
 SHORTCUT_ENGINE = "critical-path"
 """The name of the engine in a schedule that needed no solver."""
+
+CHECKS_ENGINE = "checks"
+"""The engine named where the checks of the task already prove that it has no schedule."""
 
 CHECK_ENGINE = "stock-order"
 """The engine named where stock alone rules every schedule out."""
@@ -62,7 +66,11 @@ def solve_by(
     task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
 ) -> Answer:
     """The answer of `solve_task` by a given backend and engine."""
-    problem = lower_for(task, backend, budget)
+    checked = run_checks(task, lint=False)
+    if checked.report.contradicts:
+        outcome = Outcome(Status.INFEASIBLE, CHECKS_ENGINE, notes=checked.report.errors)
+        return _answer(task, checked.problem, outcome, backend, budget)
+    problem = lower_checked(checked, backend, budget)
     if options.shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
@@ -78,10 +86,19 @@ def solve_by(
         reporting = telling(options, budget, approve)
         with reporting_refusals(task):
             outcome = asked(Program(backend, task, problem), engine, reporting, budget)
+    return _answer(task, problem, outcome, backend, budget)
+
+
+def _answer(
+    task: Task, problem: Problem, outcome: Outcome, backend: Backend, budget: Budget
+) -> Answer:
+    """The answer with an outcome, approved by the validator."""
     schedule = finish(
         task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )
-    return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
+    notes = reasons_for(task, outcome)
+    schedule = explained(_approved(task, schedule), notes)
+    return Answer(schedule, problem, (*later_events(task), *notes))
 
 
 def _too_short(problem: Problem) -> Diagnostic:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.compile import reporting_refusals
-from irc.driver.judge import finish
+from irc.driver.judge import explained, finish, reasons_for
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
 from irc.execution.continuation import Repair
@@ -79,14 +79,16 @@ def _step(
     with reporting_refusals(task):
         outcome, whole, given_up = best_continuation(repair)
     if outcome.status is Status.INFEASIBLE:
-        outcome = replace(outcome, notes=what_is_in_the_way(repair) or outcome.notes)
+        why = what_is_in_the_way(repair) or outcome.notes or (_no_continuation(outcome.engine),)
+        outcome = replace(outcome, notes=why)
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
     schedule = finish(
         task, whole, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )
-    notes = outcome.notes
+    notes = reasons_for(task, outcome)
+    schedule = explained(schedule, notes)
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))
     return Step(
@@ -99,6 +101,15 @@ def _step(
         task,
         notes,
         tuple(problem.groups[k].id for k in given_up),
+    )
+
+
+def _no_continuation(engine: str) -> Diagnostic:
+    """The reason for a history without continuation where no limit in the way was found."""
+    return Diagnostic(
+        Code.NO_CONTINUATION,
+        f"no schedule continues what has run: proved by {engine}",
+        hint="undo or relax what the last events changed",
     )
 
 

@@ -14,6 +14,7 @@ from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
 from irc.model.times import json_number
+from irc.outcome import Outcome
 from irc.schedule import Schedule, Status
 from irc.targets import SolveKeywords, SolveOptions
 from irc.targets.interrupt import ended_by_interrupt, lost
@@ -41,6 +42,11 @@ class Simulation:
         return self.steps[-1].schedule
 
     @property
+    def outcome(self) -> Outcome:
+        """How the last step ended; without a plan, with the diagnostics that say why."""
+        return self.steps[-1].outcome
+
+    @property
     def moved(self) -> int:
         """The number of planned occurrences that moved, over all steps."""
         return sum(step.moved for step in self.steps)
@@ -56,6 +62,7 @@ class Simulation:
             "final": final.to_dict(),
             "makespan": json_number(final.makespan) if final.answered else None,
             "moved": self.moved,
+            **({} if self.outcome.answered else {"outcome": self.outcome.to_dict()}),
         }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irc.checks import run_checks
-from irc.diagnostics import Code, InputError
+from irc.diagnostics import InputError, Report
 from irc.diagnostics.source import Pointer
 from irc.driver.compile import reporting_refusals
 from irc.driver.judge import Answer
@@ -41,9 +41,6 @@ TARGET = "cpsat"
 AFTERWARDS_SHARE = 0.1
 """The part of a time limit that is kept for the critical chain and its words, at most."""
 
-_INFEASIBLE = frozenset((Code.CYCLE, Code.WINDOW, Code.TOO_LATE, Code.DEMAND, Code.LAGS))
-"""Faults that mean that the task has no schedule: they are explained, not refused."""
-
 
 def explain_task(
     task: Task,
@@ -76,16 +73,14 @@ def explain_task(
 
 def _explained(task: Task, budget: Budget) -> Explanation:
     checked = run_checks(task, lint=False)
-    if any(d.code not in _INFEASIBLE for d in checked.report.errors):
+    if not checked.report.ok and not checked.report.contradicts:
         raise InputError(checked.report)
     # (If the part that every schedule contains is infeasible, so is the whole task.)
     problem, _ = mandatory_part(checked.problem)
     if checked.report.ok:
         return _with_solver(task, problem, budget, whole=problem is checked.problem)
-    explanation = _without_solver(task, problem, budget)
-    if explanation is None:
-        raise InputError(checked.report)
-    return explanation
+    explanation = _without_solver(task, problem, budget) or _by_checks(task, checked.report)
+    return replace(explanation, reasons=checked.report.located().errors)
 
 
 def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation | None:
@@ -97,6 +92,18 @@ def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
+def _by_checks(task: Task, report: Report) -> Explanation:
+    """Returns why the checks rule every schedule out, where no conflict is known."""
+    return Explanation(
+        Status.INFEASIBLE,
+        task.name,
+        task.time_unit,
+        minimal=False,
+        by="checks",
+        reason="; ".join(d.message for d in report.errors),
+    )
+
+
 def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -> Explanation:
     """The explanation with a solver; `whole`: the problem is the whole task, not only a part."""
     # One worker and one seed: the same task gets the same explanation.
@@ -105,6 +112,14 @@ def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -
     answer = solve_task(task, options, part)
     if answer.schedule.answered:
         return _feasible(task, problem, answer) if whole else _solved(task, answer)
+    found = _unanswered(task, problem, answer, budget, whole=whole)
+    return replace(found, reasons=answer.schedule.reasons)
+
+
+def _unanswered(
+    task: Task, problem: Problem, answer: Answer, budget: Budget, *, whole: bool
+) -> Explanation:
+    """Why the solver has found no schedule."""
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = None if budget.is_over else get_backend(TARGET).refuter()

@@ -6,9 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from irc.diagnostics import Diagnostic
 from irc.diagnostics.source import Pointer, Source, pointer_text
 from irc.model.quantities import Number
 from irc.model.times import format_number, json_number
+from irc.outcome import INTERRUPTED, Outcome
 from irc.schedule import Schedule, Status
 
 EXPLANATION_VERSION = "1"
@@ -95,6 +97,14 @@ class Explanation:
     seconds: float | None = None
     source: Source | None = None
     interrupted: bool = False
+    reasons: tuple[Diagnostic, ...] = field(default=(), repr=False)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the explanation ended, with the diagnostics that say why there is no schedule."""
+        if self.interrupted:
+            return Outcome.of(INTERRUPTED, self.reasons, answered=self.feasible is True)
+        return Outcome.of(str(self.status), self.reasons)
 
     @property
     def feasible(self) -> bool | None:
@@ -127,6 +137,8 @@ class Explanation:
                 "chain": None if self.chain is None else [step.to_dict() for step in self.chain],
                 "slack": {name: json_number(value) for name, value in self.slack.items()},
             }
+        if not self.outcome.answered:
+            shown["outcome"] = self.outcome.to_dict()
         return {**shown, "seconds": self.seconds}
 
     def _repr_html_(self) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from irc import outcome
 from irc.diagnostics import Code, Diagnostic, did_you_mean
 from irc.errors import IrcError
 from irc.model.quantities import Number
@@ -109,13 +110,19 @@ class Outcome:
 class EngineMissing(IrcError):
     """The requested engine is not installed; the message says what to do."""
 
+    ends_as = outcome.MISSING
+
 
 class EngineFailed(IrcError):
     """The engine ran but gave no usable answer; the message says what happened."""
 
+    ends_as = outcome.FAILED
+
 
 class Refusal(IrcError):
     """A target cannot express a problem, although it supports all of its features."""
+
+    ends_as = outcome.REFUSED
 
     def __init__(self, message: str, pointer: tuple[str | int, ...] = (), hint: str | None = None):
         super().__init__(message)
@@ -124,6 +131,8 @@ class Refusal(IrcError):
 
 class UnknownTarget(IrcError):
     """A target or engine that does not exist."""
+
+    ends_as = outcome.MISUSED
 
     def __init__(self, kind: str, name: str, known: list[str]) -> None:
         hint = did_you_mean(name, known) or f"known are {', '.join(sorted(known))}"

@@ -188,14 +188,14 @@ def test_ctrl_c_ends_a_call_with_the_best_schedule_so_far(interrupting: Any) -> 
 def test_ctrl_c_before_there_is_an_answer_is_not_swallowed(
     interrupting: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def lower_for(task: Task, backend: Any, budget: Budget) -> Any:
+    def lower_checked(checked: Any, backend: Any, budget: Budget) -> Any:
         interrupting(None)
-        return lowered(task, backend, budget)
+        return lowered(checked, backend, budget)
 
     from irc.driver import solve
-    from irc.driver.compile import lower_for as lowered
+    from irc.driver.compile import lower_checked as lowered
 
-    monkeypatch.setattr(solve, "lower_for", lower_for)
+    monkeypatch.setattr(solve, "lower_checked", lower_checked)
     task = irc.Task(objective=["maximize_reward"])
     task.action("a", 2).uses(task.resource("r")).optional().reward(3)
     task.action("b", 2).uses("r").optional().reward(3)

@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 import irc
-from irc.driver.compile import lower_for
+from irc.checks import run_checks
+from irc.driver.compile import lower_checked
 from irc.driver.solve import solve_task
 from irc.execution import simulate
 from irc.execution.continuation import AFTERWARDS_SHARE
@@ -289,7 +290,8 @@ def test_much_of_the_time_spent_only_quick_bounds_are_sought(
 ) -> None:
     asked: list[object] = []
     monkeypatch.setattr("irc.passes.serial_sgs.quick_makespan", asked.append)
-    problems = [lower_for(crowd(), CpSat(), Budget(10, spent=spent)) for spent in (5, 0)]
+    checked = run_checks(crowd(), lint=False)
+    problems = [lower_checked(checked, CpSat(), Budget(10, spent=spent)) for spent in (5, 0)]
     assert len(asked) == 1, "the second one looks for more"
     assert [p.to_units(p.bounds.makespan.value) for p in problems] == [9, 9]
 
