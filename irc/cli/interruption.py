@@ -40,6 +40,7 @@ class Interruption:
         self.number: int | None = None
         self.usual: int | None = None
         self.has_ended = False
+        self.has_planned = False
         self.cancellation: Cancellation | None = None
         self._is_installed = False
         self._is_planning = False
@@ -85,7 +86,7 @@ class Interruption:
         from irc.targets import Cancellation
 
         self.cancellation = cancellation or Cancellation()
-        self._is_planning = True
+        self._is_planning = self.has_planned = True
         try:
             yield self.cancellation
         finally:
