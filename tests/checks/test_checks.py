@@ -324,6 +324,31 @@ NAMES = [
         hint="did you mean `boil_potato`?",
     ),
     case(
+        actions(',\n "state": [{"id": "lamp lit"}],\n "goals": [‸"lamp lit"]'),
+        "IRC201 /goals/0",
+        says="there is no action 'lamp lit'",
+        hint="`lamp lit` is a state variable: say which value it must have, "
+        "such as `lamp lit = true`",
+    ),
+    case(
+        actions(
+            ',\n "state": [{"id": "tap", "values": ["shut", "open"], "initial": "shut"}],'
+            '\n "goals": [‸"tap"]'
+        ),
+        "IRC201 /goals/0",
+        says="there is no action 'tap'",
+        hint="say which value it must have, such as `tap = open`",
+    ),
+    case(
+        actions(
+            ',\n "state": [{"id": "door"}],\n "goals": [{"var": "door", "value": false}],'
+            '\n "precedence": [["a", ‸"door"]]'
+        ),
+        "IRC201 /precedence/0/1",
+        says="there is no action 'door'",
+        hint="`door` is a state variable, not an action",
+    ),
+    case(
         actions(',\n "dependencies": [{"predecessor": "a",\n "successor": ‸"c"}]'),
         "IRC201 /dependencies/0/successor",
         says="there is no action 'c'",
