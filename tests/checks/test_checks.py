@@ -839,7 +839,7 @@ def test_each_fault_is_told_with_its_code_and_place(case: Case) -> None:
     ("text", "message"),
     [
         ("[", "f is not JSON"),
-        ("3", "f does not have a list of instances"),
+        ("3", "f holds neither an instance (an object) nor a list of them"),
         ("[{}]", "f, instance 1: expected an object with 'graph'"),
         ('[{"graph": {"edges": []}}]', "'graph' needs the lists 'durations' and 'edges'"),
         (

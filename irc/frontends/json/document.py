@@ -186,6 +186,23 @@ def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | JsonFau
     return content, end
 
 
+def decode_list_or_object(text: str, start: int) -> tuple[Any, int] | list[JsonFault]:
+    """(the JSON object or list that begins at `start` and ends the text, its end), or all faults.
+
+    Text after the value is a fault, as are NaN, a number out of range, and half a character.
+    """
+    from irc.frontends.json.scan import JsonFault, scan
+
+    decoded = decode_object(text, start)
+    if not isinstance(decoded, tuple):
+        return scan(text, start, max_depth=MAX_DEPTH).faults
+    behind = _skip_blank(text, decoded[1])
+    if behind < len(text):
+        shown = text[behind : behind + 12].split("\n")[0]
+        return [JsonFault(Code.SYNTAX, behind, f"there is more text after the JSON: {shown!r}")]
+    return decoded
+
+
 _SPELLINGS: Mapping[str | int, tuple[str | int, ...]] = {
     "precedence": ("dependencies",),
     "before": ("predecessor", 0),
