@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from decimal import Decimal
+from typing import Any, Literal, NamedTuple
 
 from irc.diagnostics.source import Pointer, pointer_text
 
 
+class TextEdit(NamedTuple):
+    """An edit: `text` replaces [start, end) of a text."""
+
+    start: int
+    end: int
+    text: str
+
+
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One operation of a JSON patch. `origin` is the member `from` of RFC 6902."""
+    """One operation of a JSON patch. `origin` is the member `from` of RFC 6902.
 
-    op: Literal["replace", "remove", "move"]
+    An operation "add" appends to an array of the document, which is made if it is not there. What
+    it adds stood in another form at `because`.
+    """
+
+    op: Literal["replace", "remove", "move", "add"]
     path: Pointer
     value: Any = None
     origin: Pointer | None = None
+    because: Pointer = ()
 
     @property
     def target(self) -> Pointer:
         """The path of the element, in the document before the patch, that the operation changes."""
+        if self.op == "add":
+            return self.path[:-1]
         return self.path if self.origin is None else self.origin
 
     def to_dict(self) -> dict[str, Any]:
@@ -28,9 +45,18 @@ class Operation:
         if self.origin is not None:
             shown["from"] = pointer_text(self.origin)
         shown["path"] = pointer_text(self.path)
-        if self.op == "replace":
-            shown["value"] = self.value
+        if self.op in ("replace", "add"):
+            shown["value"] = plain(self.value)
         return shown
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON writes it, with floats for exact decimals."""
+    if isinstance(value, Decimal):
+        return int(value) if value == value.to_integral_value() else float(value)
+    if isinstance(value, Mapping):
+        return {key: plain(inner) for key, inner in value.items()}
+    return [plain(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
 Fix = tuple[Operation, ...]
@@ -50,6 +76,16 @@ def removed(*pointers: Pointer) -> Fix:
 def renamed(pointer: Pointer, key: str) -> Fix:
     """A fix that gives a member of an object another key."""
     return (Operation("move", (*pointer[:-1], key), origin=pointer),)
+
+
+def moved(origin: Pointer, path: Pointer) -> Fix:
+    """A fix that puts an element in another place; the empty path: in that of the document."""
+    return (Operation("move", path, origin=origin),)
+
+
+def added(array: Pointer, value: Any, because: Pointer) -> Operation:
+    """The operation that appends a value to an array, which stood at `because` in another form."""
+    return Operation("add", (*array, "-"), value, because=because)
 
 
 def _order(pointer: Pointer) -> tuple[tuple[int, int, str], ...]:

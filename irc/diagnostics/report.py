@@ -10,7 +10,7 @@ from irc.diagnostics.source import Pointer, Source
 from irc.errors import IrcError
 
 if TYPE_CHECKING:
-    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.fix import Fix, TextEdit
     from irc.diagnostics.source import Range
 from irc.diagnostics.finding import DIAGNOSTICS_VERSION, Code, Diagnostic, Severity, _row
 
@@ -133,6 +133,11 @@ class Findings:
 
     items: list[Diagnostic] = field(default_factory=list)
 
+    @property
+    def has_errors(self) -> bool:
+        """Whether one of them stops a compilation."""
+        return any(d.severity is Severity.ERROR for d in self.items)
+
     def add(
         self,
         code: Code,
@@ -143,6 +148,9 @@ class Findings:
         at_key: bool = False,
         offset: int | None = None,
         fix: Fix = (),
+        edits: tuple[TextEdit, ...] = (),
     ) -> None:
         """Records one finding."""
-        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix))
+        self.items.append(
+            Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix, edits=edits)
+        )
