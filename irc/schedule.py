@@ -13,6 +13,7 @@ from typing import Any
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
 
@@ -312,10 +313,14 @@ def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> 
     Raises `InputError` with every fault. The stated makespan must be that of the entries.
     """
     reader = _ScheduleReader(Findings())
-    schedule = reader.schedule(raw)
+    schedule = reader.schedule(without_nulls(raw))
     if reader.findings.items:
         raise InputError(Report(tuple(reader.findings.items), source))
     return schedule
+
+
+_MOST_SECONDS = 1e300
+"""What fits into a float."""
 
 
 class _ScheduleReader:
@@ -388,6 +393,9 @@ class _ScheduleReader:
         value = raw.get("seconds")
         if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, type(None))):
             self._fault("'seconds' must be a number", ("seconds",))
+            return None
+        if value is not None and not abs(value) < _MOST_SECONDS:
+            self._fault("'seconds' is out of range", ("seconds",))
             return None
         return None if value is None else float(value)
 

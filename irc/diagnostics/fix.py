@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
@@ -91,3 +92,35 @@ def added(array: Pointer, value: Any, because: Pointer) -> Operation:
 def _order(pointer: Pointer) -> tuple[tuple[int, int, str], ...]:
     """A sort key: elements of an array by index, and parts of an element after it."""
     return tuple((0, p, "") if isinstance(p, int) else (1, 0, p) for p in pointer)
+
+
+_LONGEST_SHOWN = 80
+
+
+def change_text(fix: Fix, edits: tuple[TextEdit, ...]) -> str:
+    """What the repair of one finding changes, in words."""
+    if edits:
+        written = [edit.text for edit in edits if edit.text]
+        if not written:
+            return "removed"
+        if len(written) < len(edits) or len(written) > 1:
+            return f"rewritten in {len(edits)} places"
+        return f"written as {_cut(written[0])}"
+    first = fix[0]
+    if any(o.op == "add" for o in fix):
+        array = next(o.target[-1] for o in fix if o.op == "add")
+        return f"moved to `{array}`"
+    move = next((o for o in fix if o.op == "move"), None)
+    if move is not None and not move.path:
+        return "its contents are the document"
+    value = next((o.value for o in fix if o.op == "replace"), None)
+    shown = _cut(json.dumps(plain(value), ensure_ascii=False))
+    if move is not None:
+        now = f"renamed to `{move.path[-1]}`"
+        return now if value is None else f"{now}: {shown}"
+    return "removed" if first.op == "remove" else f"now {shown}"
+
+
+def _cut(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 2]} …"

@@ -36,7 +36,7 @@ def as_written(fix: Fix, source: Source) -> Fix:
         if operation.origin is None:
             operations.append(replace(operation, path=written))
         else:
-            path = (*written[:-1], operation.path[-1])
+            path = (*written[:-1], operation.path[-1]) if operation.path else ()
             operations.append(replace(operation, path=path, origin=written))
     return tuple(operations)
 
@@ -127,7 +127,7 @@ def text_edits(diagnostics: Iterable[Diagnostic], source: Source) -> list[TextEd
         elif operation.op == "replace":
             edits.append(TextEdit(place.start, place.end, _json(operation.value)))
         elif not operation.path:
-            whole = places[()] or place
+            whole = places.get(()) or place
             edits += [TextEdit(whole.start, place.start, ""), TextEdit(place.end, whole.end, "")]
         elif place.key_start is not None and (key := _KEY.match(source.text, place.key_start)):
             edits.append(TextEdit(key.start(), key.end(), _json(operation.path[-1])))
@@ -138,7 +138,7 @@ def _added(
     source: Source, operations: list[Operation], places: Mapping[Pointer, Range | None]
 ) -> Iterator[TextEdit]:
     """Edits that append to arrays of the document, or write an array that is not there."""
-    whole = places[()]
+    whole = places.get(())
     values: dict[Pointer, list[str]] = {}
     for operation in operations:
         if operation.op == "add":

@@ -111,6 +111,10 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         for inner in cause.faults:
             _add({**inner, "loc": (*loc, *inner["loc"])}, raw, findings)
         return
+    if kind in ("missing", "extra_forbidden") and _adds_time(
+        _pointer(loc[:-1], raw), raw, findings
+    ):
+        return
     if kind == "missing":
         parent = _pointer(loc[:-1], raw)
         findings.add(
@@ -151,6 +155,18 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         findings.add(
             Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=hint, fix=fix
         )
+
+
+def _adds_time(pointer: Pointer, raw: Any, findings: Findings) -> bool:
+    """Whether an object in the place of a time is a number and its unit; reports it once."""
+    from irc.model.foreign_shapes import kind_at, time_meant
+
+    text = time_meant(_value_at(pointer, raw)) if kind_at(pointer) == "duration" else None
+    if text is not None and not any(d.pointer == pointer for d in findings.items):
+        message = f"{_where(pointer)}: expected a time, found an object with a number and a unit"
+        hint, fix = f'write "{text}"', replaced(pointer, text)
+        findings.add(Code.WRONG_TYPE, message, pointer, hint=hint, fix=fix)
+    return text is not None
 
 
 def _instead_of(pointer: Pointer, raw: Any) -> tuple[str, Fix]:
@@ -234,8 +250,9 @@ def _instead_of_value(kind: str, pointer: Pointer, value: Any, raw: Any) -> tupl
     """(what to write instead of a value of the wrong type, the certain repair)."""
     fix = _as_meant(kind, pointer, value)
     if fix:
-        quotes = "in" if isinstance(fix[0].value, str) else "without"
-        return f"write {_shown(fix[0].value)} {quotes} quotes", fix
+        meant = fix[0].value
+        text = f'"{meant}"' if isinstance(meant, str) else f"{_shown(meant)} without quotes"
+        return f"write {text}", fix
     from irc.model.foreign_shapes import foreign_value
 
     meant = foreign_value(pointer, value, raw)

@@ -129,9 +129,11 @@ SHAPE = [
         says="expected a whole number, found 1.5",
     ),
     case(
-        actions(',\n "precedence": [["a", ‸3]]'),
+        actions(',\n "precedence": [["a", ‸‸3]]'),
         "IRC103 /precedence/0/1",
+        "IRC201 /precedence/0/1",
         says="'after' of precedence 1: expected text",
+        hint='write "3"',
     ),
     case(
         actions(',\n "precedence": [{"before": "a", "after": "b", "type": ‸"finish-begin"}]'),
@@ -897,7 +899,8 @@ def test_faults_of_shape_are_told_all_at_once() -> None:
     text = '{"nam": 1, "actions": [{"id": "a"}, {"id": 3, "duration": "x"}], "deadline": []}'
     report = checked(text).located()
     codes = [d.code.id for d in report]
-    assert codes == ["IRC102", "IRC101", "IRC103", "IRC104", "IRC104"]
+    # (That the name is no text shows once its field has its right name.)
+    assert codes == ["IRC102", "IRC103", "IRC101", "IRC103", "IRC104", "IRC104"]
 
 
 def test_many_faults_of_one_code_are_counted_not_shown() -> None:

@@ -294,14 +294,15 @@ class _Locator:
     def __call__(self, text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
         from irc.frontends.json.scan import scan
 
-        meant = {
-            spelled: pointer
-            for pointer in wanted
-            for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
-        }
+        meant: dict[Pointer, list[Pointer]] = {}
+        for pointer in wanted:
+            for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer)):
+                meant.setdefault(spelled, []).append(pointer)
         places = scan(text, self.start, meant.keys()).places
         return {
-            meant[written]: replace(place, written=written) for written, place in places.items()
+            pointer: replace(place, written=written)
+            for written, place in places.items()
+            for pointer in meant[written]
         }
 
 
