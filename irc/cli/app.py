@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -386,10 +387,25 @@ def targets(
             print_notes(later_events(reading.task))
 
 
-def schema() -> None:
+def schema(
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="For structured output of language models: closed, small."),
+    ] = False,
+    event: Annotated[
+        bool, typer.Option("--event", help="With --strict: of one event that revises a task.")
+    ] = False,
+) -> None:
     """Print the JSON Schema of the IR."""
     from irc.model import Task
 
+    if strict:
+        from irc.model.strict_schema import strict_schema
+
+        put(json.dumps(strict_schema("event" if event else "task"), separators=(",", ":")))
+        return
+    if event:
+        fail(EXIT_USE, "--event is for --strict", Format.text)
     document = Task.model_json_schema(by_alias=True)
     put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})
 
