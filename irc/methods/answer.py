@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 from irc.diagnostics import Report
 
 if TYPE_CHECKING:
-    from irc.methods.plan_lines import PlanLine
+    from irc.frontends.importers.plan_lines import PlanLine
+    from irc.frontends.importers.step_graph import Duration, StepGraph
     from irc.model import Task
-
-Duration = int | float
 
 
 class AnswerState(StrEnum):
@@ -25,32 +24,6 @@ class AnswerState(StrEnum):
     TRUNCATED = "truncated"
     MALFORMED = "malformed"
     INVALID = "invalid"
-
-
-@dataclass(frozen=True)
-class WrittenAction:
-    """An action as the answer has it; `duration` is None where no number stands there."""
-
-    id: str
-    duration: Duration | None
-    fields: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Edge:
-    """One action before another, by at least `lag`."""
-
-    before: str
-    after: str
-    lag: Duration = 0
-
-
-@dataclass(frozen=True)
-class StepGraph:
-    """The actions and edges of an answer, in the order of the text."""
-
-    actions: tuple[WrittenAction, ...]
-    edges: tuple[Edge, ...]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from irc.frontends.importers.json_answer import find_object
 from irc.methods.answer import AnswerState
-from irc.methods.json_answer import find_object, unreadable_state
+from irc.methods.written_answer import unreadable_state
 
 
 @dataclass(frozen=True)

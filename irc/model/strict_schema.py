@@ -1,8 +1,8 @@
 """The JSON Schema of the IR for structured output of language models.
 
 OpenAI's strict mode, Gemini, xgrammar and llguidance each take another part of JSON Schema. This
-schema keeps to what all of them take: every object is closed and requires all of its fields, a field
-that may be absent may be null, alternatives are `anyOf`, and there are no references, bounds,
+schema keeps to what all of them take: every object is closed and requires all of its fields, a
+field that may be absent may be null, alternatives are `anyOf`, and there are no references, bounds,
 patterns or defaults. Every reader of irc takes null as absent. `metadata` is free, so it is left
 out, and so are the events of a task; a model that revises a task writes one event.
 """

@@ -1,13 +1,42 @@
-"""Actions and edges of an answer's JSON, as most methods write them; faults as diagnostics."""
+"""Actions and edges as language models write them in JSON; every fault as a diagnostic."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
-from irc.diagnostics import Code, Findings, Report
-from irc.diagnostics.source import Source
-from irc.methods.answer import Answer, AnswerState, Duration, Edge, StepGraph, WrittenAction
+from irc.diagnostics import Code, Findings
+
+Duration = int | float
+
+
+@dataclass(frozen=True)
+class WrittenAction:
+    """An action as the answer has it; `duration` is None where no number stands there."""
+
+    id: str
+    duration: Duration | None
+    fields: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One action before another, by at least `lag`."""
+
+    before: str
+    after: str
+    lag: Duration = 0
+
+
+@dataclass(frozen=True)
+class StepGraph:
+    """The actions and edges of an answer, in the order of the text."""
+
+    actions: tuple[WrittenAction, ...]
+    edges: tuple[Edge, ...]
+
 
 BEFORE = ("before", "predecessor")
 AFTER = ("after", "successor")
@@ -46,10 +75,10 @@ def _action(item: object, k: int, findings: Findings) -> WrittenAction | None:
 
 
 def number(value: object) -> Duration | None:
-    """The value if it is a number of JSON; None for anything else."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value
-    return None
+    """The value if it is a finite number; None for anything else."""
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 def _edges(written: object, field: str, findings: Findings) -> tuple[Edge, ...]:
@@ -93,22 +122,6 @@ def check_names(graph: StepGraph, field: str, findings: Findings) -> None:
             if name not in known:
                 message = f"an edge names {name!r}, which is no action"
                 findings.add(Code.UNKNOWN_NAME, message, (field, k))
-
-
-def graph_answer(
-    text: str,
-    graph: StepGraph,
-    document: Mapping[str, Any],
-    findings: Findings,
-    stated_makespan: Duration | None = None,
-) -> Answer:
-    """The answer with this graph: ok, or invalid where there are errors."""
-    report = Report(tuple(findings.items), Source("answer", text))
-    if not report.ok:
-        return Answer(
-            AnswerState.INVALID, text, graph, stated_makespan=stated_makespan, report=report
-        )
-    return Answer(AnswerState.OK, text, graph, document, stated_makespan, report=report)
 
 
 def precedence(graph: StepGraph) -> list[dict[str, Any]]:
