@@ -317,11 +317,19 @@ def convert(
         str,
         typer.Option(
             "--from",
-            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl.",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, "
+            "planner, schedule-spec, plan-lines, pddl.",
         ),
     ] = "irc",
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
+    ] = None,
+    instance: Annotated[
+        str | None, typer.Option("--instance", help="The kitchen of a schedule-spec.")
+    ] = None,
+    station: Annotated[
+        list[str] | None,
+        typer.Option("--station", help="A capacity for a schedule-spec, such as grill=2."),
     ] = None,
     format: FormatOption = Format.text,
 ) -> None:
@@ -329,11 +337,12 @@ def convert(
 
     An importer writes one task for each instance into a folder.
     """
-    from irc.frontends.convert import ConversionUseError, convert_file
+    from irc.frontends.convert import Beside, ConversionUseError, convert_file
 
     with reporting_errors(format):
         try:
-            written = convert_file(file, source, output, problem)
+            beside = Beside(problem, instance, tuple(station or ()))
+            written = convert_file(file, source, output, beside)
         except ConversionUseError as error:
             fail(EXIT_USE, str(error), format)
         if format is Format.json:

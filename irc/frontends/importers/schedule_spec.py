@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics.fix import plain
 from irc.frontends.importers.json_answer import placed_object
 from irc.frontends.importers.step_graph import (
     StepGraph,
@@ -96,7 +97,10 @@ def _goals_in(content: Mapping[str, Any], kitchen: Mapping[str, Any] | None, emp
         )
     if findings.items:
         raise InputError(empty + findings.items)
-    return goals_task(content, kitchen or {})
+    try:
+        return goals_task(content, kitchen or {})
+    except InputError as error:  # Its places are those of the goals in the kitchen.
+        raise InputError(empty + error.report) from None
 
 
 def goals_task(content: Mapping[str, Any], kitchen: Mapping[str, Any]) -> Task:
@@ -104,8 +108,21 @@ def goals_task(content: Mapping[str, Any], kitchen: Mapping[str, Any]) -> Task:
     from irc.frontends.importers.robo import import_robo
 
     goals = {name: content[name] for name in GOAL_FIELDS if content.get(name) is not None}
-    ((_, task),) = import_robo(json.dumps({**kitchen, **goals}), "answer")
+    listed = goals.get("candidate_goals")
+    if isinstance(listed, list):
+        goals["candidate_goals"] = [_goal(goal) for goal in listed]
+    ((_, task),) = import_robo(json.dumps(plain({**kitchen, **goals})), "answer")
     return task
+
+
+def _goal(goal: Any) -> Any:
+    """A goal with the fields that a kitchen has; models add actions, which the kitchen supplies."""
+    if not isinstance(goal, Mapping):
+        return goal
+    return {name: value for name, value in goal.items() if name in _OF_GOAL and value is not None}
+
+
+_OF_GOAL = frozenset(("id", "item", "state", "reward", "cost"))
 
 
 def _unknown_fields(graph: StepGraph) -> Iterable[Diagnostic]:
