@@ -320,7 +320,7 @@ def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> 
 
 
 _MOST_SECONDS = 1e300
-"""What fits into a float."""
+"""Limit on seconds: more does not fit into a float."""
 
 
 class _ScheduleReader:

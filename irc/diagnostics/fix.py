@@ -98,7 +98,7 @@ _LONGEST_SHOWN = 80
 
 
 def change_text(fix: Fix, edits: tuple[TextEdit, ...]) -> str:
-    """What the repair of one finding changes, in words."""
+    """The change that the repair of one finding makes, in words."""
     if edits:
         written = [edit.text for edit in edits if edit.text]
         if not written:

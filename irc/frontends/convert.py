@@ -64,7 +64,7 @@ def written_as(output: Path, task: Task) -> str:
 
 @dataclass(frozen=True)
 class Beside:
-    """What some formats need beside the input.
+    """Files and values that some formats need beside the input.
 
     `problem` is the file of a PDDL problem. `instance` is the file of the kitchen, and `stations`
     are the capacities (`grill=2`), of a scheduling JSON.

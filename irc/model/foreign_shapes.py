@@ -50,7 +50,7 @@ _ASIDE = frozenset(
 
 
 class Meant(NamedTuple):
-    """What to write instead of a foreign field or value; `fix` is empty where it is not certain."""
+    """How to write a foreign field or value; `fix` is empty where that is not certain."""
 
     hint: str
     fix: Fix = ()
@@ -66,7 +66,7 @@ def kind_at(pointer: Pointer) -> str:
 
 
 def foreign_field(pointer: Pointer, raw: Any) -> Meant | None:
-    """What an unknown field means that other formats have; None if nothing is known of it."""
+    """The meaning of an unknown field that other formats have; None if nothing is known of it."""
     *parents, name = pointer
     element, word = _value_at(tuple(parents), raw), normal_form(str(name))
     kind = kind_at(tuple(parents))
@@ -109,7 +109,7 @@ def _wrapped(pointer: Pointer, element: Mapping[str, Any]) -> Meant:
 
 
 def _of_action(pointer: Pointer, word: str, value: Any, raw: Any) -> Meant | None:
-    """What a field of an action means that belongs elsewhere, or has a unit in its name."""
+    """The meaning of an action's field that belongs elsewhere, or has a unit in its name."""
     if word in PREDECESSORS or word in SUCCESSORS:
         return _order(pointer, word in SUCCESSORS, value, raw)
     action = _value_at(pointer[:-1], raw)
@@ -239,7 +239,7 @@ def elements_meant(value: Any, field: str) -> list[Any] | None:
 
 
 def foreign_value(pointer: Pointer, value: Any, raw: Any) -> Meant | None:
-    """What a value of the wrong type means that other formats have; None if nothing is known."""
+    """The meaning of a value of the wrong type that other formats have; None if not known."""
     names = [part for part in pointer if isinstance(part, str)]
     last = names[-1] if names else ""
     if pointer and isinstance(pointer[-1], int):
