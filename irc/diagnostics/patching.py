@@ -74,12 +74,8 @@ def operations_of(diagnostics: Iterable[Diagnostic]) -> list[Operation]:
 
 def additions_of(operations: Iterable[Operation]) -> list[Operation]:
     """The operations that add to an array, each value once."""
-    adding = [o for o in operations if o.op == "add"]
-    return [o for k, o in enumerate(adding) if not any(_same_addition(o, p) for p in adding[:k])]
-
-
-def _same_addition(one: Operation, other: Operation) -> bool:
-    return (one.path, one.value) == (other.path, other.value)
+    adding = {(o.path, _json(o.value)): o for o in operations if o.op == "add"}
+    return list(adding.values())
 
 
 def apply_patches(document: Any, diagnostics: Iterable[Diagnostic]) -> Any:

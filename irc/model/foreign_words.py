@@ -8,6 +8,7 @@ case, without spaces, underscores and hyphens.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 from irc.diagnostics.suggest import normal_form
 
@@ -219,6 +220,7 @@ PRECEDENCE_TYPES = {
 """Words for the type of a precedence, in normal form."""
 
 
+@lru_cache(maxsize=4096)
 def field_meant(kind: str, word: str) -> str | None:
     """The field of the IR that a word of another format means in an element of a kind."""
     return FIELDS.get(kind, {}).get(normal_form(word))

@@ -348,15 +348,29 @@ def _element(pointer: Pointer, raw: Any) -> str:
 
 def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
     """The fields that the IR has at a path; those of its own `op` where it is a change."""
-    model: type[BaseModel] = Task
+    path: list[str] = []
     for part in pointer:
         raw = raw[part]
-        if isinstance(part, int):
-            if isinstance(raw, Mapping) and "op" in raw:
-                model = _change_model(raw["op"]) or model
+        if isinstance(part, str):
+            path.append(_CANONICAL.get(part, part))
+        elif isinstance(raw, Mapping) and isinstance(raw.get("op"), str):
+            path.append(f"{_OP}{raw['op']}")
+    return _fields_of(tuple(path))
+
+
+_OP = "op:"
+"""The beginning of a step of a path that says which change it is."""
+
+
+@lru_cache(maxsize=1024)
+def _fields_of(path: tuple[str, ...]) -> tuple[str, ...]:
+    """The fields at the end of a path of fields, and of changes by their `op`."""
+    model: type[BaseModel] = Task
+    for part in path:
+        if part.startswith(_OP):
+            model = _change_model(part.removeprefix(_OP)) or model
             continue
-        name = _CANONICAL.get(part, part)
-        field = model.model_fields.get(name)
+        field = model.model_fields.get(part)
         nested = None if field is None else _model_in((field.annotation, *field.metadata))
         if nested is None:
             return ()

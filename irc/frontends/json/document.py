@@ -137,7 +137,7 @@ def read_document(text: str, name: str, *, mend: bool = False) -> RawDocument:
     except InputError as error:
         mended = _mended(text, name, error.report)
         if mended is None:
-            raise
+            raise InputError(_without_edits(error.report)) from None
         return mended
 
 
@@ -172,6 +172,11 @@ def _read(text: str, name: str) -> RawDocument:
     if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
+
+
+def _without_edits(report: Report) -> Report:
+    """The report of a text that its edits alone do not make JSON, so none of them is certain."""
+    return Report(tuple(replace(d, edits=()) for d in report), report.source)
 
 
 def _mended(text: str, name: str, report: Report) -> RawDocument | None:

@@ -91,10 +91,11 @@ def read_line(text: str) -> Any:
         from irc.frontends.json.scan import scan
 
         faults = scan(text, max_depth=MAX_DEPTH).faults
-        if not faults:
-            raise ValueError(str(error)) from None
-        line, column = Source("", text).line_and_column(faults[0].offset)
-        raise ValueError(f"{faults[0].message}: line {line} column {column}") from None
+        message, offset = str(error), text.find(getattr(error, "number", ""))
+        if faults:
+            message, offset = faults[0].message, faults[0].offset
+        line, column = Source("", text).line_and_column(max(offset, 0))
+        raise ValueError(f"{message}: line {line} column {column}") from None
 
 
 def _no_number(constant: str) -> NoReturn:
@@ -103,8 +104,16 @@ def _no_number(constant: str) -> NoReturn:
 
 def _finite(number: str) -> float:
     if not isfinite(value := float(number)):
-        raise ValueError(f"the number {number[:40]} is out of range")
+        raise _OutOfRange(number)
     return value
+
+
+class _OutOfRange(ValueError):
+    """A number that does not fit into a float."""
+
+    def __init__(self, number: str) -> None:
+        super().__init__(f"the number {number[:40]} is out of range")
+        self.number = number
 
 
 def _skip_blank(text: str, at: int) -> int:
