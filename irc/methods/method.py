@@ -21,6 +21,7 @@ from irc.methods.planner import read_plan_answer, read_planner
 from irc.methods.prompt import Message, asked, rewrite, schema_text
 from irc.methods.repair import read_repair, repair_messages
 from irc.methods.schedule_spec import read_schedule_spec
+from irc.methods.written_answer import checked
 
 Messages = Callable[[Instance], list[Message]]
 Read = Callable[[str, Instance], Answer]
@@ -54,11 +55,11 @@ def _no_messages(instance: Instance) -> list[Message]:
 
 
 def _read_planner(text: str, instance: Instance) -> Answer:
-    return read_plan_answer(text) if instance.kitchen else read_planner(text)
+    return read_plan_answer(text) if instance.kitchen else checked(read_planner(text))
 
 
 def _read_schedule_spec(text: str, instance: Instance) -> Answer:
-    return read_schedule_spec(text, instance.stations or None, instance.robots)
+    return checked(read_schedule_spec(text, instance.stations or None, instance.robots))
 
 
 def _read_nl_ir(text: str, instance: Instance) -> Answer:

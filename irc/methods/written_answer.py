@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
@@ -66,3 +67,20 @@ def graph_answer(
             AnswerState.INVALID, text, graph, stated_makespan=stated_makespan, report=report
         )
     return Answer(AnswerState.OK, text, graph, document, stated_makespan, report=report)
+
+
+def checked(answer: Answer) -> Answer:
+    """The answer, invalid where `irc check` finds an error in the task that it holds."""
+    from irc.checks import run_checks
+    from irc.model.from_document import to_task
+
+    if answer.state is not AnswerState.OK or answer.document is None:
+        return answer
+    findings = Findings()
+    task = to_task(answer.document, findings)
+    if task is not None:
+        findings.items += run_checks(task, lint=False).report
+    if not findings.has_errors:
+        return answer
+    report = answer.report + findings.items
+    return replace(answer, state=AnswerState.INVALID, document=None, report=report)

@@ -162,7 +162,7 @@ def test_a_line_of_recorded_answers_is_named(tmp_path: Path) -> None:
     command = ("eval", "score", "--method", "planner", "--instances", instances, "--answers")
     said = run_irc(*command, answers)
     assert said.exit_code == 1
-    assert "line 2: NaN is not a number in JSON: line 1 column 15" in said.stderr
+    assert "line 2: NaN is not a number in JSON: line 1 column 16" in said.stderr
     answers.write_bytes(gzip.compress(b'{"id": 1, "answer": true}\n'))
     assert "line 1: 'answer' is not a text" in run_irc(*command, answers).stderr
 
