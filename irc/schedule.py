@@ -394,7 +394,7 @@ class _ScheduleReader:
         if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, type(None))):
             self._fault("'seconds' must be a number", ("seconds",))
             return None
-        if value is not None and not abs(value) < _MOST_SECONDS:
+        if value is not None and not -_MOST_SECONDS < value < _MOST_SECONDS:
             self._fault("'seconds' is out of range", ("seconds",))
             return None
         return None if value is None else float(value)

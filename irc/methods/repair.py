@@ -20,6 +20,7 @@ from irc.methods.written_answer import unreadable
 from irc.model import Task
 from irc.model.canonical import written_task
 from irc.model.nulls import without_nulls
+from irc.model.quantities import Number
 from irc.model.times import json_number
 
 EXPECTED = '{"changes": [{"op": …}]}'
@@ -56,8 +57,8 @@ def read_repair(text: str, instance: Instance) -> Answer:
     return Answer(AnswerState.OK, text, document=written_task(revised), event=event)
 
 
-def _running(instance: Instance) -> tuple[Task, int | float | str]:
+def _running(instance: Instance) -> tuple[Task, Number]:
     if not isinstance(instance, RunningInstance) or instance.task is None:
         message = f"state-aware-repair needs a RunningInstance with a task, not {instance!r:.40}"
         raise TypeError(message)
-    return instance.task, json_number(instance.now)
+    return instance.task, instance.now

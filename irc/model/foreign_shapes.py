@@ -145,7 +145,8 @@ def _order(pointer: Pointer, follows: bool, value: Any, raw: Any) -> Meant:
 
 def _as_field(pointer: Pointer, field: str, kind: str, element: Mapping[str, Any]) -> Meant:
     """A foreign field as the field that it means, with its value as the IR writes it."""
-    name, value = pointer[-1], element[pointer[-1]]
+    name = str(pointer[-1])
+    value = element[name]
     rivals = [k for k in element if k == field or _field(kind, str(k), element) == field]
     if rivals[0] != name or field in element:
         return Meant(f"`{field}` means the same; keep one of the two")

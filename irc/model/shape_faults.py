@@ -148,12 +148,12 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
     else:
         message = _EXPECTED.get(kind) or str(cause or fault["msg"])
         found = "" if kind == "value_error" else f", found {_shown(value)}"
-        hint, fix = _instead_of_value(kind, pointer, value, raw)
-        hint = hint or _HINTS.get(message)
+        meant, fix = _instead_of_value(kind, pointer, value, raw)
+        told = meant or _HINTS.get(message)
         if not fix and kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
-            hint = 'write {"before": …, "after": …}, or a pair of two names'
+            told = 'write {"before": …, "after": …}, or a pair of two names'
         findings.add(
-            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=hint, fix=fix
+            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=told, fix=fix
         )
 
 

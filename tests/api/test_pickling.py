@@ -205,6 +205,7 @@ def task_number(k: int) -> dict[str, Any]:
     return document
 
 
+@pytest.mark.slow
 def test_500_tasks_in_other_processes_with_faulty_and_infeasible_ones() -> None:
     documents = [task_number(k) for k in range(TASKS)]
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:

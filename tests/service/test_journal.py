@@ -55,6 +55,7 @@ def test_a_last_line_torn_at_any_byte_is_dropped_and_nothing_else(path: Path) ->
     assert reopened(path) == (ENTRIES[:2], [Code.TORN_JOURNAL])
 
 
+@pytest.mark.slow
 def test_a_journal_that_ends_in_its_first_line_begins_anew(path: Path) -> None:
     first = path.read_bytes().split(b"\n")[0]
     for end in range(len(first)):

@@ -232,6 +232,7 @@ def test_what_is_no_look_at_the_clock_is_not(source: str) -> None:
     assert not list(reads(source))
 
 
+@pytest.mark.slow
 def test_only_a_budget_reads_the_clock() -> None:
     found = {
         f"{path.relative_to(ROOT).as_posix()}:{line}: {name}"

@@ -9,13 +9,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from irc.diagnostics import Code, Findings, InputError, Report
-from irc.diagnostics.fix import TextEdit
 from irc.diagnostics.source import Pointer, Range, Source
 
 if TYPE_CHECKING:
@@ -34,13 +33,13 @@ _SCANNED_OF_LONG = 500_000
 """The part of a longer text that is scanned for other faults."""
 
 _MAX_ATTEMPTS = 1000
-_BLANK = re.compile(r"\s*")
-_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
-_FENCE = re.compile(r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z")
+# Compiled when first used, because most documents need none of them.
+_BLANK = r"\s*"
+_SURROGATE = r"\\u[dD][89a-fA-F]"
+_FENCE = r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z"
 
 
-@dataclass(frozen=True)
-class RawDocument:
+class RawDocument(NamedTuple):
     """The decoded JSON object, its text, and the notes on the text."""
 
     content: dict[str, Any]
@@ -169,13 +168,15 @@ def _read(text: str, name: str) -> RawDocument:
     start, end, content = _only(found, text, name, findings)
     note_surroundings(text, start, end, findings)
     source = Source(name, text, _Locator(start))
-    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+    if _depth(content) > MAX_DEPTH or _has_surrogate(text, content):
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
 
 
 def _without_edits(report: Report) -> Report:
     """The report of a text that its edits alone do not make JSON, so none of them is certain."""
+    from dataclasses import replace
+
     return Report(tuple(replace(d, edits=()) for d in report), report.source)
 
 
@@ -215,14 +216,15 @@ def _require_whole_task(text: str, failed: list[int], name: str, findings: Findi
         raise InputError(Report(tuple(findings.items), Source(name, text)))
 
 
-_LIST = re.compile(r"\[\s*\{")
+_LIST = r"\[\s*\{"
 
 
 def _require_no_list(text: str, start: int, name: str, findings: Findings) -> None:
     """Raises where a list of objects stands in the place of the task: its actions alone."""
-    match = _LIST.search(text, start)
+    match = re.compile(_LIST).search(text, start)
     if match is None or "{" in text[start : match.start()] or '"actions"' in text[: match.start()]:
         return
+    from irc.diagnostics.fix import TextEdit
     from irc.frontends.json.scan import scan
 
     begin = match.start()
@@ -247,7 +249,7 @@ _OF_ACTIONS = frozenset(("id", "name", "duration", "task", "action"))
 
 
 def _skip_blank(text: str, at: int) -> int:
-    match = _BLANK.match(text, at)
+    match = re.compile(_BLANK).match(text, at)
     return match.end() if match else at
 
 
@@ -259,7 +261,7 @@ def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | JsonFau
         content, end = _DECODER.raw_decode(text, start)
     except (ValueError, RecursionError):
         return scan(text, start, max_depth=MAX_DEPTH).faults[0]
-    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+    if _depth(content) > MAX_DEPTH or _has_surrogate(text, content):
         return scan(text, start, max_depth=MAX_DEPTH).faults[0]
     return content, end
 
@@ -305,7 +307,7 @@ class _Locator:
                 meant.setdefault(spelled, []).append(pointer)
         places = scan(text, self.start, meant.keys()).places
         return {
-            pointer: replace(place, written=written)
+            pointer: place._replace(written=written)
             for written, place in places.items()
             for pointer in meant[written]
         }
@@ -370,7 +372,7 @@ def note_surroundings(text: str, start: int, end: int, findings: Findings) -> No
     """Adds a note about text around the JSON, if there is any."""
     before, after = text[:start].strip(), text[end:].strip()
     if before or after:
-        fenced = bool(_FENCE.search(text[:start]))
+        fenced = bool(re.search(_FENCE, text[:start]))
         what = "a code fence" if fenced else "other text"
         findings.add(
             Code.SURROUNDED,
@@ -436,8 +438,10 @@ def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:
     return None
 
 
-def _has_surrogate(content: Any) -> bool:
+def _has_surrogate(text: str, content: Any) -> bool:
     """Whether some text contains half a character (a lone surrogate), which cannot be written."""
+    if "\\u" not in text or not re.search(_SURROGATE, text):
+        return False
     try:
         json.dumps(content, ensure_ascii=False, default=str).encode()
     except UnicodeEncodeError:

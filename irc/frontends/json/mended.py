@@ -70,8 +70,7 @@ class _Back:
     def __call__(self, text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
         back = self.mended.back
         return {
-            pointer: replace(
-                place,
+            pointer: place._replace(
                 start=back(place.start),
                 end=max(back(place.end), back(place.start)),
                 key_start=None if place.key_start is None else back(place.key_start),

@@ -90,7 +90,8 @@ def _composed(text: str, begin: int, end: int, name: str) -> Node:
         for event in yaml.parse(part, yaml.SafeLoader):
             if isinstance(event, yaml.AliasEvent):
                 message = "an alias of YAML; write out what it stands for"
-                raise _fault(text, name, begin + event.start_mark.index, message)
+                start = event.start_mark
+                raise _fault(text, name, begin + (0 if start is None else start.index), message)
         root = yaml.compose(part, yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
