@@ -11,17 +11,16 @@ from irc.diagnostics import Findings
 from irc.model import Task
 
 
-def to_task(raw: Mapping[str, Any], findings: Findings) -> Task | None:
-    """The typed task, or None after every fault of shape has been added to `findings`.
-
-    A field that is null counts as absent.
-    """
+def to_task(
+    raw: Mapping[str, Any], findings: Findings, *, null_is_absent: bool = True
+) -> Task | None:
+    """The typed task, or None after every fault of shape has been added to `findings`."""
     try:
         return Task.model_validate(raw)
     except ValidationError as error:
         from irc.model.nulls import without_nulls
 
-        stripped = without_nulls(raw)
+        stripped = without_nulls(raw) if null_is_absent else raw
         if stripped is not raw:
             return to_task(stripped, findings)
         from irc.model.shape_faults import faults_in_words

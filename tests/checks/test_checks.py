@@ -119,9 +119,9 @@ SHAPE = [
     ),
     case('{"actions": [‸"a"]}', "IRC103 /actions/0", says="expected an object {...}, found 'a'"),
     case(
-        actions(',\n "events": ‸null'),
+        actions(',\n "events": ‸3'),
         "IRC103 /events",
-        says="'events': expected a list [...], found null",
+        says="'events': expected a list [...], found 3",
     ),
     case(
         actions(',\n "resources": [{"id": "r", "capacity": ‸1.5}]'),
