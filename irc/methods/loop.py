@@ -10,6 +10,7 @@ from irc.methods.answer import Answer, AnswerState
 from irc.methods.instance import Instance
 from irc.methods.method import Method
 from irc.methods.prompt import Message
+from irc.model import Task
 
 MOST_REWRITES = 3
 
@@ -40,6 +41,11 @@ class Conversation:
     def answer(self) -> Answer | None:
         """The last answer; None where the service failed before there was one."""
         return self.answers[-1] if self.answers else None
+
+    @property
+    def task(self) -> Task | None:
+        """The task in the last answer; None where it holds none that can be used."""
+        return None if self.answer is None else self.answer.task
 
     @property
     def rewrites(self) -> int:

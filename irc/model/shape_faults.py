@@ -149,11 +149,11 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         message = _EXPECTED.get(kind) or str(cause or fault["msg"])
         found = "" if kind == "value_error" else f", found {_shown(value)}"
         meant, fix = _instead_of_value(kind, pointer, value, raw)
-        told = meant or _HINTS.get(message)
+        advice = meant or _HINTS.get(message)
         if not fix and kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
-            told = 'write {"before": …, "after": …}, or a pair of two names'
+            advice = 'write {"before": …, "after": …}, or a pair of two names'
         findings.add(
-            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=told, fix=fix
+            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=advice, fix=fix
         )
 
 
