@@ -138,7 +138,7 @@ def _order(pointer: Pointer, follows: bool, value: Any, raw: Any) -> Meant:
     pairs = [[name, str(o)] if follows else [str(o), name] for o in others]
     shown = ", ".join(json.dumps(pair, ensure_ascii=False) for pair in pairs[:3] or [["…", name]])
     hint = f'the order is a list of the task: "{array}": [{shown}{", …" if pairs[3:] else ""}]'
-    if name == "…":
+    if name == "…" or not isinstance(raw.get(array, []), list):
         return Meant(hint)
     return Meant(hint, (*removed(pointer), *(added((array,), pair, pointer) for pair in pairs)))
 

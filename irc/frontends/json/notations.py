@@ -39,9 +39,13 @@ def quoted_at(text: str, at: int) -> tuple[str, int] | None:
 
 def _unescaped(body: str) -> str | None:
     """The text that a body with escapes means; None where an escape is not plain."""
-    if any(m[1][0] not in "ux" and m[1] not in _PLAIN_ESCAPES for m in _ESCAPED.finditer(body)):
+    if any(len(m[1]) == 1 and m[1] not in _PLAIN_ESCAPES for m in _ESCAPED.finditer(body)):
         return None
-    return _ESCAPED.sub(lambda m: _PLAIN_ESCAPES.get(m[1]) or chr(int(m[1][1:], 16)), body)
+    meant = _ESCAPED.sub(lambda m: _PLAIN_ESCAPES.get(m[1]) or chr(int(m[1][1:], 16)), body)
+    try:  # Two halves of a character become one.
+        return meant.encode("utf-16", "surrogatepass").decode("utf-16")
+    except UnicodeDecodeError:
+        return None
 
 
 def bare_key_at(text: str, at: int) -> tuple[str, int] | None:
