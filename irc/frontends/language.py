@@ -7,7 +7,9 @@ from typing import Literal
 
 Language = Literal["json", "dsl", "english"]
 
-_BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json"}
+_BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json", ".yaml": "json", ".yml": "json"}
+"""(The reader of JSON says what to write instead of YAML.)"""
+
 _KEY = r'"(?:actions|irc|precedence|resources)"\s*:'
 _SNIFFED = 10_000
 _SNIFFED_STATEMENTS = 20
@@ -42,7 +44,7 @@ def language_of(text: str, name: str) -> Language:
 
 
 def _like_yaml(text: str) -> bool:
-    if "\n" not in text or "-" not in text:
+    if "\n" not in text or ":" not in text:
         return False
     from irc.frontends.json.yaml_task import is_yaml
 

@@ -329,6 +329,23 @@ def test_english_and_the_dsl_are_not_taken_for_yaml(text: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("plan:\n  tasks:\n    - label: x\n      id: a\n      duration: 5\n", "answer.txt"),
+        ("actions: [{id: a, duration: 5}]\n", "plan.yaml"),
+        ("Here:\n```yml\nactions: {a: {duration: 5}}\n```\n", "answer.md"),
+    ],
+)
+def test_yaml_is_known_by_its_name_its_fence_or_its_actions(text: str, name: str) -> None:
+    with pytest.raises(InputError) as refused:
+        parse_task(text, name)
+    assert "this is YAML" in next(iter(refused.value.report.located().errors)).message
+    mended, report, _ = repair_text(text, name)
+    assert report.ok, report.render()
+    assert [a.id for a in parse_task(mended, "answer.json").task.actions] == ["a"]
+
+
+@pytest.mark.parametrize(
     "text",
     [
         '{"actions": [{"id": "a", "dura',
@@ -351,11 +368,18 @@ def test_an_answer_that_was_cut_off_is_called_so(text: str) -> None:
         '{"actions": [{"id": "a\\_b", "duration": 5}]}',
         '{"actions": [{"id": "a", "duration": 3}, ...]}',
         "{'actions': [{'id': 'it's', 'duration': 5}]}",
+        r"{'actions': [{'id': 'a\u12', 'duration': 5}]}",
+        r"{'actions': [{'id': 'a\ud800', 'duration': 5}]}",
     ],
 )
 def test_where_it_is_not_certain_what_was_meant_nothing_is_changed(text: str) -> None:
     assert report_of(text).errors
     assert repair_text(text, "answer.txt")[0] == text
+
+
+def test_escapes_of_python_mean_what_they_mean_there() -> None:
+    text = r"{'actions': [{'id': 'it\'s \x41\ud83d\ude00\u00e9', 'duration': 5}]}"
+    assert same(text, {"actions": [{"id": "it's A\U0001f600é", "duration": 5}]})
 
 
 # --- any task -----------------------------------------------------------------------------------

@@ -129,7 +129,7 @@ def read_document(text: str, name: str, *, mend: bool = False) -> RawDocument:
     if '"actions"' not in text:
         from irc.frontends.json.yaml_task import is_yaml, yaml_task
 
-        if is_yaml(text):
+        if is_yaml(text, name):
             return RawDocument(*yaml_task(text, name))
     try:
         return _read(text, name)

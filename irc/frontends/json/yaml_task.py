@@ -25,8 +25,9 @@ MOST_CHARACTERS = 200_000
 _MOST_LEVELS = 64
 _FENCED = re.compile(r"^```ya?ml[ \t]*\n(.*?)^```[ \t]*$", re.DOTALL | re.MULTILINE | re.IGNORECASE)
 _TASK = re.compile(
-    r"^(?:actions|tasks|steps|activities|operations|jobs)[ \t]*:[ \t]*(?:#.*)?\n"
-    r"(?:[ \t]*(?:#.*)?\n)*[ \t]*-[ \t]+(?:\{|[\"']?(?:id|name|action|task|duration)[\"']?[ \t]*:)",
+    r"^[ \t]*[\"']?(?:actions|tasks|steps|activities|operations|jobs)[\"']?[ \t]*:[ \t]*(?:#.*)?\n"
+    r"(?:[ \t]*(?:#.*)?\n)*[ \t]*-[ \t]+"
+    r"(?:\{|[\"']?(?:id|name|action|task|step|title|label|key|duration)[\"']?[ \t]*:)",
     re.MULTILINE,
 )
 _KEY_LINE = re.compile(r"^[A-Za-z_][\w -]*:(?:[ \t]|$)", re.MULTILINE)
@@ -35,9 +36,14 @@ _DECIMAL = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 
 
-def is_yaml(text: str) -> bool:
-    """Whether a text holds a task as YAML: a list of actions under its key."""
-    return _TASK.search(text) is not None
+def is_yaml(text: str, name: str = "") -> bool:
+    """Whether a text holds a task as YAML: by its name or its fence, or a list of actions in it."""
+    if name.lower().endswith((".yaml", ".yml")):
+        return True
+    fenced = _FENCED.search(text)
+    return (fenced is not None and _KEY_LINE.search(fenced[1]) is not None) or (
+        _TASK.search(text) is not None
+    )
 
 
 def yaml_task(text: str, name: str) -> tuple[dict[str, Any], Source, Findings]:
@@ -65,8 +71,9 @@ def yaml_task(text: str, name: str) -> tuple[dict[str, Any], Source, Findings]:
 
 def _extent(text: str) -> tuple[int, int]:
     """[begin, end) of the YAML: inside a code fence, else from the first key on."""
-    for fenced in _FENCED.finditer(text):
-        if _TASK.search(fenced[1]):
+    fences = list(_FENCED.finditer(text))
+    for fenced in sorted(fences, key=lambda f: _TASK.search(f[1]) is None):
+        if _KEY_LINE.search(fenced[1]):
             return fenced.span(1)
     first = _KEY_LINE.search(text)
     fence = text.find("\n```", first.start() if first else 0)
