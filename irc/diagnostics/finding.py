@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from irc.diagnostics.source import Pointer, Source, pointer_text
 
 if TYPE_CHECKING:
-    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.fix import Fix, TextEdit
 
 
 DIAGNOSTICS_VERSION = "1"
@@ -152,7 +152,8 @@ class Diagnostic:
     """One finding. `offset` is its place in the text, if no element of the document gives one.
 
     `within` is its text, if that is not the report's own: a file that the task includes. `fix` is
-    a certain repair as JSON patch operations; it is empty if there is none.
+    a certain repair as JSON patch operations; it is empty if there is none. `edits` are a certain
+    repair of the text itself, where it is not JSON and patches do not apply.
     """
 
     code: Code
@@ -165,6 +166,7 @@ class Diagnostic:
     column: int | None = None
     within: Source | None = None
     fix: Fix = ()
+    edits: tuple[TextEdit, ...] = ()
     end: int | None = None
     """The offset at which the faulty text ends, if it is known and on the same line."""
 
@@ -185,6 +187,8 @@ class Diagnostic:
             "hint": self.hint,
             "fix": [operation.to_dict() for operation in self.fix] or None,
         }
+        if self.edits:
+            found["edits"] = [edit._asdict() for edit in self.edits]
         return found if self.within is None else {**found, "file": self.within.name}
 
 

@@ -119,7 +119,10 @@ def to_events(
     Raises `InputError` with every fault of shape.
     """
     timed = [
-        {"at": at, **element} if isinstance(element, dict) else element for element in elements
+        {"at": at, **{k: v for k, v in element.items() if v is not None}}
+        if isinstance(element, dict)
+        else element
+        for element in elements
     ]
     findings = Findings()
     # Read them as part of a task, so that faults of shape have the usual messages.
