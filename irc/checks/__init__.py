@@ -11,6 +11,7 @@ from irc.diagnostics import Code, Diagnostic, Findings, Report
 from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes.mandatory import mandatory_part
+from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 
 
@@ -47,7 +48,8 @@ def run_checks(
     problem = lower(task)
     # If the part that every schedule contains is infeasible, so is the whole task.
     core, _ = mandatory_part(problem)
-    check_temporal(core, findings)
+    required, _ = mandatory_part(decide_presence(problem))
+    check_temporal(required, findings)
     if complete and core is not problem:
         _check_choices(task, problem, findings)
     if lint:

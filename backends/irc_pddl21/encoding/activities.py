@@ -8,7 +8,6 @@ from irc.problem import PLAIN, Activity
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.grounded import Meaning
-from irc_pddl21.encoding.modes import span_of
 from irc_pddl21.encoding.objectives import ObjectiveCounter
 from irc_pddl21.encoding.occurrences import Occurrences, occurrences_of
 from irc_pddl21.encoding.pddl import NumericCondition, NumericEffect, Operator
@@ -74,7 +73,7 @@ class _ActivityEncoder:
         variants = [
             v
             for v in variants_of(self.builder.problem, activity, self.elements.units)
-            if not contradicts_itself(activity, instant=not span_of(activity, v.mode)[1])
+            if not contradicts_itself(activity, instant=not v.span[1])
         ]
         if not variants and occurrences.least:
             raise _impossible(activity)
@@ -151,7 +150,7 @@ class _ActivityEncoder:
         """One variant of an occurrence, with the activity's own conditions and effects."""
         activity, state = self.builder.problem.activities[i], self.elements.state
         units, conditions = self.elements.units, self.builder.conditions
-        span = span_of(activity, variant.mode)
+        span = variant.span
         here = list(dict.fromkeys(units.here[t] for t in variant.tokens if t in units.here))
         level_needs, level_changes = self.elements.levels.of(activity, instant=not span[1])
         start_adds, start_deletes = state.effects(activity, at_end=False)
@@ -208,6 +207,8 @@ def _impossible(activity: Activity) -> Refusal:
 
 
 def _parts(activity: Activity, variant: Variant) -> list[str]:
-    """The parts of a variant's name: its mode and its tokens (without "free_")."""
+    """The parts of a variant's name: its mode, and its tokens (without "free_") or "at_once"."""
     mode = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
+    if not variant.span[1]:
+        return [*mode, "at_once"]
     return mode + [token[5:] for token in variant.tokens]
