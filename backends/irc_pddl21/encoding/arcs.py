@@ -49,8 +49,8 @@ def sort_arcs(problem: Problem) -> SortedArcs:
     """All arcs of a problem by kind.
 
     Points that must coincide (a cycle of length 0) cannot wait for each other in PDDL, whose
-    happenings are separated; arcs inside such a cycle become envelopes. So do arcs from a start to an
-    end: where the activity that ends gives the other what it needs, both happen at one instant.
+    happenings are separated; arcs inside such a cycle become envelopes. So do arcs from a start to
+    an end: where the activity that ends gives the other what it needs, both are at one instant.
     """
     arcs = SortedArcs()
     for arc in problem.arcs:

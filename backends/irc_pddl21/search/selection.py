@@ -131,11 +131,11 @@ def _most_further(problem: Problem, i: int) -> int | None:
     least, greatest = activity.details.repeats or (0, 1)
     limits = [] if greatest is None else [greatest]
     deadline, latest = problem.effective_deadline(i), activity.latest_start
-    if activity.duration_min > 0:
-        limits += [] if deadline is None else [(deadline - activity.release) // activity.duration_min]
-        limits += (
-            [] if latest is None else [1 + (latest - activity.release) // activity.duration_min]
-        )
+    duration = activity.duration_min
+    if duration > 0 and deadline is not None:
+        limits.append((deadline - activity.release) // duration)
+    if duration > 0 and latest is not None:
+        limits.append(1 + (latest - activity.release) // duration)
     return max(0, min(limits) - least) if limits else None
 
 
@@ -229,9 +229,7 @@ class SelectionSpace:
         return gain
 
 
-def _with_occurrences(
-    problem: Problem, further: Mapping[int, int]
-) -> tuple[Problem, set[int]]:
+def _with_occurrences(problem: Problem, further: Mapping[int, int]) -> tuple[Problem, set[int]]:
     """The problem with this many occurrences beyond the least, and the activities without any."""
     never: set[int] = set()
     activities = list(problem.activities)

@@ -23,7 +23,7 @@ from irc_pddl21.search.selection import (
     optional_items,
 )
 from irc_pddl21.search.selection_search import SelectionSearch, shortest_of_best
-
+from irc_pddl21.search.shortest_selection import shortest_of_selections
 
 _CONTRADICTION = Diagnostic(
     Code.LAGS,
@@ -55,7 +55,7 @@ def solve_with(
     if first:
         bounds = _by_selection(session, fixed, first, "makespan" in rest)
     else:
-        bounds = _by_makespan(session, problem, rest[1:])
+        bounds = _by_makespan(session, problem, fixed, rest[1:])
     return _outcome(session, bounds)
 
 
@@ -66,10 +66,16 @@ def _with_fixed_presence(problem: Problem) -> Problem:
 
 
 def _by_makespan(
-    session: PlannerSession, problem: Problem, behind: tuple[str, ...]
+    session: PlannerSession, problem: Problem, fixed: Problem, behind: tuple[str, ...]
 ) -> dict[str, int]:
-    """The bounds of the makespan first; then, under it as a deadline, of the selection."""
-    best = shorten(session, problem)
+    """The bounds of the makespan first; then, under it as a deadline, of the selection.
+
+    `fixed`: the problem in which all that must be present is mandatory.
+    """
+    best, bound = shortest_of_selections(session, fixed)
+    if bound is not None and bound > problem.bounds.makespan.value:
+        problem = problem.with_bound(bound, "the optional items, one selection after the other")
+    best = shorten(session, problem, best)
     bounds = {"makespan": problem.bounds.makespan.value}
     selective = tuple(takewhile(lambda name: name in SELECTIVE, behind))
     if best is None or not selective or session.is_over:
