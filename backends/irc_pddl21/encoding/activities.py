@@ -8,6 +8,7 @@ from irc.problem import PLAIN, Activity
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.grounded import Meaning
+from irc_pddl21.encoding.modes import span_of
 from irc_pddl21.encoding.objectives import ObjectiveCounter
 from irc_pddl21.encoding.occurrences import Occurrences, occurrences_of
 from irc_pddl21.encoding.pddl import NumericCondition, NumericEffect, Operator
@@ -209,6 +210,6 @@ def _impossible(activity: Activity) -> Refusal:
 def _parts(activity: Activity, variant: Variant) -> list[str]:
     """The parts of a variant's name: its mode, and its tokens (without "free_") or "at_once"."""
     mode = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
-    if not variant.span[1]:
+    if variant.span != span_of(activity, variant.mode):
         return [*mode, "at_once"]
     return mode + [token[5:] for token in variant.tokens]
