@@ -79,9 +79,10 @@ _DROPS = frozenset(
 
 def _check_choices(task: Task, problem: Problem, findings: Findings) -> None:
     """Checks state, stock and occurrences; loads these checks only for tasks that have them."""
-    from irc.checks.endless import check_endless
+    from irc.checks.endless import check_endless, check_number
     from irc.checks.required import check_required, required_activities
 
+    check_number(problem, findings)
     check_endless(problem, findings)
     required = required_activities(problem)
     check_required(problem, required, findings)
