@@ -7,7 +7,6 @@ from dataclasses import replace
 from irc.problem import Activity, PreviousPlace, Problem
 from irc.problem.projection import restricted
 
-
 MOST_OCCURRENCES = 4_000
 """The greatest number of occurrences of all repeated actions together."""
 
