@@ -20,6 +20,7 @@ from irc.explanation.wording import in_words
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.mandatory import mandatory_part
+from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 from irc.problem.statements import (
     Kind,
@@ -53,7 +54,7 @@ def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
     if any(d.code not in _INFEASIBLE for d in checked.report.errors):
         raise InputError(checked.report)
     # (If the part that every schedule contains is infeasible, so is the whole task.)
-    problem, _ = mandatory_part(checked.problem)
+    problem, _ = mandatory_part(decide_presence(checked.problem))
     if not checked.report.ok:
         explanation = _without_solver(task, problem, budget)
         if explanation is None:
