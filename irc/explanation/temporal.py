@@ -97,10 +97,10 @@ def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
     """The conflict with its statements in the order of the cycle, from t = 0 if it is on it."""
     cycle = _cycles(_graph(problem, conflict.statements))[0]
     first = next((k for k, d in enumerate(cycle) if d.src == ORIGIN), 0)
-    ordered = tuple(dict.fromkeys(_stated([*cycle[first:], *cycle[:first]])))
+    ordered = dict.fromkeys(_stated([*cycle[first:], *cycle[:first]]))
     rest = tuple(s for s in conflict.statements if s not in ordered)
     excess = sum(d.weight for d in cycle)
-    return replace(conflict, statements=ordered + rest, excess=excess)
+    return replace(conflict, statements=(*ordered, *rest), excess=excess)
 
 
 def _dispensable(problem: Problem, statement: Statement) -> tuple[int, int, Statement]:
