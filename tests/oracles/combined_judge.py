@@ -69,7 +69,9 @@ def _judged(task: Task, schedule: Schedule, best: Optimum | None) -> str:
             break
     if values == least:
         return str(schedule.status)
-    return "not the best" if schedule.status is not Status.OPTIMAL else f"wrong: {values} is optimal"
+    return (
+        "not the best" if schedule.status is not Status.OPTIMAL else f"wrong: {values} is optimal"
+    )
 
 
 def is_fault(said: str) -> bool:

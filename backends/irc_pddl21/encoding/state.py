@@ -15,7 +15,6 @@ from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.names import NameTable
 
-
 MOST_CHANGES = 200_000
 """The most facts that all effects together may add and delete."""
 
