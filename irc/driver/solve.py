@@ -7,6 +7,7 @@ from irc.driver.compile import later_events, lower_for, reporting_refusals
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.problem import Problem
+from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Status
@@ -50,8 +51,7 @@ def solve_by(
     """The answer of `solve_task` by a given backend and engine."""
     problem = lower_for(task, backend)
     if options.shortcut and not problem.has_contention:
-        schedule = schedule_of(problem, earliest_schedule(problem))
-        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
+        outcome = _by_critical_path(problem)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     elif (stuck := _impossible_stock(problem)) is not None:
@@ -64,6 +64,21 @@ def solve_by(
             outcome = engine.solve(Program(backend, task, problem), options, budget)
     schedule = finish(task, problem, outcome, backend.name, budget.elapsed)
     return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
+
+
+def _by_critical_path(problem: Problem) -> Outcome:
+    """The outcome with all activities as early as possible; infeasible if one is too late then.
+
+    (The checks report what lags alone make too late, but not what state does.)
+    """
+    placed = earliest_schedule(problem)
+    for i, place in enumerate(placed):
+        late = too_late(problem, i, place.start, place.end)
+        if late is not None:
+            note = Diagnostic(Code.TOO_LATE, late, problem.activities[i].origin)
+            return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))
+    schedule = schedule_of(problem, placed)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 
 
 def _too_short(problem: Problem) -> Diagnostic:

@@ -204,7 +204,24 @@ FULL_SHELF = {
     ],
     "goals": ["a"],
 }
+
+
+def after_the_state(**limit: int) -> Document:
+    """`a` waits for the state that `c` leaves at 2."""
+    shut = {"var": "y", "value": False}
+    return {
+        "state": [{"id": "y", "initial": True}],
+        "actions": [
+            action("c", 2, conditions=[{"at": "all", "var": "y"}], effects=[{"at": "end", **shut}]),
+            action("a", 1, conditions=[{"at": "all", **shut}], **limit),
+        ],
+    }
+
+
 NONE = {
+    "state alone makes a latest start too late": after_the_state(latest_start=1),
+    "state alone makes a deadline too late": after_the_state(deadline=2),
+    "state alone makes a fixed start too late": after_the_state(start=1),
     "the resource is freed behind the start that a condition needs": FREED_TOO_LATE,
     "the same without a fixed start": TAKEN_TOO_EARLY,
     "neither of two changes can come first": FULL_SHELF,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 Document = dict[str, Any]
@@ -195,7 +196,7 @@ def _chain(rng: random.Random, document: Document) -> None:
     """Plain precedences; a cycle of them among optional actions keeps one of those out."""
     ids = _single(document)
     rng.shuffle(ids)
-    pairs = list(zip(ids, ids[1:], strict=False))
+    pairs = list(pairwise(ids))
     if rng.random() < 0.2 and len(ids) > 1:
         pairs.append((ids[-1], ids[0]))
     for before, after in pairs:
