@@ -93,6 +93,7 @@ class Code(Enum):
     INCOMPLETE = ("IRC211", Severity.ERROR, "a declaration that lacks what it needs")
     WITHOUT_EFFECT = ("IRC212", Severity.WARNING, "a field that has no meaning here")
     OVERLAP = ("IRC213", Severity.ERROR, "windows that overlap")
+    TOO_MANY = ("IRC214", Severity.ERROR, "more occurrences than irc can plan")
 
     CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
     WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")

@@ -12,6 +12,7 @@ from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
 from irc.driver.progress import telling
 from irc.model import Task
 from irc.problem import Problem
+from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule, Status
@@ -72,8 +73,7 @@ def solve_by(
         return _answer(task, checked.problem, outcome, backend, budget)
     problem = lower_checked(checked, backend, budget)
     if options.shortcut and not problem.has_contention:
-        schedule = schedule_of(problem, earliest_schedule(problem))
-        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
+        outcome = _by_critical_path(problem)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     elif (stuck := _impossible_stock(problem)) is not None:
@@ -99,6 +99,21 @@ def _answer(
     notes = reasons_for(task, outcome)
     schedule = explained(_approved(task, schedule), notes)
     return Answer(schedule, problem, (*notes_on(task), *notes))
+
+
+def _by_critical_path(problem: Problem) -> Outcome:
+    """The outcome with all activities as early as possible; infeasible if one is too late then.
+
+    (The checks report what lags alone make too late, but not what state does.)
+    """
+    placed = earliest_schedule(problem)
+    for i, place in enumerate(placed):
+        late = too_late(problem, i, place.start, place.end)
+        if late is not None:
+            note = Diagnostic(Code.TOO_LATE, late, problem.activities[i].origin)
+            return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))
+    schedule = schedule_of(problem, placed)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 
 
 def _too_short(problem: Problem) -> Diagnostic:

@@ -646,6 +646,12 @@ STRUCTURE = [
         says="this window of 'r' overlaps another one",
         hint="windows are half-open",
     ),
+    case(
+        '{"actions": [{"id": "a", "duration": 1, "occurs": {"min": 3000}},\n'
+        '{"id": "b", "duration": 1, "occurs": ‸{"min": 3001}}]}',
+        "IRC214 /actions/1/occurs",
+        says="action 'b' must occur at least 3,001 times, and all repeated actions 6,001 times",
+    ),
 ]
 
 TEMPORAL = [
