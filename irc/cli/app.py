@@ -322,6 +322,9 @@ def convert(
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
     ] = None,
+    lenient: Annotated[
+        bool, typer.Option("--lenient", help="Read PDDL as language models write it.")
+    ] = False,
     format: FormatOption = Format.text,
 ) -> None:
     """Write a task as IR JSON, or in the DSL if the output file ends in .irc.
@@ -332,7 +335,14 @@ def convert(
 
     with reporting_errors(format):
         try:
-            written = convert_file(file, source, output, problem)
+            written = convert_file(
+                file,
+                source,
+                output,
+                problem,
+                lenient=lenient,
+                on_report=lambda report: print_notes(report, report.source),
+            )
         except ConversionUseError as error:
             fail(EXIT_USE, str(error), format)
         if format is Format.json:

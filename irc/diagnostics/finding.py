@@ -73,6 +73,7 @@ class Code(Enum):
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
     NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
+    LENIENT = ("IRC110", Severity.WARNING, "PDDL that is read differently from what it says")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")

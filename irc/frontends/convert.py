@@ -51,10 +51,19 @@ def written_as(output: Path, task: Task) -> str:
     return dump_json(written_task(task))
 
 
-def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
+def convert_file(
+    file: str,
+    source: str,
+    output: Path,
+    problem: str | None = None,
+    *,
+    lenient: bool = False,
+    on_report: Callable[[Report], None] = lambda report: None,
+) -> list[Path]:
     """Writes the task (or one task for each instance) and returns the written files.
 
-    A task is written in the DSL if `output` ends in `.irc`, else as JSON.
+    A task is written in the DSL if `output` ends in `.irc`, else as JSON. `lenient` reads PDDL as
+    models write it; `on_report` gets the warnings about PDDL.
 
     An importer of instances also accepts a folder, whose `.json` files it reads in order of name.
     Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` if an importer needs an
@@ -62,11 +71,16 @@ def convert_file(file: str, source: str, output: Path, problem: str | None = Non
     """
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
-    if problem is not None and source != PDDL:
-        raise ConversionUseError(f"--problem is for --from {PDDL}")
+    if (problem is not None or lenient) and source != PDDL:
+        option = "--lenient" if problem is None else "--problem"
+        raise ConversionUseError(f"{option} is for --from {PDDL}")
     if source in IMPORTERS:
         return _convert_instances(file, load_importer(source), output)
-    task = read_task(file).task if source == "irc" else _read_pddl(file, problem)
+    if source == "irc":
+        task = read_task(file).task
+    else:
+        task, report = read_pddl_files(file, problem, lenient=lenient)
+        on_report(report)
     write_whole(output, written_as(output, task))
     return [output]
 
@@ -102,9 +116,12 @@ def _files(file: str) -> list[str]:
     return found
 
 
-def _read_pddl(domain: str, problem: str | None) -> Task:
+def read_pddl_files(
+    domain: str, problem: str | None, *, lenient: bool = False
+) -> tuple[Task, Report]:
+    """The task of a domain's and a problem's files, and the warnings about them."""
     if problem is None:
         raise ConversionUseError(f"--from {PDDL} also needs the problem: --problem FILE")
-    from irc.frontends.importers.pddl import import_pddl
+    from irc.frontends.importers.pddl import read_pddl
 
-    return import_pddl(read_text(domain), read_text(problem))
+    return read_pddl(read_text(domain), read_text(problem), lenient=lenient)
