@@ -23,6 +23,7 @@ from irc.problem.problem import (
     Requirement,
     Reservoir,
     StockChange,
+    TimedChange,
     Variable,
     Window,
 )
@@ -50,6 +51,7 @@ __all__ = [
     "Requirement",
     "Reservoir",
     "StockChange",
+    "TimedChange",
     "Variable",
     "Window",
 ]

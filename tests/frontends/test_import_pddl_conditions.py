@@ -280,7 +280,8 @@ def test_a_domain_cut_anywhere_is_a_located_error(share: float) -> None:
 
 @pytest.mark.shared_data
 @pytest.mark.parametrize(
-    ("name", "makespan"), [("unused_adl", 5), ("order", 5), ("empty_functions", 5), ("move", 5)]
+    ("name", "makespan"),
+    [("til", 15), ("unused_adl", 5), ("order", 5), ("empty_functions", 5), ("move", 5)],
 )
 def test_a_case_is_read_and_solved(name: str, makespan: int) -> None:
     files = [SHARED_DATA / "cases" / f"{name}_{part}.pddl" for part in "dp"]

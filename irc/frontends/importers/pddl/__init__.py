@@ -2,7 +2,7 @@
 
 A fact that changes is a state variable `(at truck1 depot)`; a ground action is an action of the
 same name as in a plan, `(drive truck1 depot market)`, which may occur as often as the planner
-likes; a timed initial literal is an action with a fixed start.
+likes; a timed initial literal is a timed change of state.
 `irc.frontends.importers.pddl.plan` writes schedules back as plans of the original problem.
 `docs/importers.md` lists supported and refused elements.
 """

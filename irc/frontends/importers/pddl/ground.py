@@ -170,7 +170,10 @@ class _Grounder:
         self._count: dict[str, int] = {}
 
     def goal(self) -> Formula:
-        """The part of the goal that is not constant. Raises `UnreachableError` where a part can never hold."""
+        """The part of the goal that is not constant.
+
+        Raises `UnreachableError` where a part can never hold.
+        """
         parts = []
         for part in conjuncts(self.lifted.goal):
             formula = self.decider.formula(part, {})

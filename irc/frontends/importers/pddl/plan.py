@@ -14,7 +14,6 @@ from fractions import Fraction
 from itertools import pairwise
 
 from irc.errors import IrcError
-from irc.frontends.importers.pddl.task import EVENT
 from irc.model import DurationRange, Task
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
@@ -47,8 +46,6 @@ def plan_text(task: Task, schedule: Schedule) -> str:
     epsilon = _epsilon(task, schedule.entries, moved)
     lines = []
     for entry, (at_start, at_end) in zip(schedule.entries, moved, strict=True):
-        if entry.id.startswith(EVENT):
-            continue
         start = entry.start + at_start * epsilon
         lasts = entry.end + at_end * epsilon - start
         duration = f" [{_decimal(lasts)}]" if lasts else ""
@@ -71,12 +68,13 @@ def _offsets(entries: Sequence[Entry], found: ScheduleRanks) -> list[int]:
     ties = [_Tie(a, b, least) for a, b, least in found.edges]
     instants: dict[Number, dict[int, set[int]]] = {}
     for entry, (start, end) in zip(entries, found.nodes, strict=True):
-        if entry.id.startswith(EVENT):
-            ties += [_Tie(origin, start, 0), _Tie(start, origin, 0)]
-        elif entry.start == 0:
+        if entry.start == 0:
             ties.append(_Tie(origin, start, 0))
         for time, node in ((entry.start, start), (entry.end, end)):
             instants.setdefault(time, {}).setdefault(found.ranks[node], set()).add(node)
+    for time, node in found.changes:
+        ties += [_Tie(origin, node, 0), _Tie(node, origin, 0)]
+        instants.setdefault(time, {}).setdefault(found.ranks[node], set()).add(node)
     for ranks in instants.values():
         # Happenings of one rank stay together.
         for level in ranks.values():

@@ -26,10 +26,6 @@ from irc.frontends.importers.pddl.lifted import Fact, Lifted, Literal, conjuncts
 from irc.frontends.importers.pddl.metric import Objective
 from irc.model import Task
 from irc.model.quantities import exact
-from irc.model.times import json_number
-
-EVENT = "at "
-"""The beginning of the ids of timed initial literals; those of PDDL's actions begin with '('."""
 
 Raw = dict[str, Any]
 
@@ -44,7 +40,7 @@ def pddl_task(lifted: Lifted, grounded: Grounded, objective: Objective) -> Task:
                 "name": lifted.problem,
                 "metadata": builder.metadata(),
                 "state": builder.state(),
-                "actions": [*builder.events(), *map(builder.action, builder.useful)],
+                "actions": list(map(builder.action, builder.useful)),
                 "goals": goals,
                 **({} if objective.weights is None else {"objective": list(objective.names)}),
             }
@@ -119,8 +115,21 @@ class _Builder:
 
     def state(self) -> list[Raw]:
         initial = self.grounded.initial
+        changes: dict[Fact, dict[Fraction, bool]] = {}
+        for time, fact, value in self.lifted.timed:
+            at = changes.setdefault(fact, {})
+            at[time] = at.get(time, False) or value
         return [
-            {"id": atom_text(fact), **({"initial": True} if fact in initial else {})}
+            without_empty(
+                {
+                    "id": atom_text(fact),
+                    **({"initial": True} if fact in initial else {}),
+                    "changes": [
+                        {"at": exact(time), "value": value}
+                        for time, value in sorted(changes.get(fact, {}).items())
+                    ],
+                }
+            )
             for fact in self.kept
         ]
 
@@ -169,23 +178,6 @@ class _Builder:
             for _, test in action.conditions
             if isinstance(test, Atom)
         )
-
-    def events(self) -> list[Raw]:
-        """The actions of timed initial literals, one for all literals of the same time."""
-        times: dict[Fraction, dict[Fact, bool]] = {}
-        for time, fact, value in self.lifted.timed:
-            if fact in self.kept:
-                happening = times.setdefault(time, {})
-                happening[fact] = happening.get(fact, False) or value
-        return [
-            {
-                "id": f"{EVENT}{json_number(exact(time))}",
-                "duration": 0,
-                "start": exact(time),
-                "effects": self._atoms(("start", Atom(*atom)) for atom in happening.items()),
-            }
-            for time, happening in sorted(times.items())
-        ]
 
     def goals(self) -> Iterator[Raw]:
         places = {
