@@ -16,6 +16,7 @@ from irc.cli.options import (
     FormatOption,
     MemoryLimitOption,
     OutOption,
+    ProblemOption,
     SeedOption,
     TargetOption,
     TimeLimitOption,
@@ -79,10 +80,10 @@ def _root(
     """Compile an asynchronous task for a solver, and turn its answer into a validated schedule."""
 
 
-def _read(file: str) -> Reading:
+def _read(file: str, problem: str | None = None) -> Reading:
     from irc.frontends.files import read_task
 
-    return read_task(file)
+    return read_task(file, problem)
 
 
 def check(
@@ -124,6 +125,7 @@ def explain_code(
 def compile_(
     file: FileArgument,
     target: Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")],
+    problem: ProblemOption = None,
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
@@ -132,7 +134,7 @@ def compile_(
     from irc.targets import MANIFEST_FILE
 
     with reporting_errors(format):
-        reading = _read(file)
+        reading = _read(file, problem)
         program = compile_task(reading.task, target)
         _print_reading_notes(reading, format)
         print_notes(program.notes)
@@ -165,6 +167,7 @@ def solve(
     file: FileArgument,
     target: TargetOption = "cpsat",
     engine: EngineOption = "auto",
+    problem: ProblemOption = None,
     time_limit: TimeLimitOption = 60.0,
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
@@ -185,7 +188,7 @@ def solve(
     from irc.targets import SolveOptions
 
     with reporting_errors(format):
-        reading = _read(file)
+        reading = _read(file, problem)
         with progress_shown(reading.task) as on_progress:
             options = SolveOptions(
                 target,
@@ -211,6 +214,7 @@ def explain(
     time_limit: Annotated[
         float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for the whole explanation.")
     ] = 60.0,
+    problem: ProblemOption = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Show why a task has no schedule, or why its schedule is not shorter."""
@@ -219,7 +223,7 @@ def explain(
     from irc.explanation import explain_task
 
     with reporting_errors(format):
-        reading = _read(file)
+        reading = _read(file, problem)
         explanation = explain_task(reading.task, time_limit)
         _print_reading_notes(reading, format)
         print_notes(later_events(reading.task))
@@ -251,33 +255,33 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
 
 
 def extract(
-    manifest: Annotated[str, typer.Argument(help="The manifest.json of a compiled task.")],
+    manifest: Annotated[
+        str, typer.Argument(help="The manifest.json of a compiled task, or a PDDL domain.")
+    ],
     answer: Annotated[str, typer.Argument(help="The engine's output; '-' is standard input.")],
+    problem: ProblemOption = None,
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Turn an engine's raw output into an exact, validated schedule of the task."""
-    from irc.driver.extract import extract_answer
-    from irc.frontends.files import read_bytes, read_text
-    from irc.frontends.json.document import read_document
+    """Turn an engine's raw output into an exact, validated schedule of the task.
+
+    With --problem the output is a plan of a PDDL domain, by whichever planner.
+    """
+    from irc.cli.plans import extracted
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
-        document = read_document(*read_text(manifest))
-        raw, name = read_bytes(answer)
-        extracted = extract_answer(
-            document.content,
-            raw.decode("utf-8", "replace"),
-            manifest_source=document.source,
-            answer_name=name,
-        )
-        _show_answer(extracted, output, format)
+        _show_answer(extracted(manifest, answer, problem), output, format)
 
 
 def validate(
     file: FileArgument,
-    schedule: Annotated[str, typer.Argument(help="A schedule as JSON; '-' is standard input.")],
+    schedule: Annotated[
+        str,
+        typer.Argument(help="A schedule as JSON, or a plan of a PDDL domain; '-': standard input."),
+    ],
+    problem: ProblemOption = None,
     at: Annotated[
         str | None,
         typer.Option("--at", help="Actions that began before this time are history: 5, '2 min', …"),
@@ -286,19 +290,16 @@ def validate(
 ) -> None:
     """Check a schedule against the rules of docs/semantics.md, and name every violation."""
     from irc.cli.moments import moment_of
+    from irc.cli.plans import read_schedule
     from irc.driver.judge import validate_schedule
-    from irc.frontends.files import read_text
-    from irc.frontends.json.document import read_document
-    from irc.schedule import schedule_from_json
 
     with reporting_errors(format):
         if file == schedule == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
-        reading = _read(file)
-        document = read_document(*read_text(schedule))
-        answer = schedule_from_json(document.content, document.source)
+        reading = _read(file, problem)
+        answer, source = read_schedule(schedule, reading.task)
         moment = None if at is None else moment_of(reading.task, at, format)
-        verdict = validate_schedule(reading.task, answer, document.source, at=moment)
+        verdict = validate_schedule(reading.task, answer, source, at=moment)
         if format is Format.json:
             put_json(verdict.to_dict())
         else:
@@ -316,11 +317,15 @@ def convert(
         str,
         typer.Option(
             "--from",
-            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl.",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl,"
+            " pddl-plan, schedule.",
         ),
     ] = "irc",
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
+    ] = None,
+    domain: Annotated[
+        str | None, typer.Option("--domain", help="The domain file of a plan or a schedule.")
     ] = None,
     lenient: Annotated[
         bool, typer.Option("--lenient", help="Read PDDL as language models write it.")
@@ -340,6 +345,7 @@ def convert(
                 source,
                 output,
                 problem,
+                domain=domain,
                 lenient=lenient,
                 on_report=lambda report: print_notes(report, report.source),
             )

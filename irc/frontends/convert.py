@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -11,9 +12,10 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.files import write_folder, write_whole
 from irc.errors import IrcError
 from irc.frontends.files import read_task, read_text
+from irc.frontends.json.document import read_document
 from irc.model import Task
 from irc.model.canonical import written_task
-from irc.schedule import dump_json
+from irc.schedule import dump_json, schedule_from_json
 from irc.targets import UnknownTarget
 
 Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
@@ -30,7 +32,10 @@ IMPORTERS: Mapping[str, str] = {
 PDDL = "pddl"
 """The format with two files, a domain and a problem, for one task."""
 
-FORMATS = ("irc", *IMPORTERS, PDDL)
+PDDL_PLAN, SCHEDULE = "pddl-plan", "schedule"
+"""A plan of an original PDDL problem as a schedule, and the way back."""
+
+FORMATS = ("irc", *IMPORTERS, PDDL, PDDL_PLAN, SCHEDULE)
 
 DSL_SUFFIX = ".irc"
 """The suffix of a file in the DSL; every other file is written as JSON."""
@@ -57,6 +62,7 @@ def convert_file(
     output: Path,
     problem: str | None = None,
     *,
+    domain: str | None = None,
     lenient: bool = False,
     on_report: Callable[[Report], None] = lambda report: None,
 ) -> list[Path]:
@@ -71,6 +77,13 @@ def convert_file(
     """
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
+    if source in (PDDL_PLAN, SCHEDULE):
+        if domain is None or problem is None:
+            raise ConversionUseError(f"--from {source} needs --domain FILE and --problem FILE")
+        task, report = read_pddl_files(domain, problem, lenient=lenient)
+        on_report(report)
+        write_whole(output, _converted_plan(file, source, task))
+        return [output]
     if (problem is not None or lenient) and source != PDDL:
         option = "--lenient" if problem is None else "--problem"
         raise ConversionUseError(f"{option} is for --from {PDDL}")
@@ -83,6 +96,23 @@ def convert_file(
         on_report(report)
     write_whole(output, written_as(output, task))
     return [output]
+
+
+def _converted_plan(file: str, source: str, task: Task) -> str:
+    """The text of a plan's schedule, or of a schedule's plan."""
+    from irc.frontends.importers.pddl.plan import PlanError, plan_text
+    from irc.frontends.importers.pddl.plan_reader import read_plan
+
+    text, name = read_text(file)
+    if source == PDDL_PLAN:
+        schedule = read_plan(text, name, task)
+        return dump_json(replace(schedule, task=task.name, time_unit=task.time_unit).to_dict())
+    document = read_document(text, name)
+    try:
+        return plan_text(task, schedule_from_json(document.content, document.source))
+    except PlanError as error:
+        diagnostic = Diagnostic(Code.BAD_SCHEDULE, str(error), offset=0)
+        raise InputError(Report((diagnostic,), document.source)) from None
 
 
 def load_importer(source: str) -> Importer:

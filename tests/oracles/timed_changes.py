@@ -1,8 +1,8 @@
 """Timed changes of state, judged by trying everything: times, ranks, and which actions happen.
 
 Written from docs/semantics.md, rule 6 with its timed changes, and rule 7.1, for tasks of a few
-actions with whole durations, without resources, precedence or repetition. A change has a rank of its own that no
-schedule says: here all of them are tried.
+actions with whole durations, without resources, precedence or repetition. A change has a rank of
+its own that no schedule says: here all of them are tried.
 """
 
 from __future__ import annotations

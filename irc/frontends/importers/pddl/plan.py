@@ -8,6 +8,7 @@ move.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,6 +20,8 @@ from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
 from irc.validation.ranked import NoRanksError, ScheduleRanks, ranks_of
+
+_VARIANT = re.compile(r" #\d+\Z")
 
 LARGEST_EPSILON = Fraction(1, 1000)
 """The usual epsilon of planners."""
@@ -49,7 +52,8 @@ def plan_text(task: Task, schedule: Schedule) -> str:
         start = entry.start + at_start * epsilon
         lasts = entry.end + at_end * epsilon - start
         duration = f" [{_decimal(lasts)}]" if lasts else ""
-        lines.append((start, entry.id, f"{_decimal(start)}: {entry.id}{duration}\n"))
+        name = _VARIANT.sub("", entry.id)
+        lines.append((start, entry.id, f"{_decimal(start)}: {name}{duration}\n"))
     return "".join(line for _, _, line in sorted(lines))
 
 
