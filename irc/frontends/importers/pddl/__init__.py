@@ -20,6 +20,7 @@ from irc.frontends.importers.pddl.lifted import Lifted
 from irc.frontends.importers.pddl.metric import objective_of
 from irc.frontends.importers.pddl.reader import Reader
 from irc.frontends.importers.pddl.sexpr import Form, SyntaxFault, read_form
+from irc.frontends.importers.pddl.symmetry import without_symmetry
 from irc.frontends.importers.pddl.task import pddl_task
 from irc.model import Task
 
@@ -72,7 +73,8 @@ def _task(lifted: Lifted, sources: tuple[Source, Source], found: tuple[Findings,
             objective = objective_of(lifted, grounded.actions)
             if objective.mixed and lifted.metric is not None:
                 found[1].add(Code.LENIENT, _MIXED, offset=lifted.metric.offset)
-            return pddl_task(lifted, grounded, objective)
+            grounded, equal = without_symmetry(lifted, grounded)
+            return pddl_task(lifted, grounded, objective, equal)
         except (NotSupportedError, UnreachableError) as error:
             found[1].add(Code.NOT_AN_IMPORT, str(error), offset=error.offset)
     _raise_errors(sources, found)

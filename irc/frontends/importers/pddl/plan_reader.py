@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
@@ -55,6 +55,8 @@ def read_plan(text: str, name: str, task: Task) -> Schedule:
     for action in task.actions:
         ways.setdefault(_VARIANT.sub("", action.id), []).append(action)
     useless = task.metadata.get("actions_that_change_nothing_that_matters", ())
+    for equal in task.metadata.get("pddl", {}).get("interchangeable", ()):
+        steps = _matched(steps, equal["objects"], equal["in_the_order_of"])
     known: list[_Step] = []
     for step in steps:
         if step.name in ways:
@@ -91,6 +93,23 @@ def _last_plan(steps: Iterable[_Step]) -> list[_Step]:
     return plan
 
 
+def _matched(steps: list[_Step], objects: list[str], order: list[str]) -> list[_Step]:
+    """The steps with interchangeable objects renamed, as the task matches them with actions."""
+    place = {_VARIANT.sub("", name): k for k, name in reversed(list(enumerate(order)))}
+    used: list[tuple[int, Fraction, str]] = []
+    for step in steps:
+        words = step.name[1:-1].split()
+        for item in objects:
+            if item in words[1:]:
+                open_name = f"({' '.join('*' if word == item else word for word in words)})"
+                used.append((place.get(open_name, len(place)), step.start, item))
+    names = dict(zip(dict.fromkeys(item for _, _, item in sorted(used)), objects, strict=False))
+    return [
+        replace(step, name=f"({' '.join(names.get(w, w) for w in step.name[1:-1].split())})")
+        for step in steps
+    ]
+
+
 def _chosen(
     task: Task, steps: list[_Step], ways: Mapping[str, list[Action]]
 ) -> Iterator[tuple[_Step, str]]:
@@ -98,30 +117,24 @@ def _chosen(
 
     The happenings are gone through in order; at one time ends come first.
     """
-    values = {variable.id: variable.start_value for variable in task.state}
-    happenings = [(time, 1, var, value) for time, var, value in _changes(task)]
+    values: dict[str, object] = {variable.id: variable.start_value for variable in task.state}
     points: list[tuple[Fraction, int, int]] = []
     for k, step in enumerate(steps):
         points += [(step.start, 2, k), (step.start + step.lasts, 0 if step.lasts else 3, k)]
+    changes = list(_changes(task))
+    points += [(change[0], 1, k) for k, change in enumerate(changes)]
     left = [list(ways[step.name]) for step in steps]
-    order = sorted(
-        [*((t, s, ("world", v, x)) for t, s, v, x in happenings), *points], key=_first_two
-    )
-    for _, stage, what in order:
-        if isinstance(what, tuple):
-            values[what[1]] = what[2]
+    for _, stage, k in sorted(points):
+        if stage == 1:
+            values[changes[k][1]] = changes[k][2]
             continue
         when = "start" if stage == 2 else "end"
-        left[what] = [a for a in left[what] if _holds(a, when, values)] or left[what][:1]
-        for effect in left[what][0].effects:
+        left[k] = [a for a in left[k] if _holds(a, when, values)] or left[k][:1]
+        for effect in left[k][0].effects:
             if effect.at == when:
                 values[effect.var] = effect.value
     for step, actions in zip(steps, left, strict=True):
         yield step, actions[0].id
-
-
-def _first_two(point: tuple[Fraction, int, object]) -> tuple[Fraction, int]:
-    return point[0], point[1]
 
 
 def _changes(task: Task) -> Iterator[tuple[Fraction, str, bool | str]]:

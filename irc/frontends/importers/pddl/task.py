@@ -7,7 +7,7 @@ changes no schedule.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -24,15 +24,21 @@ from irc.frontends.importers.pddl.ground import (
 )
 from irc.frontends.importers.pddl.lifted import Fact, Lifted, Literal, conjuncts
 from irc.frontends.importers.pddl.metric import Objective
+from irc.frontends.importers.pddl.symmetry import Interchangeable
 from irc.model import Task
 from irc.model.quantities import exact
 
 Raw = dict[str, Any]
 
 
-def pddl_task(lifted: Lifted, grounded: Grounded, objective: Objective) -> Task:
+def pddl_task(
+    lifted: Lifted,
+    grounded: Grounded,
+    objective: Objective,
+    equal: Sequence[Interchangeable] = (),
+) -> Task:
     """The IR task. Raises `UnreachableError`."""
-    builder = _Builder(lifted, grounded, objective)
+    builder = _Builder(lifted, grounded, objective, tuple(equal))
     goals = list(builder.goals())
     return Task.model_validate(
         without_empty(
@@ -53,6 +59,7 @@ class _Builder:
     lifted: Lifted
     grounded: Grounded
     objective: Objective
+    equal: tuple[Interchangeable, ...] = ()
 
     @cached_property
     def written(self) -> dict[Fact, set[bool]]:
@@ -199,11 +206,16 @@ class _Builder:
         useful = set(map(id, self.useful))
         useless = [a.text for a in self.grounded.actions if id(a) not in useful]
         scale = self.objective.scale
+        equal = [
+            {"objects": list(one.tokens), "in_the_order_of": list(one.actions)}
+            for one in self.equal
+        ]
         return {
             "pddl": {
                 "domain": self.lifted.domain,
                 "problem": self.lifted.problem,
                 **({"cost_per_unit_of_the_metric": scale} if scale != 1 else {}),
+                **({"interchangeable": equal} if equal else {}),
             },
             **({"actions_that_change_nothing_that_matters": useless} if useless else {}),
         }
