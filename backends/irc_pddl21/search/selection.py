@@ -8,7 +8,7 @@ until the deadline, bound that sum: each such limit is a knapsack, and the fract
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -107,10 +107,13 @@ def _value(problem: Problem, members: Iterable[int], reward: int, name: str) -> 
 class SelectionSpace:
     """The selections among some items of a problem, with their values and bounds."""
 
-    def __init__(self, problem: Problem, items: list[Item]) -> None:
+    def __init__(
+        self, problem: Problem, items: list[Item], is_over: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Prepares the bounds; with no time left without those by the work of resources."""
         self.problem = problem
         self.items = sorted(items, key=lambda item: (-item.value, item.members))
-        self.limits = [*_stock_limits(problem, self.items), *_energy_limits(self)]
+        self.limits = [*_stock_limits(problem, self.items), *_energy_limits(self, is_over)]
         count = len(self.items)
         self._orders = [
             sorted(range(count), key=lambda k: _density(self.items[k].value, limit.weights[k]))
@@ -158,7 +161,7 @@ class SelectionSpace:
         return gain
 
 
-def _energy_limits(space: SelectionSpace) -> list[Limit]:
+def _energy_limits(space: SelectionSpace, is_over: Callable[[], bool]) -> list[Limit]:
     """The limits on the work of a resource after some head and before some tail."""
     deadline, items = space.problem.deadline, space.items
     if deadline is None or not items:
@@ -166,6 +169,8 @@ def _energy_limits(space: SelectionSpace) -> list[Limit]:
     everything, _ = mandatory_part(space.restricted(frozenset(range(len(items)))))
     heads, tails = _ends(space.restricted(frozenset()))
     for k in range(len(items)):
+        if is_over():
+            return []
         alone = _ends(space.restricted(frozenset([k])))
         heads, tails = {**alone[0], **heads}, {**alone[1], **tails}
     owner = {

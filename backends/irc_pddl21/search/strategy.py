@@ -23,6 +23,9 @@ from irc_pddl21.search.selection import (
 )
 from irc_pddl21.search.selection_search import SelectionSearch, shortest_of_best
 
+PREPARING_SHARE = 0.1
+"""Of the time left, for the bounds on selections before the search."""
+
 
 def solve_with(
     planner: Planner,
@@ -77,7 +80,8 @@ def _by_selection(
         shorten(session, replace(problem, objectives=("makespan",)))
         return {}
     items, weights = found
-    search = SelectionSearch(session, SelectionSpace(problem, items))
+    part = session.budget.share(PREPARING_SHARE)
+    search = SelectionSearch(session, SelectionSpace(problem, items, lambda: part.is_over))
     search.run()
     if search.chosen is None or session.best is None:
         return {}
