@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from irc.checks.structure import check_structure
 from irc.checks.temporal import check_temporal
@@ -14,8 +14,7 @@ from irc.passes.mandatory import mandatory_part
 from irc.problem import Problem
 
 
-@dataclass(frozen=True)
-class Checked:
+class Checked(NamedTuple):
     """A checked task: the task, its lowered form and the report of all checks."""
 
     task: Task

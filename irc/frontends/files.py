@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.frontends.json.document import MAX_BYTES, RawDocument, decode_bytes, read_document
@@ -15,8 +15,7 @@ from irc.model.from_document import to_task
 STANDARD_INPUT = "-"
 
 
-@dataclass(frozen=True)
-class Reading:
+class Reading(NamedTuple):
     """A task that was read, with the notes on its text."""
 
     task: Task

@@ -8,7 +8,7 @@ from typing import Literal
 Language = Literal["json", "dsl", "english"]
 
 _BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json"}
-_KEY = re.compile(r'"(?:actions|irc|precedence|resources)"\s*:')
+_KEY = r'"(?:actions|irc|precedence|resources)"\s*:'
 _SNIFFED = 10_000
 _SNIFFED_STATEMENTS = 20
 
@@ -26,7 +26,7 @@ def language_of(text: str, name: str) -> Language:
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
-    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or _KEY.search(text):
+    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, text):
         return "json"
     readable, lines = _like_dsl(text[:_SNIFFED])
     if readable and readable >= lines:

@@ -7,11 +7,11 @@ through its shortest decimal text.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from datetime import datetime
 from decimal import Decimal
 from fractions import Fraction
 from math import gcd, lcm
+from typing import NamedTuple
 
 from irc.model.quantities import (
     DAY,
@@ -87,8 +87,7 @@ def unit_seconds(unit: str, days_per_month: Number = 30) -> Fraction:
     return UNIT_SECONDS[name]
 
 
-@dataclass(frozen=True)
-class Clock:
+class Clock(NamedTuple):
     """Turns times as written into exact numbers of one task's time unit."""
 
     unit: Fraction

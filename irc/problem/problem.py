@@ -276,12 +276,14 @@ class PreviousPlace(NamedTuple):
     resources: tuple[int | None, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Bound:
+class Bound(NamedTuple):
     """A proven lower bound on the makespan, in ticks, and the reason for it."""
 
     value: int
     reason: str
+
+
+NO_BOUND = Bound(0, "no schedule ends before it starts")
 
 
 @dataclass(frozen=True, slots=True)
@@ -306,7 +308,7 @@ class Bounds:
 
     heads: tuple[int, ...] = ()
     tails: tuple[int, ...] = ()
-    makespan: Bound = Bound(0, "no schedule ends before it starts")
+    makespan: Bound = NO_BOUND
 
 
 @dataclass(frozen=True, slots=True)

@@ -401,11 +401,10 @@ def test_an_answer_that_is_not_proven_says_so(monkeypatch: pytest.MonkeyPatch) -
 
     def unproven(*arguments: Any, **named: Any) -> Any:
         answer = solve(*arguments, **named)
-        bound = replace(answer.problem.bounds.makespan, value=6, reason="the critical path")
         return replace(
             answer,
             schedule=replace(answer.schedule, status=Status.FEASIBLE),
-            problem=answer.problem.with_bound(bound.value, bound.reason),
+            problem=answer.problem.with_bound(6, "the critical path"),
         )
 
     monkeypatch.setattr(road, "solve_task", unproven)
@@ -477,7 +476,7 @@ def test_the_command_ends_with_status_3_where_time_is_over(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     unknown = irc.Explanation(Status.UNKNOWN, "busy", "s")
-    monkeypatch.setattr("irc.explanation.explain_task", lambda *_: unknown)
+    monkeypatch.setattr("irc.explanation.explain_task", lambda *_, **__: unknown)
     result = run("-", given=json.dumps(SOLVER[0].document))
     assert result.exit_code == 3
     assert "--time-limit" in result.stdout

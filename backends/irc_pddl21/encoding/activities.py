@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from irc.problem import PLAIN, Activity
 from irc.targets import Refusal
@@ -18,8 +19,7 @@ from irc_pddl21.encoding.state import StateFacts, contradicts_itself
 from irc_pddl21.encoding.variants import Variant, variants_of
 
 
-@dataclass(frozen=True)
-class Elements:
+class Elements(NamedTuple):
     """The other elements of a problem, as far as activities have conditions and effects on them.
 
     `declined` are the activities (by index) for which a planner-only instant declares the absence.

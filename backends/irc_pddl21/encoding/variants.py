@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations, product
+from typing import NamedTuple
 
 from irc.problem import Activity, OpenDemand, Problem
 from irc_pddl21.encoding.modes import demands_in, modes_of
 from irc_pddl21.encoding.resources import ResourceUnits
 
 
-@dataclass(frozen=True, slots=True)
-class Variant:
+class Variant(NamedTuple):
     """One way to ground an activity.
 
     `resources` gives the pool of each of the `demands` that this mode has.

@@ -9,10 +9,10 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Pointer, Range, Source
@@ -33,13 +33,13 @@ _SCANNED_OF_LONG = 500_000
 """The part of a longer text that is scanned for other faults."""
 
 _MAX_ATTEMPTS = 1000
-_BLANK = re.compile(r"\s*")
-_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
-_FENCE = re.compile(r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z")
+# Compiled when first used, because most documents need none of them.
+_BLANK = r"\s*"
+_SURROGATE = r"\\u[dD][89a-fA-F]"
+_FENCE = r"\s*(```+|~~~+)\s*[\w+-]*\s*\Z"
 
 
-@dataclass(frozen=True)
-class RawDocument:
+class RawDocument(NamedTuple):
     """The decoded JSON object, its text, and the notes on the text."""
 
     content: dict[str, Any]
@@ -147,7 +147,7 @@ def read_document(text: str, name: str) -> RawDocument:
     start, end, content = _only(found, text, name, findings)
     note_surroundings(text, start, end, findings)
     source = Source(name, text, _Locator(start))
-    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+    if _depth(content) > MAX_DEPTH or _has_surrogate(text, content):
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
 
@@ -169,7 +169,7 @@ def _require_whole_task(text: str, failed: list[int], name: str, findings: Findi
 
 
 def _skip_blank(text: str, at: int) -> int:
-    match = _BLANK.match(text, at)
+    match = re.compile(_BLANK).match(text, at)
     return match.end() if match else at
 
 
@@ -181,7 +181,7 @@ def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | JsonFau
         content, end = _DECODER.raw_decode(text, start)
     except (ValueError, RecursionError):
         return scan(text, start, max_depth=MAX_DEPTH).faults[0]
-    if _depth(content) > MAX_DEPTH or (_SURROGATE.search(text) and _has_surrogate(content)):
+    if _depth(content) > MAX_DEPTH or _has_surrogate(text, content):
         return scan(text, start, max_depth=MAX_DEPTH).faults[0]
     return content, end
 
@@ -211,7 +211,7 @@ class _Locator:
         }
         places = scan(text, self.start, meant.keys()).places
         return {
-            meant[written]: replace(place, written=written) for written, place in places.items()
+            meant[written]: place._replace(written=written) for written, place in places.items()
         }
 
 
@@ -274,7 +274,7 @@ def note_surroundings(text: str, start: int, end: int, findings: Findings) -> No
     """Adds a note about text around the JSON, if there is any."""
     before, after = text[:start].strip(), text[end:].strip()
     if before or after:
-        fenced = bool(_FENCE.search(text[:start]))
+        fenced = bool(re.search(_FENCE, text[:start]))
         what = "a code fence" if fenced else "other text"
         findings.add(
             Code.SURROUNDED,
@@ -327,8 +327,10 @@ def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:
     return None
 
 
-def _has_surrogate(content: Any) -> bool:
+def _has_surrogate(text: str, content: Any) -> bool:
     """Whether some text contains half a character (a lone surrogate), which cannot be written."""
+    if "\\u" not in text or not re.search(_SURROGATE, text):
+        return False
     try:
         json.dumps(content, ensure_ascii=False, default=str).encode()
     except UnicodeEncodeError:
