@@ -131,7 +131,7 @@ def test_no_choice_is_worth_more_than_the_upper_bound_says(seed: int) -> None:
     upper = selections.upper_bound(frozenset(), everything)
     assert upper is not None
     assert best_by_trying(selections) <= upper <= selections.value(everything)
-    hurried = SelectionSpace(problem, found[0], lambda: True)
+    hurried = SelectionSpace(problem, optional_items(problem, ("reward",)).items, lambda: True)
     quick = hurried.upper_bound(frozenset(), everything)
     assert quick is not None
     assert upper <= quick <= selections.value(everything)
