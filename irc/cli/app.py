@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -225,7 +226,7 @@ def explain(
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
     from irc.cli.interruption import INTERRUPTION
-    from irc.driver.compile import later_events
+    from irc.driver.compile import notes_on
     from irc.explanation import explain_task
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
@@ -234,7 +235,7 @@ def explain(
             reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
         )
         _print_reading_notes(reading, format)
-        print_notes(later_events(reading.task))
+        print_notes(notes_on(reading.task))
         put_explanation(explanation, format)
 
 
@@ -328,11 +329,19 @@ def convert(
         str,
         typer.Option(
             "--from",
-            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl.",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, "
+            "planner, schedule-spec, plan-lines, pddl.",
         ),
     ] = "irc",
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
+    ] = None,
+    instance: Annotated[
+        str | None, typer.Option("--instance", help="The kitchen of a schedule-spec.")
+    ] = None,
+    station: Annotated[
+        list[str] | None,
+        typer.Option("--station", help="A capacity for a schedule-spec, such as grill=2."),
     ] = None,
     format: FormatOption = Format.text,
 ) -> None:
@@ -340,11 +349,12 @@ def convert(
 
     An importer writes one task for each instance into a folder.
     """
-    from irc.frontends.convert import ConversionUseError, convert_file
+    from irc.frontends.convert import Beside, ConversionUseError, convert_file
 
     with reporting_errors(format):
         try:
-            written = convert_file(file, source, output, problem)
+            beside = Beside(problem, instance, tuple(station or ()))
+            written = convert_file(file, source, output, beside)
         except ConversionUseError as error:
             fail(EXIT_USE, str(error), format)
         if format is Format.json:
@@ -398,10 +408,25 @@ def targets(
             print_notes(later_events(reading.task))
 
 
-def schema() -> None:
+def schema(
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="For structured output of language models: closed, small."),
+    ] = False,
+    event: Annotated[
+        bool, typer.Option("--event", help="With --strict: of one event that revises a task.")
+    ] = False,
+) -> None:
     """Print the JSON Schema of the IR."""
     from irc.model import Task
 
+    if strict:
+        from irc.model.strict_schema import strict_schema
+
+        put(json.dumps(strict_schema("event" if event else "task"), separators=(",", ":")))
+        return
+    if event:
+        fail(EXIT_USE, "--event is for --strict", Format.text)
     document = Task.model_json_schema(by_alias=True)
     put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})
 

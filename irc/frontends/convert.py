@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.files import write_folder, write_whole
@@ -27,10 +29,19 @@ IMPORTERS: Mapping[str, str] = {
 }
 """Formats with many instances in a file, and their `Importer`s, which are loaded when needed."""
 
+PLANNER = "planner"
+"""The JSON of a Planner: steps, dependencies and a makespan."""
+
+SCHEDULE_SPEC = "schedule-spec"
+"""The JSON of a CP-SAT formalizer: actions with stations and robots, dependencies."""
+
+PLAN_LINES = "plan-lines"
+"""Lines such as `0: (cut apple) [3]`; what is written is a schedule."""
+
 PDDL = "pddl"
 """The format with two files, a domain and a problem, for one task."""
 
-FORMATS = ("irc", *IMPORTERS, PDDL)
+FORMATS = ("irc", *IMPORTERS, PLANNER, SCHEDULE_SPEC, PLAN_LINES, PDDL)
 
 DSL_SUFFIX = ".irc"
 """The suffix of a file in the DSL; every other file is written as JSON."""
@@ -51,7 +62,20 @@ def written_as(output: Path, task: Task) -> str:
     return dump_json(written_task(task))
 
 
-def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
+@dataclass(frozen=True)
+class Beside:
+    """Files and values that some formats need beside the input.
+
+    `problem` is the file of a PDDL problem. `instance` is the file of the kitchen, and `stations`
+    are the capacities (`grill=2`), of a scheduling JSON.
+    """
+
+    problem: str | None = None
+    instance: str | None = None
+    stations: tuple[str, ...] = ()
+
+
+def convert_file(file: str, source: str, output: Path, beside: Beside = Beside()) -> list[Path]:
     """Writes the task (or one task for each instance) and returns the written files.
 
     A task is written in the DSL if `output` ends in `.irc`, else as JSON.
@@ -62,13 +86,63 @@ def convert_file(file: str, source: str, output: Path, problem: str | None = Non
     """
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
-    if problem is not None and source != PDDL:
+    if beside.problem is not None and source != PDDL:
         raise ConversionUseError(f"--problem is for --from {PDDL}")
+    if (beside.instance is not None or beside.stations) and source != SCHEDULE_SPEC:
+        raise ConversionUseError(f"--instance and --station are for --from {SCHEDULE_SPEC}")
     if source in IMPORTERS:
         return _convert_instances(file, load_importer(source), output)
-    task = read_task(file).task if source == "irc" else _read_pddl(file, problem)
-    write_whole(output, written_as(output, task))
+    if source == PLAN_LINES:
+        from irc.frontends.importers.plan_lines import import_plan
+
+        write_whole(output, dump_json(import_plan(*read_text(file)).to_dict()))
+        return [output]
+    write_whole(output, written_as(output, _read_one(file, source, beside)))
     return [output]
+
+
+def _read_one(file: str, source: str, beside: Beside) -> Task:
+    """The task of a format that has one in a file."""
+    if source == PLANNER:
+        from irc.frontends.importers.planner import import_planner
+
+        return import_planner(*read_text(file))
+    if source == SCHEDULE_SPEC:
+        return _read_schedule_spec(file, beside)
+    return read_task(file).task if source == "irc" else _read_pddl(file, beside.problem)
+
+
+def _read_schedule_spec(file: str, beside: Beside) -> Task:
+    from irc.frontends.importers.instances import read_instances
+    from irc.frontends.importers.schedule_spec import import_schedule_spec
+
+    stations, kitchen = _capacities(beside.stations), None
+    if beside.instance is not None:
+        (instance, *more), faults = read_instances(*read_text(beside.instance))
+        if more:
+            faults.add(f"{beside.instance} holds more than one instance", (1,))
+            faults.raise_any()
+        kitchen = instance.value
+        if not isinstance(kitchen, Mapping):
+            instance.members()
+            faults.raise_any()
+        stations = {**_whole_amounts(kitchen.get("stations")), **stations}
+    return import_schedule_spec(*read_text(file), stations, kitchen)
+
+
+def _whole_amounts(stations: Any) -> dict[str, int]:
+    listed = stations.items() if isinstance(stations, Mapping) else ()
+    return {name: amount for name, amount in listed if type(amount) is int and amount >= 0}
+
+
+def _capacities(stations: tuple[str, ...]) -> dict[str, int]:
+    found = {}
+    for written in stations:
+        name, _, amount = written.rpartition("=")
+        if not name or not amount.isascii() or not amount.isdigit():
+            raise ConversionUseError(f"--station {written!r}: expected a capacity such as grill=2")
+        found[name] = int(amount)
+    return found
 
 
 def load_importer(source: str) -> Importer:

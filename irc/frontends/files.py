@@ -58,13 +58,13 @@ def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Rea
         from irc.frontends.english.reader import read_english
 
         return _typed(read_english(text, name))
-    return _typed(read_document(text, name))
+    return _typed(read_document(text, name, mend=True))
 
 
 def _typed(document: RawDocument) -> Reading:
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
-    if task is None:
+    if task is None or document.notes.has_errors:
         from irc.frontends.partial import further_findings
 
         findings.items += further_findings(document.content, findings)

@@ -18,7 +18,7 @@ from irc.model.base import Node, write_time
 from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, json_number
 
-_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
+_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals", "lapsed"])
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(

@@ -75,7 +75,7 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Activity: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "release", "deadline"), PLAIN),
-        **dict.fromkeys(("start", "latest_start", "origin"), PLAIN),
+        **dict.fromkeys(("start", "latest_start", "deadline_by", "origin"), PLAIN),
         "uses": "own uses",
         "open_demands": "part",
         "details": "part",
