@@ -73,6 +73,8 @@ class Code(Enum):
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
     NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
+    ROUNDED = ("IRC108", Severity.NOTE, "a time that is rounded to the resolution")
+    COARSE_RESOLUTION = ("IRC109", Severity.ERROR, "a resolution coarser than a duration")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")
@@ -91,6 +93,7 @@ class Code(Enum):
     INCOMPLETE = ("IRC211", Severity.ERROR, "a declaration that lacks what it needs")
     WITHOUT_EFFECT = ("IRC212", Severity.WARNING, "a field that has no meaning here")
     OVERLAP = ("IRC213", Severity.ERROR, "windows that overlap")
+    TOO_MANY = ("IRC214", Severity.ERROR, "more occurrences than irc can plan")
 
     CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
     WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")
@@ -101,6 +104,7 @@ class Code(Enum):
     STOCK = ("IRC307", Severity.ERROR, "a stock that runs out or overflows in every order")
     AT_ODDS = ("IRC308", Severity.ERROR, "conditions, effects or goals that contradict each other")
     NEVER = ("IRC309", Severity.ERROR, "an action that is required and may never occur")
+    NO_SCHEDULE = ("IRC310", Severity.ERROR, "a task that an engine proved to have no schedule")
 
     UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
     REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")
@@ -115,6 +119,10 @@ class Code(Enum):
     NO_ANSWER = ("IRC604", Severity.NOTE, "an engine found no answer within its limits")
     BAD_JOURNAL = ("IRC605", Severity.ERROR, "a journal that cannot be continued")
     TORN_JOURNAL = ("IRC606", Severity.NOTE, "a journal whose last line was cut off")
+    OTHER_JOURNAL = ("IRC607", Severity.ERROR, "a journal of another task or schedule")
+    CHANGED_TASK = ("IRC608", Severity.ERROR, "a task that has changed since its journal was begun")
+    JOURNAL_VERSION = ("IRC609", Severity.ERROR, "a journal of another version of irc")
+    MENDED_JOURNAL = ("IRC610", Severity.WARNING, "damage of a journal that loses nothing")
 
     TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
     OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")
@@ -125,11 +133,19 @@ class Code(Enum):
     OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
     CARRIED = ("IRC709", Severity.WARNING, "a conflict that the history alone causes")
     NO_CONTINUATION = ("IRC710", Severity.ERROR, "a history that no schedule continues")
+    NOT_AS_PLANNED = ("IRC711", Severity.WARNING, "an action that cannot have begun as planned")
+    CORRECTED = ("IRC712", Severity.WARNING, "an observation that another one corrects")
+    LAPSED = ("IRC713", Severity.WARNING, "what lapses with an action that is cancelled")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id
         self.severity = severity
         self.summary = summary
+
+    @property
+    def proves_infeasible(self) -> bool:
+        """Whether an error of this code is a proof that there is no schedule."""
+        return self.id.startswith("IRC3") or self is Code.NO_CONTINUATION
 
 
 @dataclass(frozen=True, slots=True)

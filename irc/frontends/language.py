@@ -11,6 +11,7 @@ _BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json", ".yaml": "jso
 """(The reader of JSON says what to write instead of YAML.)"""
 
 _KEY = r'"(?:actions|irc|precedence|resources)"\s*:'
+_LAPSED = r"(?m)^lapsed[ \t]*\{"
 _SNIFFED = 10_000
 _SNIFFED_STATEMENTS = 20
 
@@ -29,7 +30,8 @@ def language_of(text: str, name: str) -> Language:
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
-    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, text):
+    own = re.split(_LAPSED, text, maxsplit=1)[0]  # (Its JSON is a part of a text of the DSL.)
+    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, own):
         return "json"
     if _like_yaml(text):
         return "json"

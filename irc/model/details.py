@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag
 
 from irc.model.base import Amount, Count, Instant, Name, Node, StateValue, Text
-from irc.model.parts import Duration, Use
+from irc.model.parts import Duration, Precedence, Use
 
 
 def _object_or_text(raw: Any) -> str:
@@ -65,6 +65,12 @@ class OccurrenceRange(Node):
     max: Count | None = None
 
 
+Occurs = Annotated[
+    Annotated[Literal["once", "optional"], Tag("text")] | Annotated[OccurrenceRange, Tag("object")],
+    Discriminator(_object_or_text),
+]
+
+
 class StateVariable(Node):
     """A variable with several values; without `values`, a boolean that is false at first."""
 
@@ -93,17 +99,27 @@ class Group(Node):
     weight: Count | None = None
 
 
+class Lapsed(Node):
+    """Order, groups and goal of a cancelled action, for its repetition by a `retry_action`.
+
+    Nothing of it counts for a schedule. `repetition` is the action that it was repeated by.
+    """
+
+    action: Name
+    occurs: Occurs = "once"
+    deadline: Instant | None = None
+    precedence: tuple[Precedence, ...] = ()
+    groups: tuple[Group, ...] = ()
+    goal: Annotated[bool, Field(strict=True)] = False
+    repetition: Name | None = None
+
+
 class StateGoal(Node):
     """A goal: `var` has `value` after the last end."""
 
     var: Name
     value: StateValue = True
 
-
-Occurs = Annotated[
-    Annotated[Literal["once", "optional"], Tag("text")] | Annotated[OccurrenceRange, Tag("object")],
-    Discriminator(_object_or_text),
-]
 
 Goal = Annotated[
     Annotated[Name, Tag("text")] | Annotated[StateGoal, Tag("object")],
@@ -114,6 +130,7 @@ Conditions = tuple[Condition, ...]
 Effects = tuple[Effect, ...]
 Goals = tuple[Goal, ...]
 Groups = tuple[Group, ...]
+Lapses = tuple[Lapsed, ...]
 Modes = tuple[Mode, ...]
 State = tuple[StateVariable, ...]
 StockChanges = tuple[StockChange, ...]

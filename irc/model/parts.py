@@ -18,6 +18,9 @@ ObjectiveName = Literal[
     "minimize_changes",
 ]
 
+OnFailure = Literal["resume", "restart"]
+"""How an action is done again that ran on a resource when this broke."""
+
 
 def _range_or_time(raw: Any) -> str:
     return "range" if isinstance(raw, (dict, DurationRange)) else "time"
@@ -96,6 +99,7 @@ class Action(Node):
     effects: Effects = ()
     reward: Annotated[int, Field(strict=True)] | None = None
     cost: Annotated[int, Field(strict=True)] | None = None
+    on_failure: OnFailure | None = None
 
     @property
     def is_simple(self) -> bool:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from datetime import datetime
+from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.diagnostics.source import Source
-from irc.model.base import Instant, Node, Text
-from irc.model.lazy import Events, Goals, Groups, State
+from irc.model.base import Instant, Node, Span, Text
+from irc.model.lazy import Events, Goals, Groups, Lapses, State
 from irc.model.parts import (
     Action,
     ObjectiveName,
@@ -19,6 +20,8 @@ from irc.model.parts import (
     without_aliases,
 )
 from irc.model.quantities import Number, TimeError
+from irc.model.quantities import Span as SpanValue
+from irc.model.resolution import derived_resolution
 from irc.model.times import Clock, parse_instant, unit_seconds
 from irc.model.times import Instant as InstantValue
 from irc.model.unwritable import unwritable
@@ -39,6 +42,7 @@ class Task(Node):
     days_per_month: Annotated[int, Field(ge=1, le=31, strict=True)] = 30
     deadline: Instant | None = None
     origin: datetime | None = None
+    resolution: Span | None = None
     metadata: dict[str, Any] = Field(default_factory=dict)
     resources: tuple[Resource, ...] = ()
     state: State = ()
@@ -48,8 +52,10 @@ class Task(Node):
     goals: Goals = ()
     objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()
+    lapsed: Lapses = ()
 
     _source: Source | None = PrivateAttr(default=None)
+    _clock: tuple[tuple[Any, ...], Clock] | None = PrivateAttr(default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -63,6 +69,13 @@ class Task(Node):
     def _known_unit(cls, unit: str) -> str:
         unit_seconds(unit)
         return unit
+
+    @field_validator("resolution")
+    @classmethod
+    def _more_than_nothing(cls, resolution: SpanValue | None) -> SpanValue | None:
+        if resolution is not None and Clock(Fraction(1)).exact(resolution) <= 0:
+            raise TimeError("a resolution is more than 0, such as '1 ms'")
+        return resolution
 
     @field_validator("origin", mode="before")
     @classmethod
@@ -101,10 +114,38 @@ class Task(Node):
     @property
     def clock(self) -> Clock:
         """The clock that converts this task's times to numbers of its time unit."""
-        return Clock(
-            unit_seconds(self.time_unit, self.days_per_month), self.days_per_month, self.origin
-        )
+        # (Everything that it depends on; a copy of the task may differ in some of it.)
+        read = self.__dict__
+        now = tuple(map(read.__getitem__, _CLOCK_FIELDS))
+        known = self._clock
+        if known is None or any(a is not b for a, b in zip(known[0], now, strict=True)):
+            exact = () if known is None or known[1].resolution is not None else known[0]
+            known = self._clock = now, self._new_clock(exact)
+        return known[1]
+
+    def _new_clock(self, exact: tuple[Any, ...]) -> Clock:
+        """The clock; the parts in `exact` are known to have no raw times."""
+        unit = unit_seconds(self.time_unit, self.days_per_month)
+        clock = Clock(unit, self.days_per_month, self.origin)
+        if self.resolution is not None:
+            resolution: Number | None = clock.exact(self.resolution)
+        else:
+            resolution = derived_resolution(self, clock, exact)
+        return clock if resolution is None else clock._replace(resolution=resolution)
 
     def number(self, value: InstantValue) -> Number:
-        """A time of this task in its time unit, exactly."""
+        """A time of this task in its time unit, as a multiple of its resolution."""
         return self.clock.number(value)
+
+
+_CLOCK_FIELDS = (
+    "time_unit",
+    "days_per_month",
+    "origin",
+    "resolution",
+    "deadline",
+    "actions",
+    "precedence",
+    "resources",
+    "groups",
+)
