@@ -216,6 +216,62 @@ def test_a_metric_of_time_and_cost_is_read_with_a_warning() -> None:
     assert (warning.code, warning.line) == (Code.LENIENT, 4)
 
 
+# --- numbers ------------------------------------------------------------------------------------
+
+TANK = """(define (domain tank)
+  (:predicates (made) (full) (calm))
+  (:functions (level) (size) (work))
+  (:durative-action fill :parameters () :duration (= ?duration 2)
+    :condition (at start (< (level) (size))) :effect (at end (increase (level) 5)))
+  (:durative-action use :parameters () :duration (= ?duration 3)
+    :condition (and (at start (>= (level) 7)) (at start (calm)))
+    :effect (and (at start (decrease (level) 7)) (at end (made)) (at end (increase (work) 1))))
+  (:durative-action empty :parameters () :duration (= ?duration 1)
+    :condition (over all (> (level) 0)) :effect (at end (assign (level) 0))))"""
+
+
+@pytest.mark.parametrize(
+    ("level", "goal", "makespan"),
+    [
+        (9, "(made)", 3),
+        (0, "(made)", 7),  # Filled twice, one after the other.
+        (3, "(made)", 5),
+        (3, "(and (made) (= (level) 0))", 5),
+        (0, "(>= (level) 11)", 6),
+        (0, "(and (> (level) 4) (< (level) 6))", 2),
+        (4, "(<= (level) 3)", 1),
+        (4, "(or (made) (>= (level) 9))", 2),
+        (0, "(not (>= (level) 5))", 0),
+    ],
+)
+def test_numbers_that_conditions_read_are_counted(level: int, goal: str, makespan: int) -> None:
+    problem = f"""(define (problem p) (:domain tank)
+      (:init (calm) (= (level) {level}) (= (size) 12) (= (work) 0)) (:goal {goal}))"""
+    assert optimum(import_pddl((TANK, "d.pddl"), (problem, "p.pddl"))) == makespan
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("(< (level) (size))", "(calm)", "may have more than 200 values", 7),
+        ("(>= (level) 7)", "(>= (level) (work))", "compares several numbers that change", 7),
+        ("(increase (level) 5)", "(increase (level) (work))", "depends on (work)", 5),
+        ("(increase (level) 5)", "(increase (level) (* #t 5))", "continuous effects", 5),
+    ],
+)
+def test_numbers_that_cannot_be_counted_are_refused_with_their_line(
+    old: str, new: str, message: str, line: int
+) -> None:
+    problem = """(define (problem p) (:domain tank)
+      (:init (calm) (= (level) 0) (= (size) 12) (= (work) 0)) (:goal (made)))"""
+    assert old in TANK
+    with pytest.raises(InputError) as refused:
+        import_pddl((TANK.replace(old, new), "d.pddl"), (problem, "p.pddl"))
+    found = refused.value.report.located()
+    assert any(message in d.message for d in found), found
+    assert any(d.line in (line, line + 1, line - 1) for d in found), [d.line for d in found]
+
+
 # --- model-written PDDL -------------------------------------------------------------------------
 
 
