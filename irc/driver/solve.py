@@ -58,7 +58,7 @@ def solve_task(
     return Answer(found.schedule, found.problem, (*found.notes, note))
 
 
-FIRST_SHARE = 0.35
+FIRST_SHARE = 0.5
 """The share of the time after which a planner is asked about a task from PDDL."""
 
 PLANNERS = "pddl21"
