@@ -77,7 +77,7 @@ def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     return Answer(found.schedule, found.problem, (*found.notes, note))
 
 
-FIRST_SHARE = 0.35
+FIRST_SHARE = 0.5
 """The share of the time after which a planner is asked about a task from PDDL."""
 
 PLANNERS = "pddl21"

@@ -53,7 +53,7 @@ def rooms(
 
 
 def optimum(task: Task) -> Any:
-    schedule = irc.solve(task, "cpsat", time_limit=20)
+    schedule = irc.solve(task, "cpsat", time_limit=60)
     assert schedule.status is Status.OPTIMAL, schedule
     return schedule.makespan
 
@@ -214,6 +214,67 @@ def test_a_metric_of_time_and_cost_is_read_with_a_warning() -> None:
     assert task.objective == ("minimize_makespan", "minimize_cost")
     (warning,) = report.located()
     assert (warning.code, warning.line) == (Code.LENIENT, 4)
+
+
+# --- numbers ------------------------------------------------------------------------------------
+
+TANK = """(define (domain tank)
+  (:predicates (made) (full) (calm))
+  (:functions (level) (size) (work))
+  (:durative-action fill :parameters () :duration (= ?duration 2)
+    :condition (at start (< (level) (size))) :effect (at end (increase (level) 5)))
+  (:durative-action use :parameters () :duration (= ?duration 3)
+    :condition (and (at start (>= (level) 7)) (at start (calm)))
+    :effect (and (at start (decrease (level) 7)) (at end (made)) (at end (increase (work) 1))))
+  (:durative-action empty :parameters () :duration (= ?duration 1)
+    :condition (over all (> (level) 0)) :effect (at end (assign (level) 0))))"""
+
+
+def tank(level: int, goal: str) -> Task:
+    problem = f"""(define (problem p) (:domain tank)
+      (:init (calm) (= (level) {level}) (= (size) 12) (= (work) 0)) (:goal {goal}))"""
+    return import_pddl((TANK, "d.pddl"), (problem, "p.pddl"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("level", "goal", "makespan"),
+    [(9, "(made)", 3), (3, "(made)", 5), (0, "(>= (level) 11)", 6), (0, "(not (>= (level) 5))", 0)],
+)
+def test_numbers_that_conditions_read_are_counted(level: int, goal: str, makespan: int) -> None:
+    assert optimum(tank(level, goal)) == makespan
+
+
+def test_an_action_that_adds_to_a_number_has_a_variant_for_each_value() -> None:
+    task = tank(3, "(made)")
+    fills = [a for a in task.actions if a.id.startswith("(fill)")]
+    values = [c.var for a in fills for c in a.conditions if c.var.startswith("(= ")]
+    assert len(values) == len(set(values)) == len(fills)
+    assert {"(= (level) 3)", "(= (level) 8)"} < set(values)
+    assert "(= (level) 13)" not in values  # There the tank is full.
+    assert {use.resource for a in fills for use in a.uses} == {"(fill)"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("(< (level) (size))", "(calm)", "may have more than 200 values", 7),
+        ("(>= (level) 7)", "(>= (level) (work))", "compares several numbers that change", 7),
+        ("(increase (level) 5)", "(increase (level) (work))", "depends on (work)", 5),
+        ("(increase (level) 5)", "(increase (level) (* #t 5))", "continuous effects", 5),
+    ],
+)
+def test_numbers_that_cannot_be_counted_are_refused_with_their_line(
+    old: str, new: str, message: str, line: int
+) -> None:
+    problem = """(define (problem p) (:domain tank)
+      (:init (calm) (= (level) 0) (= (size) 12) (= (work) 0)) (:goal (made)))"""
+    assert old in TANK
+    with pytest.raises(InputError) as refused:
+        import_pddl((TANK.replace(old, new), "d.pddl"), (problem, "p.pddl"))
+    found = refused.value.report.located()
+    assert any(message in d.message for d in found), found
+    assert any(d.line in (line, line + 1, line - 1) for d in found), [d.line for d in found]
 
 
 # --- model-written PDDL -------------------------------------------------------------------------

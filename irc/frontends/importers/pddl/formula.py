@@ -52,21 +52,19 @@ class Atom(NamedTuple):
         return Atom(self.fact, not self.value)
 
 
-class AtLeast(NamedTuple):
-    """A function whose value must be at least `least` (`value`), or less than that."""
+class Limit(NamedTuple):
+    """What a condition asks of a number: at least `least`, or more than that."""
 
-    fact: Fact
     least: Fraction
-    value: bool
     strict: bool
-    """Whether it must be more than `least`."""
+    offset: int
 
-    def negated(self) -> AtLeast:
-        """The opposite."""
-        return self._replace(value=not self.value)
+    def holds(self, value: Fraction) -> bool:
+        """Whether a value suits."""
+        return value > self.least if self.strict else value >= self.least
 
 
-Test = Atom | AtLeast
+Test = Atom
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +119,7 @@ def negation(formula: Formula) -> Formula:
     """The opposite of a formula."""
     if isinstance(formula, bool):
         return not formula
-    if isinstance(formula, (Atom, AtLeast)):
+    if isinstance(formula, Atom):
         return formula.negated()
     parts = (negation(part) for part in formula.parts)
     return disjunction(parts) if isinstance(formula, All) else conjunction(parts)
@@ -129,7 +127,7 @@ def negation(formula: Formula) -> Formula:
 
 def tests_of(formula: Formula) -> Iterator[Test]:
     """All tests in a formula."""
-    if isinstance(formula, (Atom, AtLeast)):
+    if isinstance(formula, Atom):
         yield formula
     elif not isinstance(formula, bool):
         for part in formula.parts:
@@ -143,7 +141,7 @@ def ways(formula: Formula, offset: int = 0) -> list[Way]:
     """
     if isinstance(formula, bool):
         return [()] if formula else []
-    if isinstance(formula, (Atom, AtLeast)):
+    if isinstance(formula, Atom):
         return [(formula,)]
     if isinstance(formula, Any):
         found = [way for part in formula.parts for way in ways(part, offset)]
@@ -191,6 +189,7 @@ class Decider:
     def __init__(self, lifted: Lifted, reached: set[Fact]) -> None:
         self.lifted = lifted
         self.reached = reached
+        self.limits: dict[Fact, dict[Fact, Limit]] = {}
 
     def formula(self, condition: Condition, binding: Mapping[str, str]) -> Formula:
         """The part of a condition that is not constant. Raises `NotSupportedError`."""
@@ -270,23 +269,28 @@ class Decider:
         relation = comparison.relation
         if factor < 0:
             relation = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}.get(relation, relation)
-        return compared(fact, relation, -difference.constant / factor)
+        limit = -difference.constant / factor
+        at_least = self._limit(fact, limit, comparison.offset, strict=False)
+        more = self._limit(fact, limit, comparison.offset, strict=True)
+        return _COMPARED[relation](at_least, more)
+
+    def _limit(self, fact: Fact, least: Fraction, offset: int, *, strict: bool) -> Atom:
+        """The fact that says whether a number is at least something, or more than that."""
+        text = str(least.numerator if least.denominator == 1 else float(least))
+        name = (">" if strict else ">=", f"({' '.join(fact)})", text)
+        self.limits.setdefault(fact, {}).setdefault(name, Limit(least, strict, offset))
+        return Atom(name, True)
 
 
-def compared(fact: Fact, relation: str, limit: Fraction) -> Formula:
-    """A function compared with a constant."""
-    at_least, more = AtLeast(fact, limit, True, False), AtLeast(fact, limit, True, True)
-    if relation == ">=":
-        return at_least
-    if relation == ">":
-        return more
-    if relation == "<":
-        return at_least.negated()
-    if relation == "<=":
-        return more.negated()
-    if relation == "=":
-        return All((at_least, more.negated()))
-    return Any((at_least.negated(), more))
+_COMPARED: Mapping[str, Callable[[Atom, Atom], Formula]] = {
+    ">=": lambda least, more: least,
+    ">": lambda least, more: more,
+    "<": lambda least, more: least.negated(),
+    "<=": lambda least, more: more.negated(),
+    "=": lambda least, more: All((least, more.negated())),
+    "!=": lambda least, more: Any((least.negated(), more)),
+}
+"""A comparison in terms of the facts "at least" and "more"."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,6 @@ from irc.frontends.importers.pddl.formula import (
     MOST_WAYS,
     All,
     Any,
-    AtLeast,
     Atom,
     Decider,
     Formula,
@@ -32,6 +31,13 @@ from irc.frontends.importers.pddl.formula import (
     negation,
     tests_of,
     ways,
+)
+from irc.frontends.importers.pddl.ground_action import (
+    Ground,
+    NumericEffect,
+    TimedEffect,
+    TimedTest,
+    atom_text,
 )
 from irc.frontends.importers.pddl.join import Join, TooLargeError
 from irc.frontends.importers.pddl.lifted import (
@@ -45,12 +51,12 @@ from irc.frontends.importers.pddl.lifted import (
     Schema,
     conjuncts,
 )
+from irc.frontends.importers.pddl.numbers import Numbers
 from irc.frontends.importers.pddl.reached import reachable
 
 MOST_ACTIONS = 20_000
 """Problems with more ground actions are refused."""
 
-TimedTest = tuple[str, Test]
 TimedWay = tuple[TimedTest, ...]
 
 
@@ -66,52 +72,6 @@ class UnreachableError(IrcError, ValueError):
         self.offset = offset
 
 
-class NumericEffect(NamedTuple):
-    """`fact` becomes `amount`, or (`add`) grows by it."""
-
-    fact: Fact
-    add: bool
-    amount: Fraction
-
-
-class TimedEffect(NamedTuple):
-    """An effect with its time, "start" or "end"."""
-
-    at: str
-    effect: Atom | NumericEffect
-
-
-@dataclass(frozen=True)
-class Ground:
-    """An action with its objects. `longest` is None where nothing limits its duration."""
-
-    name: str
-    objects: tuple[str, ...]
-    conditions: tuple[TimedTest, ...]
-    effects: tuple[TimedEffect, ...]
-    shortest: Fraction
-    longest: Fraction | None
-    durative: bool
-    variant: int = 1
-
-    @property
-    def plan_name(self) -> str:
-        """Its name in a plan: "(light match1)"."""
-        return atom_text((self.name, *self.objects))
-
-    @property
-    def text(self) -> str:
-        """Its id: the name in a plan, with a number from the second variant on."""
-        return self.plan_name + (f" #{self.variant}" if self.variant > 1 else "")
-
-    @property
-    def atoms(self) -> Iterator[tuple[str, Atom]]:
-        """The facts that it changes, with their times."""
-        for at, effect in self.effects:
-            if isinstance(effect, Atom):
-                yield at, effect
-
-
 @dataclass(frozen=True)
 class Grounded:
     """The ground actions, the goal, and the initial facts, derived ones included."""
@@ -120,11 +80,6 @@ class Grounded:
     goal: tuple[Test, ...]
     initial: frozenset[Fact]
     derived: frozenset[Fact] = frozenset()
-
-
-def atom_text(fact: Fact) -> str:
-    """The text of a fact: "(at truck1 depot)"."""
-    return f"({' '.join(fact)})"
 
 
 def ground(lifted: Lifted) -> Grounded:
@@ -143,21 +98,40 @@ def ground(lifted: Lifted) -> Grounded:
         for objects in bound[schema.name]
         for variant in grounder.variants(schema, objects)
     ]
+    numbers = Numbers(lifted, grounder.decider.limits, variants)
+    variants = [variant for one in variants for variant in numbers.variants(one)]
+    lifted = replace(lifted, initial=lifted.initial | set(numbers.initial))
     actions = grounder.numbered(v for one in variants for v in grounder.keep_derived(one))
     initial = lifted.initial | {
         fact for fact, formula in grounder.derived.items() if _holds(formula, lifted)
     }
     actions = reachable(actions, initial, lifted.timed)
+    actions = _with_length(actions)
+    return Grounded(actions, goal, frozenset(initial), frozenset(grounder.derived))
+
+
+def _with_length(actions: list[Ground]) -> list[Ground]:
+    """The actions that can last; flying from a place to itself, say, takes no time and is none.
+
+    Raises `DurationError` where no action of a name can last.
+    """
+    kept = []
+    without: dict[str, Ground] = {}
     for action in actions:
         most = action.longest
-        if action.durative and not (
-            action.shortest >= 0 and (most is None or (most > 0 and most >= action.shortest))
-        ):
+        lasts = most is None or (most > 0 and most >= action.shortest)
+        if not action.durative or (action.shortest >= 0 and lasts):
+            kept.append(action)
+        else:
+            without.setdefault(action.name, action)
+    names = {action.name for action in kept}
+    for name, action in without.items():
+        if name not in names:
             raise DurationError(
                 f"the durative action {action.text} lasts from {action.shortest} to"
-                f" {most}; a length must be more than 0"
+                f" {action.longest}; a length must be more than 0"
             )
-    return Grounded(actions, goal, frozenset(initial), frozenset(grounder.derived))
+    return kept
 
 
 class _Grounder:
@@ -193,15 +167,15 @@ class _Grounder:
         if isinstance(formula, bool):
             return ()
         parts = formula.parts if isinstance(formula, All) else (formula,)
-        return tuple(p if isinstance(p, (Atom, AtLeast)) else self._derived(p) for p in parts)
+        return tuple(p if isinstance(p, Atom) else self._derived(p) for p in parts)
 
     def _derived(self, formula: Formula) -> Atom:
         timed = {fact for _, fact, _ in self.lifted.timed}
         for test in tests_of(formula):
-            if isinstance(test, AtLeast) or test.fact in timed:
+            if test.fact in timed:
                 raise NotSupportedError(
                     f"the disjunction {formula_text(formula)} must hold for some time, and depends"
-                    " on a timed initial literal or a number; that is not supported",
+                    " on a timed initial literal; that is not supported",
                     0,
                 )
         name = formula_text(formula)[1:-1]
@@ -490,12 +464,5 @@ def formula_text(formula: Formula) -> str:
     if isinstance(formula, Atom):
         text = atom_text(formula.fact)
         return text if formula.value else f"(not {text})"
-    if isinstance(formula, AtLeast):
-        relation = (
-            (">" if formula.strict else ">=")
-            if formula.value
-            else ("<=" if formula.strict else "<")
-        )
-        return f"({relation} {atom_text(formula.fact)} {float(formula.least):g})"
     word = "and" if isinstance(formula, All) else "or"
     return f"({word} {' '.join(formula_text(part) for part in formula.parts)})"

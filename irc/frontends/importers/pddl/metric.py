@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import lcm
 
 from irc.frontends.importers.pddl.formula import Decider, NotSupportedError
-from irc.frontends.importers.pddl.ground import Ground, NumericEffect
+from irc.frontends.importers.pddl.ground_action import Ground, NumericEffect
 from irc.frontends.importers.pddl.lifted import Fact, Lifted
 
 TIME = ("total-time",)

@@ -67,7 +67,7 @@ def read_plan(text: str, name: str, task: Task) -> Schedule:
             findings.add(Code.BAD_ANSWER, message, offset=step.offset, hint=hint)
     if findings.items:
         raise InputError(Report(tuple(findings.items), Source(name, text)))
-    return Schedule(tuple(_numbered(_chosen(task, known, ways))))
+    return Schedule(tuple(_numbered(task, _chosen(task, known, ways))))
 
 
 def _steps(text: str) -> Iterator[_Step]:
@@ -147,9 +147,14 @@ def _holds(action: Action, when: str, values: Mapping[str, object]) -> bool:
     return all(values[c.var] == c.value for c in action.conditions if c.at == when)
 
 
-def _numbered(steps: Iterable[tuple[_Step, str]]) -> Iterator[Entry]:
+def _numbered(task: Task, steps: Iterable[tuple[_Step, str]]) -> Iterator[Entry]:
+    held = {
+        action.id: {use.resource: use.amount for use in action.uses if use.resource is not None}
+        for action in task.actions
+        if action.uses
+    }
     count: dict[str, int] = {}
     for step, id in sorted(steps, key=lambda pair: pair[0].start):
         count[id] = count.get(id, 0) + 1
         start, end = exact(step.start), exact(step.start + step.lasts)
-        yield Entry(id, start, end, occurrence=count[id])
+        yield Entry(id, start, end, held.get(id, {}), occurrence=count[id])

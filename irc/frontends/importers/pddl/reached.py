@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from irc.frontends.importers.pddl.formula import Atom
+from irc.frontends.importers.pddl.ground_action import Ground
 from irc.frontends.importers.pddl.lifted import Fact
-
-if TYPE_CHECKING:
-    from irc.frontends.importers.pddl.ground import Ground
 
 
 @dataclass

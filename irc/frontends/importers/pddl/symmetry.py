@@ -15,7 +15,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from irc.frontends.importers.pddl.formula import Atom, Test
-from irc.frontends.importers.pddl.ground import Ground, Grounded
+from irc.frontends.importers.pddl.ground import Grounded
+from irc.frontends.importers.pddl.ground_action import Ground
 from irc.frontends.importers.pddl.lifted import Fact, Lifted
 
 ANY = "*"

@@ -7,6 +7,7 @@ changes no schedule.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,13 +16,8 @@ from typing import Any
 
 from irc.frontends.importers.instances import without_empty
 from irc.frontends.importers.pddl.formula import Atom, Test
-from irc.frontends.importers.pddl.ground import (
-    Ground,
-    Grounded,
-    atom_text,
-    formula_text,
-    unreachable_goal,
-)
+from irc.frontends.importers.pddl.ground import Grounded, formula_text, unreachable_goal
+from irc.frontends.importers.pddl.ground_action import Ground, atom_text
 from irc.frontends.importers.pddl.lifted import Fact, Lifted, Literal, conjuncts
 from irc.frontends.importers.pddl.metric import Objective
 from irc.frontends.importers.pddl.symmetry import Interchangeable
@@ -45,6 +41,7 @@ def pddl_task(
             {
                 "name": lifted.problem,
                 "metadata": builder.metadata(),
+                "resources": [{"id": name} for name in builder.with_variants],
                 "state": builder.state(),
                 "actions": list(map(builder.action, builder.useful)),
                 "goals": goals,
@@ -120,6 +117,12 @@ class _Builder:
         found.update(gains)
         return [action for number, action in enumerate(actions) if number in found]
 
+    @cached_property
+    def with_variants(self) -> dict[str, None]:
+        """The names in plans of actions with several variants, which must not overlap either."""
+        count = Counter(action.plan_name for action in self.useful if action.durative)
+        return {name: None for name, variants in count.items() if variants > 1}
+
     def state(self) -> list[Raw]:
         initial = self.grounded.initial
         changes: dict[Fact, dict[Fraction, bool]] = {}
@@ -147,6 +150,7 @@ class _Builder:
             "id": action.text,
             "duration": self._duration(action),
             "occurs": "optional" if self._happens_once(action) else {"min": 0},
+            "uses": [{"resource": action.plan_name}] * (action.plan_name in self.with_variants),
             "conditions": self._atoms(tests),
             "effects": self._atoms(action.atoms),
             **({"cost": cost} if cost else {}),
