@@ -22,7 +22,8 @@ _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goa
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
-    "uses one_of modes consumes produces conditions effects values availability timed_changes".split()  # noqa: SIM905
+    ["uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"]
+    + ["availability", "timed_changes"]
 )
 """Arrays whose order does not matter but where a repetition counts again."""
 

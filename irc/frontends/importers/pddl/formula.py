@@ -53,7 +53,7 @@ class Atom(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """What a condition asks of a number: at least `least`, or more than that."""
+    """The demand of a condition on a number: at least `least`, or more than that."""
 
     least: Fraction
     strict: bool

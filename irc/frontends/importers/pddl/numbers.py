@@ -70,7 +70,7 @@ class Numbers:
     def _ways(
         self, action: Ground, at: str, fact: Fact, changes: list[tuple[bool, Fraction]]
     ) -> list[tuple[list[tuple[str, Atom]], list[tuple[str, Atom]]]]:
-        """What each value asks for and gives at a time."""
+        """Returns the demand and the gain of each value at a time."""
         given = [amount for add, amount in changes if not add]
         added = sum((amount for add, amount in changes if add), Fraction(0))
         if given:
