@@ -22,8 +22,10 @@ _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goa
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
-    ["uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"]
-    + ["availability", "timed_changes"]
+    [
+        *("uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"),
+        *("availability", "timed_changes"),
+    ]
 )
 """Arrays whose order does not matter but where a repetition counts again."""
 
