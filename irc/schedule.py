@@ -13,6 +13,7 @@ from typing import Any
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
 from irc.outcome import INTERRUPTED, Outcome
@@ -24,6 +25,10 @@ CANCELLED = "cancelled"
 
 ABANDONED = "abandoned"
 """The status of an entry that ran for a group that is given up."""
+
+
+LeftOut = str | tuple[str, bool | str]
+"""An action, or a goal on state: a variable and its value."""
 
 
 class Status(StrEnum):
@@ -108,6 +113,8 @@ class Schedule:
     time_unit: str | None = None
     interrupted: bool = False
     reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
+    left_out: tuple[LeftOut, ...] = ()
+    """The required actions and goals that a running task goes on without."""
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
@@ -265,6 +272,7 @@ class Schedule:
                 for o in self.objective
             ],
             "actions": [_entry_json(entry) for entry in self.entries],
+            **({"left_out": list(map(_left_out_json, self.left_out))} if self.left_out else {}),
             "target": self.target,
             "engine": self.engine,
             "seconds": self.seconds,
@@ -281,6 +289,10 @@ def _held(entry: Entry) -> str:
         name if amount == 1 else f"{name} ×{amount}"
         for name, amount in sorted(entry.resources.items())
     )
+
+
+def _left_out_json(what: LeftOut) -> str | dict[str, Any]:
+    return what if isinstance(what, str) else {"var": what[0], "value": what[1]}
 
 
 def _entry_json(entry: Entry) -> dict[str, Any]:
@@ -319,6 +331,7 @@ _SCHEDULE_FIELDS = frozenset(
         "time_unit",
         "outcome",
         "interrupted",
+        "left_out",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -332,10 +345,14 @@ def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> 
     Raises `InputError` with every fault. The stated makespan must be that of the entries.
     """
     reader = _ScheduleReader(Findings())
-    schedule = reader.schedule(raw)
+    schedule = reader.schedule(without_nulls(raw))
     if reader.findings.items:
         raise InputError(Report(tuple(reader.findings.items), source))
     return schedule
+
+
+_MOST_SECONDS = 1e300
+"""Limit on seconds: more does not fit into a float."""
 
 
 class _ScheduleReader:
@@ -383,6 +400,7 @@ class _ScheduleReader:
             self._seconds(raw),
             self._text(raw, "time_unit"),
             self._flag(raw, "interrupted"),
+            left_out=self._left_out(raw.get("left_out")),
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -397,6 +415,24 @@ class _ScheduleReader:
             )
             return Status.FEASIBLE
         return Status(value)
+
+    def _left_out(self, raw: Any) -> tuple[LeftOut, ...]:
+        found: list[LeftOut] = []
+        for k, what in enumerate(raw if isinstance(raw, list) else []):
+            if isinstance(what, str):
+                found.append(what)
+            elif (
+                isinstance(what, dict)
+                and what.keys() == {"var", "value"}
+                and isinstance(what["var"], str)
+                and isinstance(what["value"], (bool, str))
+            ):
+                found.append((what["var"], what["value"]))
+            else:
+                self._fault("expected an action, or a 'var' and its 'value'", ("left_out", k))
+        if not isinstance(raw, (list, type(None))):
+            self._fault("'left_out' must be a list", ("left_out",))
+        return tuple(found)
 
     def _text(self, raw: Mapping[str, Any], key: str) -> str | None:
         value = raw.get(key)
@@ -416,6 +452,9 @@ class _ScheduleReader:
         value = raw.get("seconds")
         if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, type(None))):
             self._fault("'seconds' must be a number", ("seconds",))
+            return None
+        if value is not None and not -_MOST_SECONDS < value < _MOST_SECONDS:
+            self._fault("'seconds' is out of range", ("seconds",))
             return None
         return None if value is None else float(value)
 

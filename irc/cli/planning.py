@@ -10,7 +10,7 @@ from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
 from irc.cli.output import Format, fail, print_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
-from irc.execution.execution import Execution
+from irc.execution.execution import Execution, Presume
 from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json.document import read_document
 from irc.model import Task
@@ -32,13 +32,14 @@ def execution_of(
     options: SolveOptions,
     at: Number = 0,
     source: Source | None = None,
+    presume: Presume = "assume",
 ) -> Execution:
     """The execution of a task by a schedule (read from `source`, if given), as of `at`.
 
     Raises `InputError` if the schedule does not fit the task.
     """
     try:
-        return Execution(task, schedule, at, options=options)
+        return Execution(task, schedule, at, presume=presume, options=options)
     except InputError as error:
         raise InputError(Report(error.report.diagnostics, source)) from None
 

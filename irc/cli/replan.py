@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from irc.cli.exit_codes import EXIT_INPUT
 from irc.cli.interruption import INTERRUPTION
 from irc.cli.moments import moment_of
 from irc.cli.output import Format, prepare, print_notes, put_json, reporting_errors, say
@@ -63,8 +65,9 @@ def replan_file(
         with progress_shown(task) as on_progress:
             options = replace(options, on_progress=on_progress)
             running = _running(task, before, source, moment, options)
-            _apply(running, events)
+            noted = _apply(running, events)
             step = running.replan(options.budget(INTERRUPTION.spent(file, schedule, *named)))
+            step = replace(step, notes=(*noted, *step.notes))
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
@@ -78,6 +81,8 @@ def replan_file(
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
                 say(f"wrote {path}")
         end_with([step.schedule.status])
+        if step.left_out:
+            sys.exit(EXIT_INPUT)
 
 
 def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
@@ -167,12 +172,16 @@ def _running(
     return execution_of(task, schedule, options, at, source)
 
 
-def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnostic]:
+    """Applies events; returns the notes on them."""
+    notes: list[Diagnostic] = []
     for placed in events:
         try:
-            execution.apply(placed.event)
+            report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
+        notes += placed.notes(report)
+    return notes
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

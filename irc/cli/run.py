@@ -23,6 +23,7 @@ from irc.cli.planning import (
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.solve import solve_task
+from irc.execution.execution import Execution, Presume
 from irc.frontends.files import STANDARD_INPUT
 from irc.model import Task
 from irc.schedule import Schedule
@@ -33,7 +34,12 @@ from irc.targets import SolveOptions
 
 
 def run_file(
-    file: str, stdio: bool, schedule: str | None, journal: Path | None, options: SolveOptions
+    file: str,
+    stdio: bool,
+    schedule: str | None,
+    journal: Path | None,
+    options: SolveOptions,
+    presume: Presume = "assume",
 ) -> None:
     """Serves one execution until its requests end or one of them is `stop`."""
     if not stdio:
@@ -48,7 +54,7 @@ def run_file(
         try:
             with INTERRUPTION.planning() as cancel:
                 options = replace(options, cancel=cancel)
-                session = _session(task, schedule, journal, options, open_files)
+                session = _session(task, schedule, journal, options, open_files, presume)
             if INTERRUPTION.status is None:
                 _serve(session, sys.stdin.buffer)
         except Interrupted as interrupted:
@@ -63,20 +69,26 @@ def _session(
     path: Path | None,
     options: SolveOptions,
     open_files: ExitStack,
+    presume: Presume,
 ) -> Session:
+    def make(first: Schedule) -> Execution:
+        return execution_of(task, first, options, source=source, presume=presume)
+
     given, source = (None, None) if schedule is None else schedule_to_begin_with(schedule, task)
     if path is None:
         first = given or _planned(task, options)
-        return Session.start(execution_of(task, first, options, source=source))
+        return Session.start(make(first))
     journal, found = Journal.open(path)
     open_files.enter_context(journal)
     if found is None:
         first = given or _planned(task, options)
-        return Session.start(execution_of(task, first, options, source=source), journal)
+        return Session.start(make(first), journal)
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
-    return Session.resume(lambda first: execution_of(task, first, options), task, journal, found)
+    if (was := found.header.get("presume", "assume")) != presume:
+        raise InputError(Report((_other_presumption(str(was)),)))
+    return Session.resume(make, task, journal, found)
 
 
 def _planned(task: Task, options: SolveOptions) -> Schedule:
@@ -85,6 +97,14 @@ def _planned(task: Task, options: SolveOptions) -> Schedule:
         say(f"error: there is no schedule to begin with: {schedule.status}")
         end_with([schedule.status])
     return schedule
+
+
+def _other_presumption(was: str) -> Diagnostic:
+    return Diagnostic(
+        Code.OTHER_JOURNAL,
+        f"the execution in the journal began with --presume {was}",
+        hint=f"continue it with --presume {was}, or start another journal",
+    )
 
 
 def _other_schedule() -> Diagnostic:

@@ -32,6 +32,7 @@ from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
 from irc.problem.objective_values import schedule_values
+from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
@@ -178,9 +179,14 @@ class Repair:
         return replace(options, on_progress=tell_whole)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
-        """The violations that the validator finds in a whole history; None if it is valid."""
+        """The faults of a whole history; None if it is valid, with no plans for the past."""
         from irc.validation import validate
 
+        activities = self.frozen.problem.activities
+        begun = {(activities[i].id, activities[i].details.occurrence) for i in self.frozen.executed}
+        for entry in schedule.entries:
+            if entry.start < self.at and key_of(entry) not in begun:
+                return f"{entry.id!r} has not begun, and would have before now"
         verdict = validate(self.task, self.with_status(schedule, given_up), self.at)
         return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
 
@@ -259,33 +265,10 @@ def _passed(problem: Problem, since: int, *, hurried: bool) -> tuple[Problem, Ou
     ):
         if not least_occurrences(activity):
             continue
-        too_late = _too_late(problem, i, head, head + activity.duration_min, since)
-        if too_late is not None:
-            return problem, _impossible(too_late)
+        late = too_late(problem, i, head, head + activity.duration_min, since)
+        if late is not None:
+            return problem, _impossible(late)
     return problem, None
-
-
-def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str | None:
-    """The reason why an activity cannot start or end this late; None if it can."""
-    activity, deadline = problem.activities[i], problem.effective_deadline(i)
-    if deadline is not None and end > deadline:
-        if deadline < 0:
-            return f"{activity.id!r} must have ended by now, but has not begun"
-        earliest, limit = problem.time_text(since + end), problem.time_text(since + deadline)
-        return f"{activity.id!r} must end by {limit}, but cannot end before {earliest}"
-    if activity.start is not None and start > activity.start:
-        earliest, fixed = (
-            problem.time_text(since + start),
-            problem.time_text(since + activity.start),
-        )
-        return f"{activity.id!r} must start at {fixed}, but cannot start before {earliest}"
-    if activity.latest_start is not None and start > activity.latest_start:
-        earliest, latest = (
-            problem.time_text(since + start),
-            problem.time_text(since + activity.latest_start),
-        )
-        return f"{activity.id!r} must start by {latest}, but cannot start before {earliest}"
-    return None
 
 
 def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
@@ -295,9 +278,9 @@ def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
     except AnswerError as error:
         return _impossible(str(error))
     for i, place in enumerate(placed):
-        too_late = _too_late(problem, i, place.start, place.end, since)
-        if too_late is not None:
-            return _impossible(too_late)
+        late = too_late(problem, i, place.start, place.end, since)
+        if late is not None:
+            return _impossible(late)
     schedule = schedule_of(problem, placed)
     return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Unpack
 
-from irc.diagnostics import Diagnostic
+from irc.diagnostics import Diagnostic, InputError, Report
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
+from irc.execution.rounding import Rounding
 from irc.execution.step import Step
+from irc.frontends.events import PlacedEvent
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
+from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.outcome import Outcome
 from irc.schedule import Schedule, Status
@@ -28,8 +31,8 @@ OnStep = Callable[[Step], None]
 class Simulation:
     """The steps of an episode; the first one is the plan as of t = 0, before any event.
 
-    An episode ends with its last event, or with the first step that has no answer, or where it was
-    `interrupted`.
+    An episode ends with its last event, or where it was `interrupted`; without a first plan it does
+    not begin.
     """
 
     task: str | None
@@ -38,7 +41,7 @@ class Simulation:
 
     @property
     def final(self) -> Schedule:
-        """The last schedule: the whole history, where every step had an answer."""
+        """The last schedule: the whole history, where the last step has an answer."""
         return self.steps[-1].schedule
 
     @property
@@ -66,6 +69,20 @@ class Simulation:
         }
 
 
+class EventRefused(InputError):
+    """An event of an episode does not fit what has happened.
+
+    `report` has what is wrong and where in the task, `simulation` all steps before it.
+    """
+
+    def __init__(self, report: Report, simulation: Simulation) -> None:
+        super().__init__(report)
+        self.simulation = simulation
+
+    def __reduce__(self) -> tuple[type[EventRefused], tuple[Report, Simulation]]:
+        return type(self), (self.report, self.simulation)
+
+
 def simulate(
     task: Task | Built[Task],
     *,
@@ -77,16 +94,17 @@ def simulate(
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
-    Events of one instant are one step, in their order. The options are those of `SolveOptions`;
+    Events of one instant are one step, in their order. A step without an answer does not end it:
+    nothing new begins until a later one has an answer. The options are those of `SolveOptions`;
     limits hold for each step (`spent` are seconds that the first one has used already). Where it is
-    cancelled, the step that is being planned is the last. Raises what `irc.solve` and `Execution`
-    raise, after it has called `on_step` for all previous steps.
+    cancelled, the step that is being planned is the last. Raises `EventRefused`, and what
+    `irc.solve` and `Execution` raise, after it has called `on_step` for all previous steps.
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
     with ended_by_interrupt(chosen.cancel) as cancel:
         options = replace(chosen, cancel=cancel)
-        steps = []
-        for step in _steps(task, schedule, options, spent):
+        steps: list[Step] = []
+        for step in _steps(task, schedule, options, spent, steps):
             steps.append(step)
             if on_step is not None:
                 on_step(step)
@@ -104,9 +122,13 @@ def simulate(
 
 
 def _steps(
-    task: Task, schedule: Schedule | None, options: SolveOptions, spent: float
+    task: Task,
+    schedule: Schedule | None,
+    options: SolveOptions,
+    spent: float,
+    before: Sequence[Step],
 ) -> Iterator[Step]:
-    """The first plan, and the step of each instant with events, as long as there are answers."""
+    """The first plan, and the step of each instant with events; `before` are the previous ones."""
     notes: tuple[Diagnostic, ...] = ()
     if schedule is None:
         answer = solve_task(task, options, options.budget(spent))
@@ -115,14 +137,28 @@ def _steps(
     if not schedule.answered:
         return
     execution = Execution(task, schedule, options=options)
-    for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
+    rounding = Rounding.of(task)
+
+    def moment(event: Event) -> Number:
+        return rounding.time(task.number(event.at))
+
+    for _, same in groupby(in_order(task), key=moment):
+        noted: list[Diagnostic] = []
         for event in same:
-            execution.apply(event)
+            try:
+                noted += _placed(task, event).notes(execution.apply(event))
+            except InputError as error:
+                report = _placed(task, event).anchored(error.report)
+                raise EventRefused(report, Simulation(task.name, tuple(before))) from None
         step = execution.replan(options.budget(spent))
         spent = 0.0
-        yield step
-        if not step.schedule.answered:
-            return
+        yield replace(step, notes=(*noted, *step.notes))
+
+
+def _placed(task: Task, event: Event) -> PlacedEvent:
+    """One of a task's own events with its place in the text of the task."""
+    place = next(i for i, own in enumerate(task.events) if own is event)
+    return PlacedEvent(event, ("events", place), task.source)
 
 
 def in_order(task: Task) -> list[Event]:

@@ -32,6 +32,7 @@ from irc.service.protocol import (
     decode_request,
     event_of,
     is_id,
+    observation_of,
     time_of,
     to_request,
 )
@@ -82,6 +83,7 @@ class Session:
                     "task_sha256": task_sha256(task),
                     "document": written_task(task),
                     "schedule": execution.schedule.to_dict(),
+                    "presume": execution.presume,
                 }
             )
         return cls(execution, journal)
@@ -195,8 +197,9 @@ class Session:
         return {
             "completed": [entry.id for entry in state.completed],
             "running": [entry.id for entry in state.running],
+            "stopped": [entry.id for entry in state.stopped],
             "open": [entry.id for entry in state.open],
-            "replan_needed": bool(execution.pending),
+            "replan_needed": execution.replan_needed,
             "events": [
                 {"id": event.id, "at": json_number(execution.task.number(event.at))}
                 for event in in_order(execution.task)
@@ -237,21 +240,12 @@ class Session:
             self.execution.advance(to)
         except InputError as error:
             raise InputError(_placed(error.report, request, "to")) from None
-        return ()
+        return tuple(_placed(Report(self.execution.take_notes()), request, "to").located())
 
     def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
-        task = self.execution.task
-        started, finished = (
-            None if request.raw.get(key) is None else time_of(request, key, task)
-            for key in ("started", "finished")
-        )
+        execution = self.execution
         try:
-            report = self.execution.observe(
-                request.raw["action"],
-                started=started,
-                finished=finished,
-                occurrence=request.raw.get("occurrence", 1),
-            )
+            report = execution.apply(observation_of(request, execution.task, execution.now))
         except InputError as error:
             raise InputError(_placed(error.report, request)) from None
         return tuple(_placed(report, request).located())
@@ -281,6 +275,8 @@ class Session:
             schedule = schedule_from_json(entry["step"]["schedule"])
             if schedule.answered:
                 self.execution.adopt(schedule)
+            else:
+                self.execution.reject()
         self.recovered += 1
         self._since_snapshot += 1
         self.last_id = request.id

@@ -179,6 +179,13 @@ class Backend(ABC):
             raise UnknownTarget("engine", name, list(engines))
         return engines[name]
 
+    def greatest_horizon(self, problem: Problem) -> int | None:
+        """The greatest horizon, in ticks, that its engines can hold; None: any.
+
+        A running task refuses what would take its times beyond it.
+        """
+        return None
+
     def refuter(self) -> Refuter | None:
         """The solver that proves for `irc explain` why a problem has no schedule, if any."""
         return None
