@@ -41,7 +41,7 @@ _KINDS = {
     "duration": "duration",
     "events": "event",
 }
-_NAMES = frozenset(("name", "title", "task", "step", "activity", "displayname"))
+_NAMES = frozenset(("name", "title", "task", "step", "activity", "action", "displayname"))
 _ARROW = re.compile(r"\s*(?:->|=>|→|<|\bbefore\b|\bprecedes\b)\s*")
 _ASIDE = frozenset(
     ("reasoning", "explanation", "notes", "thoughts", "analysis", "comment", "irc", "version")
@@ -113,6 +113,8 @@ def _of_action(pointer: Pointer, word: str, value: Any, raw: Any) -> Meant | Non
     if word in PREDECESSORS or word in SUCCESSORS:
         return _order(pointer, word in SUCCESSORS, value, raw)
     action = _value_at(pointer[:-1], raw)
+    if word == "action" and "item" in action:
+        return Meant(ADVICE["action"]["item"])
     if word == "optional" and isinstance(value, bool) and "occurs" not in action:
         hint = 'an action that may be left out has "occurs": "optional"'
         fix = (*replaced(pointer, "optional"), *renamed(pointer, "occurs"))
@@ -183,6 +185,8 @@ def _as_value(field: str, kind: str, word: str, value: Any) -> Any:
     """A value as the IR writes it for a field; None where its meaning is not certain."""
     if field == "uses":
         several = isinstance(value, list) and len(value) > 1
+        if several and normal_form(word).startswith(_ANY_OF):
+            return [{"one_of": value}] if all(isinstance(v, str) for v in value) else None
         return None if several and normal_form(word) in ANY_OF_THESE else uses_meant(value)
     if kind == "task" and field == "resources":
         return elements_meant(value, "capacity")
@@ -201,6 +205,10 @@ def _as_value(field: str, kind: str, word: str, value: Any) -> Any:
     if field == "type":
         return precedence_type_meant(value)
     return value
+
+
+_ANY_OF = ("eligible", "possible")
+"""Beginnings of words for several resources of which any one is held."""
 
 
 def uses_meant(value: Any) -> list[Any] | None:

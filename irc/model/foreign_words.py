@@ -52,7 +52,10 @@ FIELDS: Mapping[str, Mapping[str, str]] = {
     ),
     "action": _table(
         {
-            "id": ("name", "title", "task_id", "action_id", "key", "task", "step", "activity"),
+            "id": (
+                *("name", "title", "task_id", "action_id", "key", "task", "step", "activity"),
+                *("action", "action_name", "task_name"),
+            ),
             "label": ("display_name",),
             "description": ("desc", "details"),
             "duration": (
@@ -63,6 +66,8 @@ FIELDS: Mapping[str, Mapping[str, str]] = {
                 *("resources", "resource", "machine", "machines", "station", "robot", "worker"),
                 *("required_resources", "requires_resources", "resource_requirements", "tool"),
                 *("resource_id", "tools", "equipment", "stations", "needs", "assigned_to"),
+                *("eligible_robots", "eligible_machines", "eligible_workers", "robots", "workers"),
+                *("eligible_resources", "possible_resources"),
             ),
             "release": (
                 *("earliest_start", "release_time", "release_date", "ready_time", "ready_at"),
@@ -171,10 +176,16 @@ ANY_OF_THESE = frozenset(
 )
 """Words for several resources that may mean all of them, or any one."""
 
+_SPEC = "this is a scheduling JSON; `irc convert --from schedule-spec` reads it"
+
 ADVICE: Mapping[str, Mapping[str, str]] = {
+    "task": {
+        **dict.fromkeys(("candidategoals", "inventorylimits", "mode"), _SPEC),
+        "finalanswerseconds": "this is a Planner's JSON; `irc convert --from planner` reads it",
+    },
     "action": {
         "starttime": "`start` fixes the start; `release` is the earliest start",
-        "starttimes": "`start` fixes the start; `release` is the earliest start",
+        "item": _SPEC,
         "endtime": "an action has no end of its own: `deadline` is the latest one",
         "end": "an action has no end of its own: `deadline` is the latest one",
         "finish": "an action has no end of its own: `deadline` is the latest one",

@@ -99,6 +99,8 @@ def test_a_field_that_many_elements_have_is_one_finding() -> None:
         ({"start_time": 3}, "start_time", "`release` is the earliest start"),
         ({"due_date": 3}, "due_date", "`due` may be missed"),
         ({"earliest_start": 3}, "earliest_start", "did you mean `release`?"),
+        ({"eligible_robots": ["m", "n"]}, "eligible_robots", '[{"one_of": ["m", "n"]}]'),
+        ({"item": "bun"}, "item", "--from schedule-spec"),
         ({"optional": True}, "optional", '"occurs": "optional"'),
         ({"duration_minutes": 5}, "duration_minutes", 'write "duration": "5 min"'),
         ({"colour": "red"}, "colour", "`metadata`"),
