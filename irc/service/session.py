@@ -175,7 +175,11 @@ class Session:
         except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
             return Reply(_with_id(name, self._refused(str(error), error.outcome)))
-        self._record(source.text, step)
+        try:
+            self._record(source.text, step)
+        except JournalError:
+            self.execution = before
+            raise
         self.last_id = name
         return Reply(_with_id(name, document))
 

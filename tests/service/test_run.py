@@ -274,6 +274,7 @@ def test_where_the_journal_cannot_be_written_nothing_is_acknowledged(
         )
     assert (code, [a["ok"] for a in answers]) == (2, [True, False])
     assert "No space left" in answers[1]["error"]["message"]
+    assert answers[1]["now"] == 2, "what was not written has not happened"
     assert "No space left" in errors
     assert run(file, journal=True)[1][0]["now"] == 2
 
