@@ -10,11 +10,12 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
+from irc.outcome import INTERRUPTED, Outcome
 
 SCHEDULE_VERSION = "1"
 
@@ -96,7 +97,8 @@ class Schedule:
     """An answer: entries by start time, and what is known about them.
 
     `schedule["eat"]` is the entry of an action, `schedule["eat", 2]` that of its second occurrence.
-    Iterating gives all entries in order of time.
+    Iterating gives all entries in order of time. `interrupted`: planning was ended before it was
+    done, so that a better answer may be close, or any.
     """
 
     entries: tuple[Entry, ...]
@@ -108,6 +110,8 @@ class Schedule:
     engine: str | None = None
     seconds: float | None = None
     time_unit: str | None = None
+    interrupted: bool = False
+    reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
     left_out: tuple[LeftOut, ...] = ()
     """The required actions and goals that a running task goes on without."""
     _index: dict[tuple[str, int], Entry] | None = field(
@@ -160,6 +164,13 @@ class Schedule:
         return max((entry.end for entry in self.entries), default=0)
 
     @property
+    def outcome(self) -> Outcome:
+        """How the call ended; without a schedule, with the diagnostics that say why: `reasons`."""
+        if self.interrupted:
+            return Outcome.of(INTERRUPTED, self.reasons, answered=self.answered)
+        return Outcome.of(str(self.status), self.reasons, _MESSAGES.get(self.status))
+
+    @property
     def answered(self) -> bool:
         """Whether there is an answer (an empty schedule can be one)."""
         return self.status in (Status.OPTIMAL, Status.FEASIBLE)
@@ -183,6 +194,8 @@ class Schedule:
     def _headline(self) -> str:
         """The status and the makespan, in a line."""
         head = f"{self.task or 'schedule'}: {self.status}"
+        if self.interrupted:
+            head += ", interrupted"
         if not self.answered:
             return head
         return f"{head}, makespan {format_number(self.makespan)}{self._unit}"
@@ -247,6 +260,7 @@ class Schedule:
             "task_sha256": self.task_sha256,
             **({} if self.time_unit is None else {"time_unit": self.time_unit}),
             "status": str(self.status),
+            **({"interrupted": True} if self.interrupted else {}),
             "makespan": json_number(self.makespan) if self.answered else None,
             "objective": [
                 {
@@ -261,7 +275,11 @@ class Schedule:
             "target": self.target,
             "engine": self.engine,
             "seconds": self.seconds,
+            **({} if self.answered else {"outcome": self.outcome.to_dict()}),
         }
+
+
+_MESSAGES = {Status.FAILED: "the engine broke down before it had an answer"}
 
 
 def _held(entry: Entry) -> str:
@@ -311,6 +329,8 @@ _SCHEDULE_FIELDS = frozenset(
         "seconds",
         "time_unit",
         "left_out",
+        "outcome",
+        "interrupted",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -374,7 +394,8 @@ class _ScheduleReader:
             self._text(raw, "engine"),
             self._seconds(raw),
             self._text(raw, "time_unit"),
-            self._left_out(raw.get("left_out")),
+            self._flag(raw, "interrupted"),
+            left_out=self._left_out(raw.get("left_out")),
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -413,6 +434,13 @@ class _ScheduleReader:
         if value is not None and not isinstance(value, str):
             self._fault(f"'{key}' must be text", (key,))
             return None
+        return value
+
+    def _flag(self, raw: Mapping[str, Any], key: str) -> bool:
+        value = raw.get(key, False)
+        if not isinstance(value, bool):
+            self._fault(f"'{key}' must be true or false", (key,))
+            return False
         return value
 
     def _seconds(self, raw: Mapping[str, Any]) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Never, Self, TypeVar, Unpack
@@ -33,6 +33,7 @@ from irc.schedule import Schedule
 from irc.targets import EngineKeywords, Program, SolveKeywords, SolveOptions
 
 if TYPE_CHECKING:
+    from irc.api.running import Solving
     from irc.execution.simulation import Simulation
     from irc.execution.step import Step
     from irc.explanation import Explanation
@@ -376,6 +377,42 @@ class Task:
     ) -> Schedule:
         """The best schedule found: see `irc.solve`."""
         return calls.solve(self, target, options=options, **more)
+
+    def start(
+        self,
+        target: str | None = None,
+        *,
+        options: SolveOptions | None = None,
+        **more: Unpack[EngineKeywords],
+    ) -> Solving:
+        """Begins to solve it in the background: see `irc.start`."""
+        from irc.api.running import start
+
+        return start(self, target, options=options, **more)
+
+    def solve_iter(
+        self,
+        target: str | None = None,
+        *,
+        options: SolveOptions | None = None,
+        **more: Unpack[EngineKeywords],
+    ) -> Iterator[Schedule]:
+        """Better and better schedules: see `irc.solve_iter`."""
+        from irc.api.running import solve_iter
+
+        return solve_iter(self, target, options=options, **more)
+
+    async def asolve(
+        self,
+        target: str | None = None,
+        *,
+        options: SolveOptions | None = None,
+        **more: Unpack[EngineKeywords],
+    ) -> Schedule:
+        """`solve` for `async` code: see `irc.asolve`."""
+        from irc.api.running import asolve
+
+        return await asolve(self, target, options=options, **more)
 
     def explain(self, *, time_limit: float | None = None) -> Explanation:
         """Explains why there is no schedule, or none that is shorter: see `irc.explain`."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import gc
 import os
-import signal
 import sys
-from types import FrameType
+from typing import NoReturn
 
 from irc.cli.exit_codes import EXIT_INPUT
+from irc.cli.interruption import INTERRUPTION, Interrupted
 
 
 def main() -> None:
@@ -17,17 +17,29 @@ def main() -> None:
     gc.set_threshold(10_000_000, 50, 100)
     # pydantic would search every installed distribution for plugins before the first model.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    from irc.cli.app import build_app
-
-    # If another process ends irc, irc still ends the planners that it started.
-    signal.signal(signal.SIGTERM, _terminated)
+    INTERRUPTION.install()
     try:
+        from irc.cli.app import build_app
+
         build_app(sys.argv[1] if len(sys.argv) > 1 else None)()
+    except Interrupted as interrupted:
+        _interrupted(interrupted.status)
+    except SystemExit:
+        if INTERRUPTION.status is None:
+            raise
+        sys.exit(INTERRUPTION.status)
     except BrokenPipeError:
         # The reader of the output has ended (`irc … | head`): there is no more to print.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(EXIT_INPUT)
+    except Exception:
+        if not INTERRUPTION.has_ended:
+            raise
+        _interrupted(INTERRUPTION.status)
+    finally:
+        INTERRUPTION.end()
 
 
-def _terminated(number: int, _frame: FrameType | None) -> None:
-    sys.exit(128 + number)
+def _interrupted(status: int | None) -> NoReturn:
+    print("interrupted", file=sys.stderr)
+    sys.exit(status)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -25,6 +25,7 @@ from irc.cli.output import (
     CheckFormat,
     Format,
     fail,
+    prepare,
     print_notes,
     put,
     put_json,
@@ -50,12 +51,13 @@ def build_app(only: str | None = None) -> typer.Typer:
         add_completion=False,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
+        epilog=EXIT_STATUSES,
     )
     app.callback(invoke_without_command=False)(_root)
     commands = {function.__name__.rstrip("_").replace("_", "-"): function for function in _COMMANDS}
     for name, function in commands.items():
         if only not in commands or name == only:
-            app.command(name)(function)
+            app.command(name, epilog=EXIT_STATUSES)(function)
     if only not in commands:
         from irc.cli.eval import eval_app
 
@@ -129,9 +131,11 @@ def compile_(
 ) -> None:
     """Write the program of a task for a target, and its manifest.json; without -o print it."""
     from irc.driver.compile import compile_task
+    from irc.driver.files import require_folder
     from irc.targets import MANIFEST_FILE
 
     with reporting_errors(format):
+        require_folder(output)
         reading = _read(file)
         program = compile_task(reading.task, target)
         _print_reading_notes(reading, format)
@@ -180,12 +184,16 @@ def solve(
     format: FormatOption = Format.text,
 ) -> None:
     """Compile a task, run an engine, and show the exact, validated schedule."""
+    from irc.cli.interruption import INTERRUPTION
     from irc.cli.progress import progress_shown
+    from irc.driver.files import require_file
     from irc.driver.solve import solve_task
     from irc.targets import SolveOptions
 
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        require_file(output)
         reading = _read(file)
+        prepare(format)
         with progress_shown(reading.task) as on_progress:
             options = SolveOptions(
                 target,
@@ -196,8 +204,9 @@ def solve(
                 seed,
                 shortcut,
                 on_progress=on_progress,
+                cancel=cancel,
             )
-            answer = solve_task(reading.task, options)
+            answer = solve_task(reading.task, options, options.budget(INTERRUPTION.spent(file)))
         _print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for
@@ -215,19 +224,22 @@ def explain(
 ) -> None:
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
+    from irc.cli.interruption import INTERRUPTION
     from irc.driver.compile import notes_on
     from irc.explanation import explain_task
 
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file)
-        explanation = explain_task(reading.task, time_limit)
+        explanation = explain_task(
+            reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
+        )
         _print_reading_notes(reading, format)
         print_notes(notes_on(reading.task))
         put_explanation(explanation, format)
 
 
 def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
-    from irc.schedule import Status, dump_json
+    from irc.schedule import dump_json
 
     schedule = answer.schedule
     print_notes(answer.notes)
@@ -244,10 +256,8 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
         print_answer(answer, answer_console())
         if output is not None:
             say(f"wrote {output}")
-    if schedule.status is Status.INFEASIBLE:
-        sys.exit(EXIT_INPUT)
-    if schedule.status is Status.UNKNOWN:
-        sys.exit(EXIT_NO_ANSWER)
+    if not schedule.answered:
+        sys.exit(schedule.outcome.exit)
 
 
 def extract(
@@ -258,12 +268,14 @@ def extract(
 ) -> None:
     """Turn an engine's raw output into an exact, validated schedule of the task."""
     from irc.driver.extract import extract_answer
+    from irc.driver.files import require_file
     from irc.frontends.files import read_bytes, read_text
     from irc.frontends.json.document import read_document
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
+        require_file(output)
         document = read_document(*read_text(manifest))
         raw, name = read_bytes(answer)
         extracted = extract_answer(

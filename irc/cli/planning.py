@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 from irc.checks import run_checks
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
 from irc.cli.output import Format, fail, print_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
@@ -15,6 +16,7 @@ from irc.frontends.json.document import read_document
 from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
+from irc.outcome import EXIT_STATUS
 from irc.schedule import Schedule, Status, schedule_from_json
 from irc.targets import SolveOptions, get_backend
 
@@ -102,11 +104,6 @@ def read_sound_task(file: str, format: Format) -> Task:
 
 def end_with(statuses: Sequence[Status]) -> None:
     """Exits if a step found no schedule, with the code for the first such step."""
-    import sys
-
     for status in statuses:
-        if status is Status.INFEASIBLE:
-            sys.exit(EXIT_INPUT)
-        if status in (Status.UNKNOWN, Status.FAILED):
-            sys.exit(EXIT_NO_ANSWER)
-    return None
+        if EXIT_STATUS[status] != EXIT_DONE:
+            sys.exit(EXIT_STATUS[status])

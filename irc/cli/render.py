@@ -68,10 +68,11 @@ def print_answer(answer: Answer, console: Console) -> None:
     page = Page(console)
     schedule, problem = answer.schedule, answer.problem
     lines = [*_headline(page, problem, schedule)]
+    slack: dict[str, int] | None = None
     try:
-        slack: dict[str, int] | None = slacks(problem, schedule)
+        if schedule.answered:
+            slack = slacks(problem, schedule)
     except AnswerError as error:
-        slack = None
         lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
     print_lines(page, console, (line for text in lines for line in text.wrap(console, page.width)))
     if not schedule.entries:
@@ -103,7 +104,7 @@ def _headline(page: Page, problem: Problem, schedule: Schedule) -> Iterator[Text
         for value in schedule.objective or (makespan,):
             yield Text(_objective_line(page, problem, schedule, value))
     else:
-        yield Text(page.visible(_why_nothing(problem, schedule.status)))
+        yield Text(page.visible(_why_nothing(problem, schedule)))
     absent = left_out(problem, schedule)
     if absent:
         yield Text(in_words(absent, page.visible))
@@ -122,7 +123,8 @@ def _status(page: Page, schedule: Schedule) -> str:
     glyphs, status = page.glyphs, schedule.status
     mark = {Status.OPTIMAL: glyphs.good, Status.INFEASIBLE: glyphs.bad}.get(status, "")
     gap = _gap(schedule) if status is Status.FEASIBLE else ""
-    return f"{mark} {status}{gap}".strip()
+    ended = ", interrupted" if schedule.interrupted else ""
+    return f"{mark} {status}{ended}{gap}".strip()
 
 
 def _gap(schedule: Schedule) -> str:
@@ -151,7 +153,8 @@ def _objective_line(page: Page, problem: Problem, schedule: Schedule, value: Obj
     return f"{makespan}, bound {with_unit(value.bound, problem.time_unit)}: {reason}"
 
 
-def _why_nothing(problem: Problem, status: Status) -> str:
+def _why_nothing(problem: Problem, schedule: Schedule) -> str:
+    status = schedule.status
     least, unit, reason = (
         problem.bounds.makespan.value,
         problem.time_unit,
@@ -159,7 +162,8 @@ def _why_nothing(problem: Problem, status: Status) -> str:
     )
     needed = f"; at least {with_unit(problem.to_units(least), unit)} are needed: {reason}"
     if status is Status.UNKNOWN:
-        return f"no schedule was found within the limits{needed if least else ''}"
+        when = "before it was interrupted" if schedule.interrupted else "within the limits"
+        return f"no schedule was found {when}{needed if least else ''}"
     if status is Status.FAILED:
         return "the engine broke down before it had an answer"
     if not problem.activities:

@@ -8,8 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
+from irc.cli.interruption import INTERRUPTION
 from irc.cli.moments import moment_of
-from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
+from irc.cli.output import Format, prepare, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
     end_with,
     execution_of,
@@ -18,15 +19,16 @@ from irc.cli.planning import (
     read_sound_task,
     require_task,
 )
+from irc.cli.progress import progress_shown
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.diagnostics.suggest import closest
-from irc.driver.files import write_whole
+from irc.driver.files import require_file, write_whole
 from irc.events.apply import apply
 from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
 from irc.execution.step import Step
-from irc.frontends.convert import written_as
+from irc.frontends.convert import DSL_SUFFIX, written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
 from irc.model import Task
 from irc.model.canonical import task_sha256
@@ -50,13 +52,22 @@ def replan_file(
     format: Format,
 ) -> None:
     """Replans a task's schedule as of a time, prints the step and writes the requested files."""
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule, *named)
+        require_file(output)
+        require_file(task_output, (".json", DSL_SUFFIX))
         task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
+        prepare(format)
         events = _events(task, named, moment, format)
-        step = _step(_running(task, before, source, moment, options), events)
+        with progress_shown(task) as on_progress:
+            options = replace(options, on_progress=on_progress)
+            running = _running(task, before, source, moment, options)
+            notes = _apply(running, events)
+            step = running.replan(options.budget(INTERRUPTION.spent(file, schedule, *named)))
+            step = replace(step, notes=(*notes, *step.notes))
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
@@ -171,12 +182,6 @@ def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnost
             raise InputError(placed.anchored(error.report)) from None
         notes += placed.notes(report)
     return notes
-
-
-def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
-    notes = _apply(execution, events)
-    step = execution.replan()
-    return replace(step, notes=(*notes, *step.notes))
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

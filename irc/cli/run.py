@@ -7,11 +7,12 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from types import FrameType
-from typing import IO, NoReturn
+from typing import IO
 
-from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
+from irc.cli.exit_codes import EXIT_USE
+from irc.cli.interruption import INTERRUPTION, Interrupted
 from irc.cli.output import Format, fail, print_notes, reporting_errors, say
 from irc.cli.planning import (
     end_with,
@@ -45,21 +46,21 @@ def run_file(
         fail(EXIT_USE, "add --stdio: requests come from standard input", Format.text)
     if STANDARD_INPUT in (file, schedule):
         fail(EXIT_USE, "standard input is for the requests: name a file", Format.text)
+    # (Every acknowledged request is on disk.)
+    INTERRUPTION.usual = signal.SIGTERM
     with reporting_errors(Format.text), ExitStack() as open_files:
-        before = signal.signal(signal.SIGTERM, _ended)
-        open_files.callback(signal.signal, signal.SIGTERM, before)
         require_engine(options)
         task = read_sound_task(file, Format.text)
         try:
-            session = _session(task, schedule, journal, options, open_files, presume)
-            _serve(session, sys.stdin.buffer)
+            with INTERRUPTION.planning() as cancel:
+                options = replace(options, cancel=cancel)
+                session = _session(task, schedule, journal, options, open_files, presume)
+            if INTERRUPTION.status is None:
+                _serve(session, sys.stdin.buffer)
+        except Interrupted as interrupted:
+            sys.exit(interrupted.status)
         except JournalError as error:
             fail(EXIT_USE, str(error), Format.text)
-
-
-def _ended(_number: int, _frame: FrameType | None) -> NoReturn:
-    """Exits with success after SIGTERM: every acknowledged request is on disk."""
-    sys.exit(EXIT_DONE)
 
 
 def _session(
@@ -85,6 +86,8 @@ def _session(
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
+    if (was := found.header.get("presume", "assume")) != presume:
+        raise InputError(Report((_other_presumption(str(was)),)))
     return Session.resume(make, task, journal, found)
 
 
@@ -96,9 +99,17 @@ def _planned(task: Task, options: SolveOptions) -> Schedule:
     return schedule
 
 
+def _other_presumption(was: str) -> Diagnostic:
+    return Diagnostic(
+        Code.OTHER_JOURNAL,
+        f"the execution in the journal began with --presume {was}",
+        hint=f"continue it with --presume {was}, or start another journal",
+    )
+
+
 def _other_schedule() -> Diagnostic:
     return Diagnostic(
-        Code.BAD_JOURNAL,
+        Code.OTHER_JOURNAL,
         "the execution in the journal began with another schedule",
         hint="leave --schedule out to continue it, or start another journal",
     )
@@ -112,14 +123,17 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
         if len(line) > MAX_LINE:
             _send(session.too_long().line())
             continue
-        try:
-            answer = session.answer(line)
-        except JournalError as error:
-            _send(session.broken(str(error)).line())
-            raise
-        _send(answer.line())
-        if answer.last:
+        with INTERRUPTION.planning(session.execution.options.cancel):
+            try:
+                answer = session.answer(line)
+            except JournalError as error:
+                _send(session.broken(str(error)).line())
+                raise
+            _send(answer.line())
+        if answer.last or INTERRUPTION.status is not None:
             return
+        if (unsaved := session.save()) is not None:
+            say(f"note: {unsaved}")
 
 
 def _lines(requests: IO[bytes]) -> Iterator[bytes]:

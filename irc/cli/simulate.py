@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
-from irc.cli.output import Format, print_notes, put, put_json, reporting_errors, say, summary
+from irc.cli.interruption import INTERRUPTION
+from irc.cli.output import (
+    Format,
+    prepare,
+    print_notes,
+    put,
+    put_json,
+    reporting_errors,
+    say,
+    summary,
+)
 from irc.cli.planning import (
     end_with,
     one_standard_input,
@@ -16,7 +26,7 @@ from irc.cli.planning import (
 )
 from irc.cli.replan import STEP_VERSION
 from irc.diagnostics import Code, Report
-from irc.driver.files import write_folder, write_whole
+from irc.driver.files import require_file, require_folder, write_folder, write_whole
 from irc.execution.simulation import EventRefused, Simulation, simulate
 from irc.execution.step import Step
 from irc.schedule import Schedule, dump_json
@@ -33,14 +43,24 @@ def simulate_file(
     format: Format,
 ) -> None:
     """Simulates a task, prints every step as it comes, and writes the requested files."""
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule)
+        require_file(output)
+        require_folder(steps)
         task = read_sound_task(file, format)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
+        prepare(format)
         reporter = _StepReporter(steps, format)
         refused: Report | None = None
         try:
-            simulation = simulate(task, schedule=given, on_step=reporter.report, options=options)
+            simulation = simulate(
+                task,
+                schedule=given,
+                on_step=reporter.report,
+                options=options,
+                spent=INTERRUPTION.spent(file, schedule),
+            )
         except EventRefused as error:
             simulation, refused = error.simulation, error.report
         _report(simulation, refused, output, format)

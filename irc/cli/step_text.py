@@ -94,6 +94,7 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
         (f"at {time_in_words(page, step.at, unit)}: {what}", "bold"),
         "  ",
         (str(step.schedule.status), _STYLES[step.schedule.status]),
+        ", interrupted" if step.schedule.interrupted else "",
     )
     for event in step.events:
         for line in changes_in_words(event, step.task):
@@ -112,7 +113,8 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
     elif step.schedule.status is Status.INFEASIBLE:
         yield Text("no schedule continues the history; keeping the previous plan", "red")
     elif not step.schedule.answered:
-        yield Text("no schedule was found within the limits", "yellow")
+        when = "before it was interrupted" if step.schedule.interrupted else "within the limits"
+        yield Text(f"no schedule was found {when}", "yellow")
 
 
 def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[Text]:

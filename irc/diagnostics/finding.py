@@ -103,6 +103,7 @@ class Code(Enum):
     STOCK = ("IRC307", Severity.ERROR, "a stock that runs out or overflows in every order")
     AT_ODDS = ("IRC308", Severity.ERROR, "conditions, effects or goals that contradict each other")
     NEVER = ("IRC309", Severity.ERROR, "an action that is required and may never occur")
+    NO_SCHEDULE = ("IRC310", Severity.ERROR, "a task that an engine proved to have no schedule")
 
     UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
     REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")
@@ -117,6 +118,10 @@ class Code(Enum):
     NO_ANSWER = ("IRC604", Severity.NOTE, "an engine found no answer within its limits")
     BAD_JOURNAL = ("IRC605", Severity.ERROR, "a journal that cannot be continued")
     TORN_JOURNAL = ("IRC606", Severity.NOTE, "a journal whose last line was cut off")
+    OTHER_JOURNAL = ("IRC607", Severity.ERROR, "a journal of another task or schedule")
+    CHANGED_TASK = ("IRC608", Severity.ERROR, "a task that has changed since its journal was begun")
+    JOURNAL_VERSION = ("IRC609", Severity.ERROR, "a journal of another version of irc")
+    MENDED_JOURNAL = ("IRC610", Severity.WARNING, "damage of a journal that loses nothing")
 
     TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
     OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")
@@ -135,6 +140,11 @@ class Code(Enum):
         self.id = id
         self.severity = severity
         self.summary = summary
+
+    @property
+    def proves_infeasible(self) -> bool:
+        """Whether an error of this code is a proof that there is no schedule."""
+        return self.id.startswith("IRC3") or self is Code.NO_CONTINUATION
 
 
 @dataclass(frozen=True, slots=True)

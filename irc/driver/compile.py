@@ -11,7 +11,7 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import Problem
-from irc.targets import Backend, Program, Refusal, get_backend, require_support
+from irc.targets import Backend, Budget, Program, Refusal, get_backend, require_support
 
 
 def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
@@ -19,21 +19,34 @@ def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
     return run_checks(task, earlier).report
 
 
-def _accepted(task: Task) -> Checked:
-    checked = run_checks(task, lint=False)
-    if not checked.report.ok:
-        raise InputError(checked.report)
-    return checked
+HURRIED_SHARE = 0.3
+"""Of the time limit: once it is spent, passes that only prove bounds are left out."""
 
 
 def lower_for(task: Task, backend: Backend) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
-    Raises `InputError` if the task is faulty or the target does not support it.
+    Passes that only bound the makespan are left out if much of the budget is spent. Raises
+    `InputError` if the task is faulty or the target does not support it.
     """
-    checked = _accepted(task)
-    require_support(task, backend)
-    return run_passes(checked.problem)
+    return lower_checked(run_checks(task, lint=False), backend)
+
+
+def lower_checked(checked: Checked, backend: Backend, budget: Budget | None = None) -> Problem:
+    """The same for a task that has been checked.
+
+    Passes that only bound the makespan are left out if much of the budget is spent.
+    """
+    if not checked.report.ok:
+        raise InputError(checked.report)
+    require_support(checked.task, backend)
+
+    def hurried() -> bool:
+        if budget is None:
+            return False
+        return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
+
+    return run_passes(checked.problem, hurried=hurried)
 
 
 def compile_task(task: Task, target: str) -> Program:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import lower_for, notes_on, reporting_refusals
-from irc.driver.judge import Answer, _approved, finish
+from irc.driver.compile import lower_checked, notes_on, reporting_refusals
+from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
+from irc.driver.progress import telling
+from irc.driver.quick import quick_outcome
 from irc.model import Task
 from irc.problem import Problem
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
-from irc.schedule import Status
+from irc.schedule import Schedule, Status
 from irc.targets import (
     Backend,
     Budget,
@@ -20,9 +25,15 @@ from irc.targets import (
     SolveOptions,
     get_backend,
 )
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 SHORTCUT_ENGINE = "critical-path"
 """The name of the engine in a schedule that needed no solver."""
+
+CHECKS_ENGINE = "checks"
+"""The engine named where the checks of the task already prove that it has no schedule."""
+AFTERWARDS_SHARE = 0.05
+"""The part of a time limit that is kept for re-timing, the validator and the output, at most."""
 
 CHECK_ENGINE = "stock-order"
 """The engine named where stock alone rules every schedule out."""
@@ -34,12 +45,22 @@ def solve_task(
     """Compiles, runs an engine, re-times and returns the answer.
 
     The task is planned as of t = 0, without its events; a note says so. If this is a part of a
-    longer call, `budget` replaces the time limit of the options. Raises `InputError`,
-    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries;
-    its status says why.
+    longer call, `budget` replaces the time limit and the cancellation of the options. Raises
+    `InputError`, `UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt` where
+    ^C comes before there is any answer. An answer without a schedule has no entries; its status
+    says why.
     """
     options = options or SolveOptions()
-    budget = Budget(options.time_limit) if budget is None else budget.share(1)
+    if budget is not None:
+        return _solved(task, options, budget)
+    with ended_by_interrupt(options.cancel) as cancel:
+        answer = _solved(task, options, replace(options, cancel=cancel).budget())
+        if answer.schedule.status is Status.UNKNOWN:
+            lost(cancel)
+    return answer
+
+
+def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     backend = get_backend(options.target)
     return solve_by(task, backend, backend.engine(options.engine), options, budget)
 
@@ -48,7 +69,11 @@ def solve_by(
     task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
 ) -> Answer:
     """The answer of `solve_task` by a given backend and engine."""
-    problem = lower_for(task, backend)
+    checked = run_checks(task, lint=False)
+    if checked.report.contradicts:
+        outcome = Outcome(Status.INFEASIBLE, CHECKS_ENGINE, notes=checked.report.errors)
+        return _answer(task, checked.problem, outcome, backend, budget)
+    problem = lower_checked(checked, backend, budget)
     if options.shortcut and not problem.has_contention:
         schedule = schedule_of(problem, earliest_schedule(problem))
         outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
@@ -57,13 +82,47 @@ def solve_by(
     elif (stuck := _impossible_stock(problem)) is not None:
         outcome = Outcome(Status.INFEASIBLE, CHECK_ENGINE, notes=(stuck,))
     else:
-        reason = engine.missing()
-        if reason is not None:
-            raise EngineMissing(reason)
+
+        def approve(found: Outcome) -> Schedule:
+            return _approved(task, finish(task, problem, found, backend.name, budget.elapsed))
+
+        told = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = engine.solve(Program(backend, task, problem), options, budget)
-    schedule = finish(task, problem, outcome, backend.name, budget.elapsed)
-    return Answer(_approved(task, schedule), problem, (*notes_on(task), *outcome.notes))
+            outcome = _asked(Program(backend, task, problem), engine, told, budget)
+    return _answer(task, problem, outcome, backend, budget)
+
+
+def _answer(
+    task: Task, problem: Problem, outcome: Outcome, backend: Backend, budget: Budget
+) -> Answer:
+    """The answer with an outcome, approved by the validator."""
+    schedule = finish(
+        task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
+    )
+    notes = reasons_for(task, outcome)
+    schedule = explained(_approved(task, schedule), notes)
+    return Answer(schedule, problem, (*notes_on(task), *notes))
+
+
+def _asked(program: Program, engine: Engine, options: SolveOptions, budget: Budget) -> Outcome:
+    """The engine's outcome; the compiler's own schedule where there was no time for an engine."""
+    reason = engine.missing()
+    if reason is not None:
+        raise EngineMissing(reason)
+    if not budget.is_cancelled:
+        import irc.validation  # noqa: F401 - now, while there is time: a search may be cut short
+    hurried = budget.is_cancelled or budget.left < engine.loading_seconds * budget.slowness
+    quick = quick_outcome(program.problem) if hurried else None
+    if quick is not None:
+        return quick
+    if budget.is_cancelled:
+        return Outcome(Status.UNKNOWN, engine.name)
+    # What follows takes about as long as what came before: reading and checking.
+    after = min(budget.elapsed, AFTERWARDS_SHARE * budget.limit)
+    outcome = engine.solve(program, options, budget.at_most(budget.left - after))
+    if outcome.status is Status.UNKNOWN and budget.is_cancelled:
+        quick = quick_outcome(program.problem)
+    return outcome if quick is None else replace(quick, notes=outcome.notes)
 
 
 def _too_short(problem: Problem) -> Diagnostic:

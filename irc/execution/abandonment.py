@@ -34,7 +34,7 @@ def best_continuation(repair: Repair) -> Found:
     if half_done and has_prover:
         return _as_proven(repair)
     outcome, problem = repair.attempt(())
-    if outcome.status is Status.UNKNOWN and has_prover:
+    if outcome.status is Status.UNKNOWN and has_prover and not repair.budget.is_cancelled:
         proven, whole = _prover(repair, repair.budget).attempt(())
         if proven.status is Status.INFEASIBLE:
             return proven, whole, ()

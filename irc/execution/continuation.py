@@ -10,6 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic
+from irc.driver.judge import finish
+from irc.driver.progress import telling
+from irc.driver.quick import quick_outcome
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
@@ -40,6 +43,7 @@ from irc.targets import (
     ObjectiveLevel,
     Outcome,
     Program,
+    Progress,
     SolveOptions,
 )
 
@@ -93,7 +97,7 @@ class Repair:
         if not whole.is_plain:
             found = warm_start(whole, self.frozen.executed, self.history.plan)
             whole = replace(whole, previous=replace(whole.previous, warm_start=found))
-        return self._solved(whole), whole
+        return self._solved(whole, given_up, self._telling(whole, given_up)), whole
 
     def tried(self, problem: Problem, budget: Budget) -> Outcome:
         """The outcome of another problem of the whole, within a budget of its own.
@@ -123,11 +127,59 @@ class Repair:
         entries = (marked(e) for e in schedule.entries if e.id not in self.frozen.helpers)
         return replace(schedule, entries=tuple(entries))
 
-    def _solved(self, problem: Problem, judge: Judge | None = None) -> Outcome:
+    def _solved(
+        self,
+        problem: Problem,
+        given_up: Sequence[int],
+        options: SolveOptions,
+        judge: Judge | None = None,
+    ) -> Outcome:
+        """The engine's outcome, or a schedule of the compiler where it was cancelled before."""
         program = Program(self.backend, self.task, problem, judge=judge)
-        alone = self.backend.proves and not self.backend.begins_now
-        budget = self.budget if alone else self.budget.share(1 - AFTERWARDS_SHARE)
-        return self.engine.solve(program, self.options, budget)
+        outcome = Outcome(Status.UNKNOWN, self.engine.name)
+        if not self.budget.is_cancelled:
+            alone = self.backend.proves and not self.backend.begins_now
+            budget = self.budget if alone else self.budget.share(1 - AFTERWARDS_SHARE)
+            outcome = self.engine.solve(program, options, budget)
+        if outcome.status is not Status.UNKNOWN or not self.budget.is_cancelled:
+            return outcome
+        quick = quick_outcome(problem)
+        accept = judge or (lambda schedule: self.judged(schedule, given_up))
+        if quick is None or quick.schedule is None or accept(quick.schedule) is not None:
+            return outcome
+        return quick
+
+    def _telling(
+        self,
+        whole: Problem,
+        given_up: Sequence[int],
+        residual: ResidualProblem | None = None,
+    ) -> SolveOptions:
+        """The options with which progress, of the residual problem too, is told as of the whole."""
+
+        def approve(outcome: Outcome) -> Schedule:
+            assert outcome.schedule is not None
+            fault = self.judged(outcome.schedule, given_up)
+            if fault is not None:
+                raise EngineFailed(f"the answer was rejected by the validator: {fault}")
+            marked = replace(outcome, schedule=self.with_status(outcome.schedule, given_up))
+            return finish(self.task, whole, marked, self.backend.name, self.budget.elapsed)
+
+        options = telling(self.options, self.budget, approve)
+        tell = options.on_progress
+        if residual is None or tell is None:
+            return options
+
+        def tell_whole(progress: Progress) -> None:
+            try:
+                merged = residual.merged(whole, progress.schedule())
+            except AnswerError:
+                return  # The judge says so, too, and the engine goes on.
+            values = schedule_values(whole, merged)
+            levels = tuple(ObjectiveLevel(name, values[name]) for name in whole.levels)
+            tell(replace(progress, levels=levels, found=lambda: merged))
+
+        return replace(options, on_progress=tell_whole)
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """The faults of a whole history; None if it is valid, with no plans for the past."""
@@ -156,7 +208,11 @@ class Repair:
             left = left.with_bound(bound.value - now, bound.reason)
 
         judge = _WithHistory(self, residual, whole, given_up)
-        found = self._solved(left, judge) if left.has_contention else _by_critical_path(left, now)
+        found = (
+            self._solved(left, given_up, self._telling(whole, given_up, residual), judge)
+            if left.has_contention
+            else _by_critical_path(left, now)
+        )
         if found.schedule is None:
             return found
         try:

@@ -26,7 +26,7 @@ from irc.model.events import ObservedStatus, SetCapacity
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Entry, Schedule
-from irc.targets import SolveKeywords, SolveOptions
+from irc.targets import Budget, Cancellation, SolveKeywords, SolveOptions
 
 _T = TypeVar("_T")
 
@@ -113,6 +113,11 @@ class Execution:
     def pending(self) -> tuple[Event, ...]:
         """The events since the last plan."""
         return tuple(self._events)
+
+    @property
+    def presume(self) -> Presume:
+        """Whether the plan is presumed to happen, or only observations count."""
+        return "assume" if self._history.assumes else "confirm"
 
     @property
     def replan_needed(self) -> bool:
@@ -242,19 +247,40 @@ class Execution:
         """The task with all that is taken to have happened by now."""
         return with_observations(told, outcomes(history, told, now))
 
-    def replan(self) -> Step:
+    def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
         Where no continuation exists the step reports it, and nothing that was still to begin is
-        presumed any more. Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or
-        `EngineFailed`.
+        presumed any more. `budget` replaces the time limit and the cancellation of the options.
+        Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and
+        `KeyboardInterrupt` where ^C comes before there is any answer.
         """
-        history = as_of(self._history, self._told, self.now)
+        history, events = as_of(self._history, self._told, self.now), tuple(self._events)
         task = self._in_force(self._told, history, self.now)
-        step = solve_step(task, history, self.now, self.options, tuple(self._events))
+        return self._taken(
+            solve_step(task, history, self.now, self.options, events, budget), history
+        )
+
+    async def areplan(self) -> Step:
+        """`replan` for `async` code: the execution must not be changed meanwhile.
+
+        If the task that awaits it is cancelled, the engine ends, and the plan stays as it was.
+        """
+        from irc.driver.running import awaited
+
+        history, events = as_of(self._history, self._told, self.now), tuple(self._events)
+        task, at = self._in_force(self._told, history, self.now), self.now
+
+        def call(cancel: Cancellation) -> Step:
+            return solve_step(task, history, at, replace(self.options, cancel=cancel), events)
+
+        return self._taken(await awaited(call, self.options.cancel), history)
+
+    def _taken(self, step: Step, history: History) -> Step:
+        """A step whose schedule is the one in force from now on, if there is one."""
         notes = [self._late(entry) for entry in not_as_planned(history, self.now)]
         step = replace(step, notes=(*notes, *step.notes))
-        self.task = task
+        self.task = step.task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:

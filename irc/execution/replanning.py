@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.compile import reporting_refusals
-from irc.driver.judge import finish
+from irc.driver.judge import explained, finish, reasons_for
 from irc.events.suspend import suspended
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
@@ -34,6 +34,7 @@ from irc.targets import (
     get_backend,
     require_support,
 )
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 __all__ = ["Step", "solve_step"]
 
@@ -48,15 +49,34 @@ def solve_step(
     at: Number,
     options: SolveOptions,
     events: tuple[Event, ...] = (),
+    budget: Budget | None = None,
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
     What cannot go on whatever else is done, because its resource is gone for good, say, is named
-    and left out, and the rest is continued. `history` is as it is taken to be at `at`. Raises
-    `InputError` (the target refuses the task, or the history does not fit it), `UnknownTarget`,
-    `EngineMissing` or `EngineFailed`.
+    and left out, and the rest is continued. `history` is as it is taken to be at `at`. `budget`
+    replaces the time limit and the cancellation of the options. Raises `InputError` (the target
+    refuses the task, or the history does not fit it), `UnknownTarget`, `EngineMissing` or
+    `EngineFailed`, and `KeyboardInterrupt` where ^C comes before there is any answer.
     """
-    budget = Budget(options.time_limit)
+    if budget is not None:
+        return _step(task, history, at, options, events, budget)
+    with ended_by_interrupt(options.cancel) as cancel:
+        budget = replace(options, cancel=cancel).budget()
+        step = _step(task, history, at, options, events, budget)
+        if step.schedule.status is Status.UNKNOWN:
+            lost(cancel)
+    return step
+
+
+def _step(
+    task: Task,
+    history: History,
+    at: Number,
+    options: SolveOptions,
+    events: tuple[Event, ...],
+    budget: Budget,
+) -> Step:
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
     require_support(task, backend)
@@ -120,12 +140,21 @@ def _continued(
     with reporting_refusals(task):
         outcome, whole, given_up = best_continuation(repair)
     if outcome.status is Status.INFEASIBLE:
-        outcome = replace(outcome, notes=what_is_in_the_way(repair) or outcome.notes)
+        why = what_is_in_the_way(repair) or outcome.notes or (_no_continuation(outcome.engine),)
+        outcome = replace(outcome, notes=why)
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
-    schedule = finish(task, whole, outcome, means.backend.name, means.budget.elapsed)
-    notes = outcome.notes
+    schedule = finish(
+        task,
+        whole,
+        outcome,
+        means.backend.name,
+        means.budget.elapsed,
+        cancelled=means.budget.is_cancelled,
+    )
+    notes = reasons_for(task, outcome)
+    schedule = explained(schedule, notes)
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))
     return Step(
@@ -139,6 +168,15 @@ def _continued(
         notes,
         tuple(problem.groups[k].id for k in given_up),
         ids(state.stopped),
+    )
+
+
+def _no_continuation(engine: str) -> Diagnostic:
+    """The reason for a history without continuation where no limit in the way was found."""
+    return Diagnostic(
+        Code.NO_CONTINUATION,
+        f"no schedule continues what has run: proved by {engine}",
+        hint="undo or relax what the last events changed",
     )
 
 

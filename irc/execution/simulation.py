@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Unpack
@@ -15,10 +15,11 @@ from irc.execution.step import Step
 from irc.frontends.events import PlacedEvent
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
-from irc.model.quantities import Number
 from irc.model.times import json_number
-from irc.schedule import Schedule
+from irc.outcome import Outcome
+from irc.schedule import Schedule, Status
 from irc.targets import SolveKeywords, SolveOptions
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 SIMULATION_VERSION = "1"
 
@@ -29,16 +30,23 @@ OnStep = Callable[[Step], None]
 class Simulation:
     """The steps of an episode; the first one is the plan as of t = 0, before any event.
 
-    An episode ends with its last event; without a first plan it does not begin.
+    An episode ends with its last event, or where it was `interrupted`; without a first plan it does
+    not begin.
     """
 
     task: str | None
     steps: tuple[Step, ...]
+    interrupted: bool = False
 
     @property
     def final(self) -> Schedule:
         """The last schedule: the whole history, where the last step has an answer."""
         return self.steps[-1].schedule
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the last step ended; without a plan, with the diagnostics that say why."""
+        return self.steps[-1].outcome
 
     @property
     def moved(self) -> int:
@@ -51,10 +59,12 @@ class Simulation:
         return {
             "irc_simulation": SIMULATION_VERSION,
             "task": self.task,
+            **({"interrupted": True} if self.interrupted else {}),
             "steps": [step.to_dict() for step in self.steps],
             "final": final.to_dict(),
             "makespan": json_number(final.makespan) if final.answered else None,
             "moved": self.moved,
+            **({} if self.outcome.answered else {"outcome": self.outcome.to_dict()}),
         }
 
 
@@ -72,52 +82,80 @@ class EventRefused(InputError):
         return type(self), (self.report, self.simulation)
 
 
+class _Refused(Exception):
+    """An event does not fit; `report` says why, and where in the task."""
+
+    def __init__(self, report: Report) -> None:
+        super().__init__()
+        self.report = report
+
+
 def simulate(
     task: Task | Built[Task],
     *,
     schedule: Schedule | None = None,
     on_step: OnStep | None = None,
     options: SolveOptions | None = None,
+    spent: float = 0.0,
     **more: Unpack[SolveKeywords],
 ) -> Simulation:
     """Plans a task (or takes `schedule` as its plan) and repairs the plan after each event.
 
     Events of one instant are one step, in their order. A step without an answer does not end it:
     nothing new begins until a later one has an answer. The options are those of `SolveOptions`;
-    limits hold for each step. Raises `EventRefused`, and what `irc.solve` and `Execution` raise,
-    after it has called `on_step` for all previous steps.
+    limits hold for each step (`spent` are seconds that the first one has used already). Where it is
+    cancelled, the step that is being planned is the last. Raises `EventRefused`, and what
+    `irc.solve` and `Execution` raise, after it has called `on_step` for all previous steps.
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
+    with ended_by_interrupt(chosen.cancel) as cancel:
+        options = replace(chosen, cancel=cancel)
+        steps = []
+        try:
+            for step in _steps(task, schedule, options, spent):
+                steps.append(step)
+                if on_step is not None:
+                    on_step(step)
+                if cancel is not None:
+                    cancel.keep()
+                    if cancel.is_cancelled:
+                        break
+        except _Refused as refused:
+            raise EventRefused(refused.report, Simulation(task.name, tuple(steps))) from None
+        if len(steps) == 1 and steps[0].schedule.status is Status.UNKNOWN:
+            lost(cancel)
+        planned = schedule is None or len(steps) > 1
+        rounding = Rounding.of(task)
+        instants = {rounding.time(task.number(event.at)) for event in task.events}
+        done = len(steps) > len(instants)
+        ended = cancel is not None and cancel.is_cancelled
+        partial = not done or (planned and steps[-1].schedule.interrupted)
+        return Simulation(task.name, tuple(steps), ended and partial)
+
+
+def _steps(
+    task: Task, schedule: Schedule | None, options: SolveOptions, spent: float
+) -> Iterator[Step]:
+    """The first plan, and the step of each instant with events if there is one."""
+    notes: tuple[Diagnostic, ...] = ()
     if schedule is None:
-        answer = solve_task(task, chosen)
-        schedule, notes = answer.schedule, answer.notes
-    else:
-        notes = ()
-    steps = [Step(0, (), (), (), 0, schedule, task, notes)]
-    if on_step is not None:
-        on_step(steps[0])
+        answer = solve_task(task, options, options.budget(spent))
+        schedule, notes, spent = answer.schedule, answer.notes, 0.0
+    yield Step(0, (), (), (), 0, schedule, task, notes)
     if not schedule.answered:
-        return Simulation(task.name, tuple(steps))
-    execution = Execution(task, schedule, options=chosen)
+        return
+    execution = Execution(task, schedule, options=options)
     rounding = Rounding.of(task)
-
-    def moment(event: Event) -> Number:
-        return rounding.time(task.number(event.at))
-
-    for _, same in groupby(in_order(task), key=moment):
+    for _, same in groupby(in_order(task), key=lambda e: rounding.time(task.number(e.at))):
         noted: list[Diagnostic] = []
         for event in same:
             try:
                 noted += _placed(task, event).notes(execution.apply(event))
             except InputError as error:
-                report = _placed(task, event).anchored(error.report)
-                raise EventRefused(report, Simulation(task.name, tuple(steps))) from None
-        step = execution.replan()
-        step = replace(step, notes=(*noted, *step.notes))
-        steps.append(step)
-        if on_step is not None:
-            on_step(step)
-    return Simulation(task.name, tuple(steps))
+                raise _Refused(_placed(task, event).anchored(error.report)) from None
+        step = execution.replan(options.budget(spent))
+        spent = 0.0
+        yield replace(step, notes=(*noted, *step.notes))
 
 
 def _placed(task: Task, event: Event) -> PlacedEvent:

@@ -12,6 +12,7 @@ from irc.execution.state import Key, key_of
 from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.model.times import json_number
+from irc.outcome import Outcome
 from irc.schedule import Entry, LeftOut, Schedule
 
 
@@ -42,6 +43,11 @@ class Step:
         """The required actions and goals that cannot go on: the schedule is without them."""
         return self.schedule.left_out
 
+    @property
+    def outcome(self) -> Outcome:
+        """How the replanning ended; without a plan, with the diagnostics that say why."""
+        return self.schedule.outcome
+
     def to_dict(self) -> dict[str, Any]:
         """The step as `irc simulate --format json` writes it."""
         return {
@@ -54,6 +60,7 @@ class Step:
             "abandoned": list(self.abandoned),
             "notes": [note.to_dict() for note in self.notes],
             "schedule": self.schedule.to_dict(),
+            **({} if self.outcome.answered else {"outcome": self.outcome.to_dict()}),
         }
 
 

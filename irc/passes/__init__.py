@@ -54,8 +54,17 @@ PASSES: tuple[Pass, ...] = (
 )
 
 
-def run_passes(problem: Problem, passes: tuple[Pass, ...] = PASSES) -> Problem:
-    """The problem after all passes."""
+BOUNDING: tuple[Pass, ...] = (resource_bounds, bound_on_grid)
+"""The passes that only prove more about the makespan: a call in a hurry goes without."""
+
+
+def run_passes(
+    problem: Problem,
+    passes: tuple[Pass, ...] = PASSES,
+    hurried: Callable[[], bool] = lambda: False,
+) -> Problem:
+    """The problem after all passes; while the call is `hurried` without those that only bound."""
     for step in passes:
-        problem = step(problem)
+        if step not in BOUNDING or not hurried():
+            problem = step(problem)
     return problem

@@ -23,7 +23,13 @@ CATALOGUE = ROOT / "irc" / "diagnostics" / "catalogue"
 ENTRIES = list(load_catalogue().values())
 
 NOT_IN_A_TEXT = (
-    *(Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED, Code.NO_CONTINUATION),
+    Code.NO_SCHEDULE,
+    Code.DAMAGED,
+    Code.NO_ANSWER,
+    Code.OTHER_JOURNAL,
+    Code.CHANGED_TASK,
+    Code.CARRIED,
+    Code.NO_CONTINUATION,
     Code.NOT_AS_PLANNED,
 )
 

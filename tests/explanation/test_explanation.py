@@ -476,7 +476,7 @@ def test_the_command_ends_with_status_3_where_time_is_over(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     unknown = irc.Explanation(Status.UNKNOWN, "busy", "s")
-    monkeypatch.setattr("irc.explanation.explain_task", lambda *_: unknown)
+    monkeypatch.setattr("irc.explanation.explain_task", lambda *_, **__: unknown)
     result = run("-", given=json.dumps(SOLVER[0].document))
     assert result.exit_code == 3
     assert "--time-limit" in result.stdout

@@ -153,7 +153,7 @@ def test_a_longer_call_gives_a_part_of_its_budget(given: list[Budget]) -> None:
     whole = Budget(20, clock=clock)
     clock.now += 5
     solve_task(crowd(), SolveOptions(time_limit=60, workers=1, shortcut=False), whole)
-    assert given[0].limit == 15
+    assert 14 <= given[0].limit <= 15
 
 
 def test_each_step_has_the_whole_limit(given: list[Budget]) -> None:
