@@ -20,15 +20,16 @@ from irc.errors import IrcError
 from irc.execution.execution import Execution
 from irc.execution.history import History
 from irc.execution.observations import Fact, Observed
+from irc.execution.plannable import Plannable
+from irc.execution.rounding import Rounding
 from irc.frontends.json.value import read_value
 from irc.model import Event, Task
 from irc.model.canonical import task_sha256, written_part
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.targets import SolveOptions
 
-_CLASSES: Mapping[str, type] = MappingProxyType(
-    {kind.__name__: kind for kind in (Entry, Fact, History, ObjectiveValue, Observed, Schedule)}
-)
+_KINDS = (Entry, Fact, History, ObjectiveValue, Observed, Plannable, Rounding, Schedule)
+_CLASSES: Mapping[str, type] = MappingProxyType({kind.__name__: kind for kind in _KINDS})
 _NODES: Mapping[str, type[Any]] = MappingProxyType({"Event": Event, "Task": Task})
 _OPTIONS = "options"
 """The attribute of an execution that the caller gives anew."""
