@@ -55,6 +55,10 @@ def from_snapshot(document: Any, options: SolveOptions) -> Execution:
         state = {key: _read(value) for key, value in document["state"].items()}
         if not isinstance(state.get("task"), Task) or state.keys() & {_OPTIONS}:
             raise SnapshotError("the snapshot has no task")
+        # (Snapshots that were written before these are what an execution begins with.)
+        state.setdefault("_notes", ())
+        state.setdefault("_rounding", Rounding.of(state["task"]))
+        state.setdefault("_plannable", Plannable(options.target))
         vars(execution).update(state, **{_OPTIONS: options})
         same = task_sha256(execution.task) == document["task_sha256"]
     except (ArithmeticError, AttributeError, InputError, KeyError, TypeError, ValueError) as error:
