@@ -459,7 +459,7 @@ def _set_state(walk: _Walk, change: SetState, at: Pointer) -> None:
 def _add_state(walk: _Walk, change: AddState, at: Pointer) -> None:
     walk.declare("state variable", "state", change.state, at)
     for k, variable in enumerate(change.state):
-        check_variable(variable, (*at, "state", k), walk.findings)
+        check_variable(variable, (*at, "state", k), walk.times, walk.findings)
 
 
 def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:

@@ -20,14 +20,13 @@ def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
 
 
 HURRIED_SHARE = 0.3
-"""Of the time limit: once it is spent, passes that only prove bounds are left out."""
+"""Of the time limit: once it is spent, only the quick bounds on the makespan are sought."""
 
 
 def lower_for(task: Task, backend: Backend) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
-    Passes that only bound the makespan are left out if much of the budget is spent. Raises
-    `InputError` if the task is faulty or the target does not support it.
+    Raises `InputError` if the task is faulty or the target does not support it.
     """
     return lower_checked(run_checks(task, lint=False), backend)
 
@@ -35,18 +34,19 @@ def lower_for(task: Task, backend: Backend) -> Problem:
 def lower_checked(checked: Checked, backend: Backend, budget: Budget | None = None) -> Problem:
     """The same for a task that has been checked.
 
-    Passes that only bound the makespan are left out if much of the budget is spent.
+    If much of the budget is spent, only quick bounds on the makespan are sought.
     """
     if not checked.report.ok:
         raise InputError(checked.report)
     require_support(checked.task, backend)
+    return run_passes(checked.problem, hurried=lambda: is_hurried(budget))
 
-    def hurried() -> bool:
-        if budget is None:
-            return False
-        return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
 
-    return run_passes(checked.problem, hurried=hurried)
+def is_hurried(budget: Budget | None) -> bool:
+    """Whether much of a budget is spent already."""
+    if budget is None:
+        return False
+    return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
 
 
 def compile_task(task: Task, target: str) -> Program:

@@ -257,11 +257,9 @@ class Execution:
         Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and
         `KeyboardInterrupt` where ^C comes before there is any answer.
         """
-        history, events = as_of(self._history, self._told, self.now), tuple(self._events)
-        task = self._in_force(self._told, history, self.now)
-        return self._taken(
-            solve_step(task, history, self.now, self.options, events, budget), history
-        )
+        present = task, history = self._present()
+        step = solve_step(task, history, self.now, self.options, tuple(self._events), budget)
+        return self._taken(present, step)
 
     async def areplan(self) -> Step:
         """`replan` for `async` code: the execution must not be changed meanwhile.
@@ -270,19 +268,25 @@ class Execution:
         """
         from irc.driver.running import awaited
 
-        history, events = as_of(self._history, self._told, self.now), tuple(self._events)
-        task, at = self._in_force(self._told, history, self.now), self.now
+        present = task, history = self._present()
+        at, events = self.now, tuple(self._events)
 
         def call(cancel: Cancellation) -> Step:
             return solve_step(task, history, at, replace(self.options, cancel=cancel), events)
 
-        return self._taken(await awaited(call, self.options.cancel), history)
+        return self._taken(present, await awaited(call, self.options.cancel))
 
-    def _taken(self, step: Step, history: History) -> Step:
-        """A step whose schedule is the one in force from now on, if there is one."""
-        notes = [self._late(entry) for entry in not_as_planned(history, self.now)]
-        step = replace(step, notes=(*notes, *step.notes))
-        self.task = step.task
+    def _present(self) -> tuple[Task, History]:
+        """The task and the history with all that is taken to have happened by now."""
+        history = as_of(self._history, self._told, self.now)
+        return self._in_force(self._told, history, self.now), history
+
+    def _taken(self, present: tuple[Task, History], step: Step) -> Step:
+        """The step, after it has changed the execution: its plan is adopted or rejected."""
+        task, history = present
+        late = [self._late(entry) for entry in not_as_planned(history, self.now)]
+        step = replace(step, notes=(*late, *step.notes))
+        self.task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:

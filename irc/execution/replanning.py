@@ -145,13 +145,9 @@ def _continued(
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
+    budget = means.budget
     schedule = finish(
-        task,
-        whole,
-        outcome,
-        means.backend.name,
-        means.budget.elapsed,
-        cancelled=means.budget.is_cancelled,
+        task, whole, outcome, means.backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )
     notes = reasons_for(task, outcome)
     schedule = explained(schedule, notes)

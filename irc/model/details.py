@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from irc.model.base import Amount, Count, Instant, Name, Node, StateValue
+from irc.model.base import Amount, Count, Instant, Name, Node, StateValue, Text
 from irc.model.parts import Duration, Precedence, Use
 
 
@@ -53,7 +53,7 @@ class Mode(Node):
     """One way to carry out an action: its duration, and its uses besides the action's own."""
 
     id: Name
-    label: str | None = None
+    label: Text | None = None
     duration: Duration
     uses: tuple[Use, ...] = ()
 
@@ -71,12 +71,23 @@ Occurs = Annotated[
 ]
 
 
+class TimedChange(Node):
+    """The world gives a state variable a value by itself, at a time."""
+
+    at: Instant
+    value: StateValue
+
+
 class StateVariable(Node):
-    """A variable with several values; without `values`, a boolean that is false at first."""
+    """A variable with several values; without `values`, a boolean that is false at first.
+
+    `changes` are timed changes of state: the world changes the variable, whatever the schedule.
+    """
 
     id: Name
     values: tuple[StateValue, ...] = (False, True)
     initial: StateValue | None = None
+    changes: tuple[TimedChange, ...] = ()
 
     @property
     def start_value(self) -> StateValue | None:
@@ -90,7 +101,7 @@ class Group(Node):
     """All of its actions or none: an order, a delivery, a candidate goal."""
 
     id: Name
-    label: str | None = None
+    label: Text | None = None
     actions: tuple[Name, ...]
     required: Annotated[bool, Field(strict=True)] = True
     reward: Annotated[int, Field(strict=True)] | None = None

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from irc.model.base import Amount, Count, Instant, Name, Node, Span
+from irc.model.base import Amount, Count, Instant, Name, Node, Span, Text
 from irc.model.lazy import Conditions, Effects, Modes, Occurs, StockChanges, Windows
 
 PrecedenceType = Literal["finish-start", "start-start", "finish-finish", "start-finish"]
@@ -44,8 +44,8 @@ class Resource(Node):
 
     id: Name
     kind: Literal["renewable", "reservoir"] = "renewable"
-    label: str | None = None
-    description: str | None = None
+    label: Text | None = None
+    description: Text | None = None
     capacity: Count = 1
     availability: Windows = ()
     initial: Annotated[int, Field(strict=True)] = 0
@@ -81,8 +81,8 @@ class Action(Node):
     """An action: something that takes time."""
 
     id: Name
-    label: str | None = None
-    description: str | None = None
+    label: Text | None = None
+    description: Text | None = None
     duration: Duration | None = None
     occurs: Occurs = "once"
     uses: tuple[Use, ...] = ()

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.diagnostics.source import Source
-from irc.model.base import Instant, Node, Span
+from irc.model.base import Instant, Node, Span, Text
 from irc.model.lazy import Events, Goals, Groups, Lapses, State
 from irc.model.parts import (
     Action,
@@ -24,6 +24,7 @@ from irc.model.quantities import Span as SpanValue
 from irc.model.resolution import derived_resolution
 from irc.model.times import Clock, parse_instant, unit_seconds
 from irc.model.times import Instant as InstantValue
+from irc.model.unwritable import unwritable
 
 
 class Task(Node):
@@ -35,8 +36,8 @@ class Task(Node):
     """
 
     irc: Literal["1"] = "1"
-    name: str | None = None
-    description: str | None = None
+    name: Text | None = None
+    description: Text | None = None
     time_unit: str = "s"
     days_per_month: Annotated[int, Field(ge=1, le=31, strict=True)] = 30
     deadline: Instant | None = None
@@ -83,6 +84,14 @@ class Task(Node):
         if origin is not None and not isinstance(origin, datetime):
             raise TimeError("expected a date-time such as 2026-03-01T08:00:00Z")
         return origin
+
+    @field_validator("metadata", mode="before")
+    @classmethod
+    def _writable(cls, metadata: Any) -> Any:
+        """Metadata as JSON can hold them: a NaN or half a character is refused here."""
+        if metadata and (fault := unwritable(metadata)) is not None:
+            raise ValueError(fault)
+        return metadata
 
     _one_objective = field_validator("objective", mode="before")(objective_names)
 

@@ -13,6 +13,7 @@ from irc.frontends.events import to_events
 from irc.frontends.json.document import decode_bytes
 from irc.frontends.json.value import read_value
 from irc.model import Event, Task
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError
 from irc.model.times import json_number, parse_instant
 
@@ -79,7 +80,7 @@ def decode_request(line: bytes) -> tuple[Mapping[str, Any], Source]:
         findings = Findings()
         findings.add(Code.WRONG_TYPE, f"expected {_EXPECTED}, found a list", offset=0)
         raise InputError(Report(tuple(findings.items), source))
-    return raw, source
+    return without_nulls(raw), source
 
 
 def to_request(raw: Mapping[str, Any], source: Source) -> Request:

@@ -31,8 +31,8 @@ from irc.targets import SolveOptions
 _KINDS = (Entry, Fact, History, ObjectiveValue, Observed, Plannable, Rounding, Schedule)
 _CLASSES: Mapping[str, type] = MappingProxyType({kind.__name__: kind for kind in _KINDS})
 _NODES: Mapping[str, type[Any]] = MappingProxyType({"Event": Event, "Task": Task})
-_OPTIONS = "options"
-"""The attribute of an execution that the caller gives anew."""
+_OPTIONS, _NOTES = "options", "_notes"
+"""The attributes of an execution that the caller gives anew, and that begin empty."""
 
 
 class SnapshotError(IrcError):
@@ -41,7 +41,7 @@ class SnapshotError(IrcError):
 
 def to_snapshot(execution: Execution) -> dict[str, Any]:
     """The state of an execution, without its options, as a JSON document."""
-    state = {key: value for key, value in vars(execution).items() if key != _OPTIONS}
+    state = {key: value for key, value in vars(execution).items() if key not in (_OPTIONS, _NOTES)}
     return {
         "task_sha256": task_sha256(execution.task),
         "state": {key: _written(value) for key, value in state.items()},
@@ -53,13 +53,9 @@ def from_snapshot(document: Any, options: SolveOptions) -> Execution:
     execution = object.__new__(Execution)
     try:
         state = {key: _read(value) for key, value in document["state"].items()}
-        if not isinstance(state.get("task"), Task) or state.keys() & {_OPTIONS}:
+        if not isinstance(state.get("task"), Task) or state.keys() & {_OPTIONS, _NOTES}:
             raise SnapshotError("the snapshot has no task")
-        # (Snapshots that were written before these are what an execution begins with.)
-        state.setdefault("_notes", ())
-        state.setdefault("_rounding", Rounding.of(state["task"]))
-        state.setdefault("_plannable", Plannable(options.target))
-        vars(execution).update(state, **{_OPTIONS: options})
+        vars(execution).update(state, **{_OPTIONS: options, _NOTES: ()})
         same = task_sha256(execution.task) == document["task_sha256"]
     except (ArithmeticError, AttributeError, InputError, KeyError, TypeError, ValueError) as error:
         raise SnapshotError(f"the snapshot cannot be read: {error}") from error

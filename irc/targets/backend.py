@@ -115,6 +115,10 @@ class Engine(ABC):
         """
         return 0.0
 
+    def can_begin(self, budget: Budget) -> bool:
+        """Whether the budget lasts until the engine has been loaded, as busy as the machine is."""
+        return not budget.is_over and budget.left >= self.loading_seconds * budget.slowness
+
     @abstractmethod
     def missing(self) -> str | None:
         """The reason why the engine cannot run here and how to install it; None if it can run."""

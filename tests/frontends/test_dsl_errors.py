@@ -347,7 +347,7 @@ def limited(statements: int, parts: int) -> Callable[[document_parts.ExpansionLi
     """An `__init__` with other limits."""
 
     def init(limit: document_parts.ExpansionLimit) -> None:
-        limit.statements, limit.parts = statements, parts
+        limit.statements, limit.parts, limit.text = statements, parts, 10_000
 
     return init
 

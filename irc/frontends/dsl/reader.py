@@ -364,7 +364,8 @@ class _Reader:
         if len(values) >= MAX_NESTING:
             raise Fault(Code.TOO_LARGE, f"`for`s nested more than {MAX_NESTING} deep", *span(tree))
         listed = self._listed(tree)
-        self.builder.expansion.repeat(len(listed) * len(body), *span(tree))
+        length = sum(statement.end - statement.start for statement in body)
+        self.builder.expansion.repeat(len(listed) * len(body), len(listed) * length, *span(tree))
         for value in listed:
             if self.stopped:
                 break
@@ -377,7 +378,7 @@ class _Reader:
         """
         count = self._weight(statement)
         if count > self.builder.expansion.statements:
-            self.builder.expansion.repeat(count, *span(tree))
+            self.builder.expansion.repeat(count, 0, *span(tree))
 
     def _weight(self, statement: Statement, depth: int = 0) -> int:
         """The number of statements that a statement produces, estimated from its text alone."""
