@@ -74,8 +74,10 @@ class Execution:
             raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
         self._notes: tuple[Diagnostic, ...] = ()
         self._rounding = Rounding.of(self.task)
-        schedule = self._take(self._rounding.schedule(schedule))
-        self.now: Number = self._take(self._rounding.moment(at, "the present, ", ("at",)))
+        schedule = self._take(self._rounding.schedule(self.task, schedule))
+        now = self.task.clock.exact(parse_instant(at))
+        moment = self._rounding.moment(self.task, now, "the present, ", ("at",))
+        self.now: Number = self._take(moment)
         self.options = SolveOptions.of(options, more)
         self._plannable = Plannable(self.options.target)
         self._told = self.task
@@ -136,7 +138,7 @@ class Execution:
         with which the target cannot plan.
         """
         exact = self.task.clock.exact(parse_instant(to))
-        time, rounding, notes = self._rounding.moment(exact, "the present, ", ("to",))
+        time, rounding, notes = self._rounding.moment(self.task, exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
                 "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
@@ -188,7 +190,7 @@ class Execution:
         was read from. The plan is repaired only by `replan`.
         """
         given = event_of(event)
-        event, rounding, rounded = self._rounding.event(given)
+        event, rounding, rounded = self._rounding.event(self.task, given)
         report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
