@@ -10,6 +10,7 @@ resource grill, board capacity 2 label "the board"
 stock flour initial 3 within 0 .. 10
 pool robots = r1, r2
 state chicken = raw, grilled initial raw
+state open initial true changes to false at 2 h changes to true at 3 h
 include "more.irc"
 for item in lettuce, cucumber:
     cut {item} 3s on board by robots

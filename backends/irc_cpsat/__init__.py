@@ -47,6 +47,7 @@ class CpSat(Backend):
             Feature.CALENDARS,
             Feature.RESERVOIRS,
             Feature.STATE,
+            Feature.TIMED_CHANGES,
             Feature.CONDITIONS,
             Feature.EFFECTS,
             Feature.GROUPS,

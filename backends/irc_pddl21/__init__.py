@@ -46,6 +46,7 @@ class Pddl21(Backend):
             Feature.CALENDARS,
             Feature.RESERVOIRS,
             Feature.STATE,
+            Feature.TIMED_CHANGES,
             Feature.CONDITIONS,
             Feature.EFFECTS,
             Feature.STATE_GOALS,

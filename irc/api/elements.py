@@ -135,11 +135,20 @@ class StateVariable(Element[IrStateVariable]):
     section = "state"
 
     def __init__(
-        self, id: str, values: Sequence[Value] | None = None, *, initial: Value | None = None
+        self,
+        id: str,
+        values: Sequence[Value] | None = None,
+        *,
+        initial: Value | None = None,
+        changes: Mapping[Any, Value] | None = None,
     ) -> None:
-        """A state variable; without `values`, a boolean that is false at first."""
+        """A state variable; without `values`, a boolean that is false at first.
+
+        `changes` are timed changes: the value that the world gives it at each time.
+        """
         listed = None if values is None else list(values)
-        super().__init__(without_none(id=id, values=listed, initial=initial))
+        timed = [{"at": at, "value": value} for at, value in (changes or {}).items()] or None
+        super().__init__(without_none(id=id, values=listed, initial=initial, changes=timed))
 
 
 def name_of(element: Element[Any] | str) -> str:

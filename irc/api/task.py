@@ -298,10 +298,18 @@ class Task:
         return self._joined(made)
 
     def state(
-        self, id: str, values: Sequence[Value] | None = None, *, initial: Value | None = None
+        self,
+        id: str,
+        values: Sequence[Value] | None = None,
+        *,
+        initial: Value | None = None,
+        changes: Mapping[Any, Value] | None = None,
     ) -> StateVariable:
-        """A new state variable; without `values` a boolean that is false at first."""
-        return self._joined(StateVariable(id, values, initial=initial))
+        """A new state variable; without `values` a boolean that is false at first.
+
+        `changes` are timed changes: the value that the world gives it at each time.
+        """
+        return self._joined(StateVariable(id, values, initial=initial, changes=changes))
 
     def precedence(
         self,

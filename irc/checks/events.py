@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -287,7 +288,7 @@ def _repeat(walk: _Walk, change: RetryAction, action: Action, at: Pointer) -> No
         names.groups[group.id] = changed
         walk.join(changed)
         if not group.required:
-            walk.optional_group[name] = changed
+            walk.optional_group.update(dict.fromkeys(changed.actions, changed))
 
 
 def _set_duration(walk: _Walk, change: SetDuration, at: Pointer) -> None:
@@ -417,7 +418,24 @@ def _add_groups(walk: _Walk, change: AddGroups, at: Pointer) -> None:
             place: Pointer = (*at, "groups", k, "actions", j)
             if walk.live(member, place):
                 action = walk.names.actions[member]
+                before = len(walk.findings.items)
                 check_member(group, action, place, walk.optional_group, walk.findings)
+                if len(walk.findings.items) > before:
+                    _suggest_retry(walk, member)
+
+
+def _suggest_retry(walk: _Walk, member: str) -> None:
+    """Adds to the last finding that a repetition would keep the group that an action is in."""
+    group = walk.optional_group.get(member)
+    stopped = [
+        had.action
+        for had in walk.lapsed.values()
+        if had.repetition is None and group is not None and group.id in {g.id for g in had.groups}
+    ]
+    if stopped:
+        found = walk.findings.items[-1]
+        hint = f"{found.hint}; `retry_action` of {stopped[0]!r} does it again in the same group"
+        walk.findings.items[-1] = replace(found, hint=hint)
 
 
 def _cancel_groups(walk: _Walk, change: CancelGroups, at: Pointer) -> None:
@@ -441,7 +459,7 @@ def _set_state(walk: _Walk, change: SetState, at: Pointer) -> None:
 def _add_state(walk: _Walk, change: AddState, at: Pointer) -> None:
     walk.declare("state variable", "state", change.state, at)
     for k, variable in enumerate(change.state):
-        check_variable(variable, (*at, "state", k), walk.findings)
+        check_variable(variable, (*at, "state", k), walk.times, walk.findings)
 
 
 def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:

@@ -122,7 +122,7 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
     for i, resource in enumerate(task.resources):
         check_resource(resource, ("resources", i), times, findings)
     for i, variable in enumerate(task.state):
-        check_variable(variable, ("state", i), findings)
+        check_variable(variable, ("state", i), times, findings)
     for i, action in enumerate(task.actions):
         if not action.is_simple:
             check_action(action, ("actions", i), names, times, findings)
@@ -309,8 +309,12 @@ def _check_windows(resource: Resource, at: Pointer, times: TimeChecks, findings:
             )
 
 
-def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
-    """Reports a state variable without values, and a missing or unknown initial value."""
+def check_variable(
+    variable: StateVariable, at: Pointer, times: TimeChecks, findings: Findings
+) -> None:
+    """Reports a state variable without values, a missing or unknown value, and timed changes that
+    cannot be.
+    """
     if not variable.values:
         findings.add(
             Code.EMPTY_CHOICE,
@@ -327,6 +331,27 @@ def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> 
         )
     elif not _has_value(variable, variable.start_value):
         _report_value(variable, variable.start_value, (*at, "initial"), findings)
+    _check_changes(variable, at, times, findings)
+
+
+def _check_changes(
+    variable: StateVariable, at: Pointer, times: TimeChecks, findings: Findings
+) -> None:
+    known: dict[Any, bool | str] = {}
+    for i, change in enumerate(variable.changes):
+        pointer = (*at, "changes", i)
+        if not _has_value(variable, change.value):
+            _report_value(variable, change.value, (*pointer, "value"), findings)
+        time = times.point(change.at, "at", (*pointer, "at"))
+        if time is None:
+            continue
+        if known.setdefault(time, change.value) != change.value:
+            findings.add(
+                Code.AT_ODDS,
+                f"state variable {variable.id!r} gets two values at {write_time(change.at)}",
+                pointer,
+                hint="keep one of them",
+            )
 
 
 def _has_value(variable: StateVariable, value: bool | str) -> bool:

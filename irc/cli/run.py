@@ -86,6 +86,8 @@ def _session(
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
+    if (was := found.header.get("presume", "assume")) != presume:
+        raise InputError(Report((_other_presumption(str(was)),)))
     return Session.resume(make, task, journal, found)
 
 
@@ -95,6 +97,14 @@ def _planned(task: Task, options: SolveOptions) -> Schedule:
         say(f"error: there is no schedule to begin with: {schedule.status}")
         end_with([schedule.status])
     return schedule
+
+
+def _other_presumption(was: str) -> Diagnostic:
+    return Diagnostic(
+        Code.OTHER_JOURNAL,
+        f"the execution in the journal began with --presume {was}",
+        hint=f"continue it with --presume {was}, or start another journal",
+    )
 
 
 def _other_schedule() -> Diagnostic:

@@ -60,7 +60,37 @@ def solve_task(
 
 def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     backend = get_backend(options.target)
-    return solve_by(task, backend, backend.engine(options.engine), options, budget)
+    engine = backend.engine(options.engine)
+    if not _may_ask_a_planner(task, options, budget):
+        return solve_by(task, backend, engine, options, budget)
+    answer = solve_by(task, backend, engine, options, budget.share(FIRST_SHARE))
+    planner = get_backend(PLANNERS)
+    if answer.schedule.status is not Status.UNKNOWN or planner.engine().missing() is not None:
+        return answer
+    note = Diagnostic(
+        Code.NO_ANSWER,
+        f"{backend.name!r} found no schedule of this task from PDDL within {budget.elapsed:.1f} s,"
+        f" so {PLANNERS!r} was asked",
+        hint="name the target with --target to ask it at once",
+    )
+    found = solve_by(task, planner, planner.engine(), options, budget)
+    return Answer(found.schedule, found.problem, (*found.notes, note))
+
+
+FIRST_SHARE = 0.5
+"""The share of the time after which a planner is asked about a task from PDDL."""
+
+PLANNERS = "pddl21"
+"""The target whose engines are planners."""
+
+
+def _may_ask_a_planner(task: Task, options: SolveOptions, budget: Budget) -> bool:
+    """Whether a task came from PDDL, and neither an engine nor endless time is asked for."""
+    return (
+        "pddl" in task.metadata
+        and (options.target, options.engine) == ("cpsat", "auto")
+        and budget.is_limited
+    )
 
 
 def solve_by(

@@ -115,6 +115,11 @@ class Execution:
         return tuple(self._events)
 
     @property
+    def presume(self) -> Presume:
+        """Whether the plan is presumed to happen, or only observations count."""
+        return "assume" if self._history.assumes else "confirm"
+
+    @property
     def replan_needed(self) -> bool:
         """Whether the plan is out of date: an event came in, or what should have begun has not."""
         if self._events or self._history.held is not None:

@@ -32,6 +32,7 @@ from irc.problem import (
     Requirement,
     Reservoir,
     StockChange,
+    TimedChange,
     Variable,
 )
 
@@ -74,7 +75,7 @@ class _Lowering:
         self.resource_index = {r.id: k for k, r in enumerate(problem.resources)}
         self.reservoirs = _reservoirs(task)
         self.reservoir_index = {r.id: k for k, r in enumerate(self.reservoirs)}
-        self.variables = _variables(task)
+        self.variables = _variables(task, to_ticks)
         self.variable_index = {v.id: k for k, v in enumerate(self.variables)}
         self.value_index = [
             {_key(value): k for k, value in enumerate(v.values)} for v in self.variables
@@ -222,14 +223,29 @@ def _reservoirs(task: Task) -> tuple[Reservoir, ...]:
     )
 
 
-def _variables(task: Task) -> tuple[Variable, ...]:
+def _variables(task: Task, to_ticks: ToTicks) -> tuple[Variable, ...]:
     variables = []
     for i in _first_of_each((v.id, i) for i, v in enumerate(task.state)):
         node = task.state[i]
         keys = [_key(value) for value in node.values]
         start = node.start_value
         if start is not None and _key(start) in keys:
-            variables.append(Variable(node.id, node.values, keys.index(_key(start)), ("state", i)))
+            changes = {
+                at: keys.index(_key(change.value))
+                for change in node.changes
+                if _key(change.value) in keys
+                and (at := ticks_or_none(change.at, to_ticks)) is not None
+                and at >= 0
+            }
+            variables.append(
+                Variable(
+                    node.id,
+                    node.values,
+                    keys.index(_key(start)),
+                    ("state", i),
+                    tuple(TimedChange(*change) for change in sorted(changes.items())),
+                )
+            )
     return tuple(variables)
 
 

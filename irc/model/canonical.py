@@ -22,7 +22,7 @@ _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goa
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
-    "uses one_of modes consumes produces conditions effects values availability".split()  # noqa: SIM905
+    "uses one_of modes consumes produces conditions effects values availability changes".split()  # noqa: SIM905
 )
 """Arrays whose order does not matter but where a repetition counts again."""
 

@@ -71,12 +71,23 @@ Occurs = Annotated[
 ]
 
 
+class TimedChange(Node):
+    """The world gives a state variable a value by itself, at a time."""
+
+    at: Instant
+    value: StateValue
+
+
 class StateVariable(Node):
-    """A variable with several values; without `values`, a boolean that is false at first."""
+    """A variable with several values; without `values`, a boolean that is false at first.
+
+    `changes` are timed changes of state: the world changes the variable, whatever the schedule.
+    """
 
     id: Name
     values: tuple[StateValue, ...] = (False, True)
     initial: StateValue | None = None
+    changes: tuple[TimedChange, ...] = ()
 
     @property
     def start_value(self) -> StateValue | None:

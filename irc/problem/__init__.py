@@ -24,6 +24,7 @@ from irc.problem.problem import (
     Requirement,
     Reservoir,
     StockChange,
+    TimedChange,
     Variable,
     Window,
 )
@@ -52,6 +53,7 @@ __all__ = [
     "Requirement",
     "Reservoir",
     "StockChange",
+    "TimedChange",
     "Variable",
     "Window",
 ]

@@ -221,14 +221,30 @@ class Reservoir:
     origin: Pointer = ()
 
 
+class TimedChange(NamedTuple):
+    """At the tick `at` the world gives a variable a value (index into its values)."""
+
+    at: int
+    value: int
+
+
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A state variable; `initial` is an index into its `values`."""
+    """A state variable; `initial` is an index into its `values`.
+
+    `changes` are in the order of time, no two of them at one time.
+    """
 
     id: str
     values: tuple[bool | str, ...]
     initial: int
     origin: Pointer = ()
+    changes: tuple[TimedChange, ...] = ()
+
+    @property
+    def known_values(self) -> frozenset[int]:
+        """The values that it has at some time if no activity changes it."""
+        return frozenset([self.initial, *(change.value for change in self.changes)])
 
 
 @dataclass(frozen=True, slots=True)

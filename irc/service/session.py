@@ -83,6 +83,7 @@ class Session:
                     "task_sha256": task_sha256(task),
                     "document": written_task(task),
                     "schedule": execution.schedule.to_dict(),
+                    "presume": execution.presume,
                 }
             )
         return cls(execution, journal)

@@ -51,7 +51,7 @@ def whole() -> irc.Task:
     board.available("12:00", "13:00", 0)
     eggs = task.reservoir("eggs", initial=6, min=1, max=12)
     chicken = task.state("chicken", ["raw", "grilled"], initial="raw")
-    door = task.state("door")
+    door = task.state("door", changes={"2026-03-02T10:00:00": True, 300: False})
     mix = task.action("mix", 10, label="Mix", description="well").uses(board, amount=2)
     mix.consumes(eggs, 2).release("06:30").cost(2)
     lay = task.action("lay", timedelta(minutes=90)).produces(eggs, 3, at="start").occurs(1, 3)
@@ -101,7 +101,13 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
         ],
         "state": [
             {"id": "chicken", "values": ["raw", "grilled"], "initial": "raw"},
-            {"id": "door"},
+            {
+                "id": "door",
+                "changes": [
+                    {"at": "2026-03-02T10:00:00", "value": True},
+                    {"at": 300, "value": False},
+                ],
+            },
         ],
         "actions": [
             {

@@ -48,6 +48,8 @@ def step_of(
 ) -> Step:
     step = replan(task, schedule, at, [event(at, *changes)], time_limit=10, **options)
     assert step.schedule.answered, step.notes
+    structural = [d for d in irc.check(step.task).errors if not d.code.id.startswith("IRC3")]
+    assert not structural, structural
     verdict = irc.validate(step.task, step.schedule, at=at)
     assert verdict.valid, str(verdict)
     return step
@@ -128,6 +130,11 @@ def test_an_order_is_finished_by_a_repetition(target: str) -> None:
     assert starts(step.schedule) == {"pick": 0, "weld": 3, "weld (2)": 5, "pack": 11}
     assert (step.schedule.objective[0].value, step.abandoned) == (10, ())
     assert set(step.task.groups[0].actions) == {"pick", "pack", "weld (2)"}
+    # By other means the order cannot be finished, and that is pointed out.
+    new = {"op": "add_groups", "groups": [{"id": "2", "actions": ["pick"], "required": False}]}
+    with pytest.raises(InputError) as refused:
+        step_of(task, schedule, 5, CANCEL, new)
+    assert "`retry_action` of 'weld' does it again" in (refused.value.report.errors[0].hint or "")
     # What was cancelled with its whole order is not brought back into it.
     order = {"op": "cancel_groups", "groups": ["order"]}
     step = step_of(task, schedule, 5, CANCEL, order, RETRY)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from fractions import Fraction
 from typing import Any
@@ -13,6 +14,9 @@ from irc.diagnostics import InputError
 from irc.model import Event, Task
 from irc.schedule import Entry, Schedule
 from irc_pddl21 import Pddl21
+from oracles.clock_sessions import faults_of_session
+from paths import SHARED_DATA
+from runs import run_irc
 
 ARM = {"uses": [{"resource": "arm"}]}
 
@@ -215,3 +219,42 @@ def test_whatever_a_clock_says_is_accepted_and_planned_on(seed: int) -> None:
         step = run.replan()
         assert step.schedule.answered, step.notes
         assert irc.validate(step.task, step.schedule, at=step.at).valid
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("target", "seeds"), [("cpsat", range(16)), ("pddl21", range(3))])
+def test_whatever_time_is_accepted_can_be_planned_with(target: str, seeds: range) -> None:
+    if target == "pddl21" and KAIROS.missing() is not None:
+        pytest.skip("no kairos")
+    assert {s: told for s in seeds if (told := list(faults_of_session(s, target)))} == {}
+
+
+# --- cases that people had ------------------------------------------------------------------------
+
+CASES = SHARED_DATA / "cases"
+needs_cases = pytest.mark.skipif(
+    not (CASES / "raw_float.json").exists(), reason="the cases are not there"
+)
+
+
+@pytest.mark.slow
+@needs_cases
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_session_with_a_raw_double_goes_on(target: str) -> None:
+    requests = (CASES / "raw_float.jsonl").read_text()
+    told = run_irc("run", CASES / "raw_float.json", "--stdio", "--target", target, stdin=requests)
+    answers = [json.loads(line) for line in told.stdout.splitlines()]
+    assert [answer["ok"] for answer in answers] == [True] * 4
+    assert [note["code"] for answer in answers for note in answer["notes"]] == ["IRC108"]
+    assert answers[-1]["step"]["schedule"]["makespan"] == 7.85
+
+
+@pytest.mark.slow
+@needs_cases
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_nanosecond_beside_a_billion_seconds_is_refused_by_its_name(target: str) -> None:
+    told = run_irc("solve", CASES / "tiny_and_huge.json", "--target", target)
+    assert told.exit_code == 1
+    assert "IRC502" in told.stderr
+    assert "0.000000001 s stands beside 1000000000 s" in told.stderr
+    assert "tiny_and_huge.json:1:59" in told.stderr

@@ -28,7 +28,7 @@ EVERYTHING: dict[str, Any] = {
         {"id": "r2"},
     ],
     "state": [
-        {"id": "lit", "initial": True},
+        {"id": "lit", "initial": True, "changes": [{"at": 7, "value": False}]},
         {"id": "dough", "values": ["raw", "true", True], "initial": "raw"},
     ],
     "actions": [

@@ -79,6 +79,7 @@ EXCLUDED: Mapping[str, str] = {
     "Mode.label": _DESCRIPTIVE,
     "StateVariable.id": _NAME,
     "StateVariable.values": "which values are legal; where two lists are, the answers are equal",
+    "StateVariable.changes": "judged by `oracles.timed_changes`",
     "Group.id": _NAME,
     "Group.label": _DESCRIPTIVE,
 }
@@ -92,7 +93,7 @@ EVENT_MODELS: Mapping[str, str] = dict.fromkeys(
         *("Observe", "RetryAction", "Lapsed"),
     ],
     _LATER,
-)
+) | {"TimedChange": "judged by `oracles.timed_changes`"}
 """Models of which no field is witnessed here, with the reason."""
 
 

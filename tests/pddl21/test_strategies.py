@@ -20,11 +20,13 @@ from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
 from irc.retiming.retime import retime
 from irc.schedule import Status
-from irc.targets import Budget, SolveOptions, get_backend
+from irc.targets import Budget, Program, SolveOptions, get_backend
 from irc.validation import validate
 from irc_pddl21.decoding.rounding import rounded
+from irc_pddl21.planners.kairos import KairosPlanner
 from irc_pddl21.search.list_schedules import short_list_schedule
 from irc_pddl21.search.neighbourhood import makespan_of, near, neighbourhoods
+from irc_pddl21.search.planner_session import PlannerSession
 from irc_pddl21.search.reachability import is_out_of_reach
 from irc_pddl21.search.selection import SelectionSpace, is_refuted, optional_items
 from oracles.generators import contended_task
@@ -129,6 +131,20 @@ def test_no_choice_is_worth_more_than_the_upper_bound_says(seed: int) -> None:
     upper = selections.upper_bound(frozenset(), everything)
     assert upper is not None
     assert best_by_trying(selections) <= upper <= selections.value(everything)
+    hurried = SelectionSpace(problem, optional_items(problem, ("reward",)).items, lambda: True)
+    quick = hurried.upper_bound(frozenset(), everything)
+    assert quick is not None
+    assert upper <= quick <= selections.value(everything)
+
+
+def test_without_time_the_first_run_is_for_who_has_no_answer_yet() -> None:
+    task = task_of(*lettered({"occurs": "optional", "reward": 1}), objective=["maximize_reward"])
+    backend = get_backend("pddl21")
+    program = Program(backend, task, lower_for(task, backend))
+    session = PlannerSession(KairosPlanner(), program, SolveOptions(), Budget(0))
+    assert not session.is_over
+    session.keep(irc.Schedule(()))
+    assert session.is_over
 
 
 def test_an_objective_counts_more_than_all_behind_it() -> None:

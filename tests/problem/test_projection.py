@@ -126,7 +126,7 @@ MEANING: dict[type, dict[str, str]] = {
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
-            Variable: ("id", "values", "initial", "origin"),
+            Variable: ("id", "values", "initial", "origin", "changes"),
         }.items()
     },
 }

@@ -10,7 +10,7 @@ until the deadline, bound that sum: each such limit is a knapsack, and the fract
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -149,10 +149,13 @@ def _value(problem: Problem, members: Iterable[int], reward: int, name: str) -> 
 class SelectionSpace:
     """The selections among some items of a problem, with their values and bounds."""
 
-    def __init__(self, problem: Problem, items: list[Item]) -> None:
+    def __init__(
+        self, problem: Problem, items: list[Item], is_over: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Prepares the bounds; with no time left without those by the work of resources."""
         self.problem = problem
         self.items = sorted(items, key=lambda item: (-item.value, item.members))
-        self.limits = [*_stock_limits(problem, self.items), *_energy_limits(self)]
+        self.limits = [*_stock_limits(problem, self.items), *_energy_limits(self, is_over)]
         count = len(self.items)
         self._orders = [
             sorted(range(count), key=lambda k: _density(self.items[k].value, limit.weights[k]))
@@ -244,7 +247,7 @@ def _with_occurrences(problem: Problem, further: Mapping[int, int]) -> tuple[Pro
     return replace(problem, activities=tuple(activities)), never
 
 
-def _energy_limits(space: SelectionSpace) -> list[Limit]:
+def _energy_limits(space: SelectionSpace, is_over: Callable[[], bool]) -> list[Limit]:
     """The limits on the work of a resource after some head and before some tail."""
     deadline, items = space.problem.deadline, space.items
     if deadline is None or not items:
@@ -253,6 +256,8 @@ def _energy_limits(space: SelectionSpace) -> list[Limit]:
     heads: dict[str, int] = {}
     tails: dict[str, int] = {}
     for chosen in (frozenset[int](), *(frozenset([k]) for k in range(len(items)))):
+        if is_over():
+            return []
         alone = space.restricted(chosen)
         if alone is not None:  # Otherwise its items have no time at all: they limit nothing.
             found = _ends(alone)

@@ -31,6 +31,9 @@ _CONTRADICTION = Diagnostic(
     hint="`irc explain` shows which of them",
 )
 
+PREPARING_SHARE = 0.1
+"""Of the time left, for the bounds on selections before the search."""
+
 
 def solve_with(
     planner: Planner,
@@ -91,7 +94,8 @@ def _by_selection(
 ) -> dict[str, int]:
     """The bounds of the selection first; then of the makespan of the best selection."""
     items, weights, all_there = optional_items(problem, names)
-    search = SelectionSearch(session, SelectionSpace(problem, items))
+    part = session.budget.share(PREPARING_SHARE)
+    search = SelectionSearch(session, SelectionSpace(problem, items, lambda: part.is_over))
     search.run()
     if search.chosen is None or session.best is None or not all_there:
         return {}

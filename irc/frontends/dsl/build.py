@@ -433,7 +433,24 @@ class Builder:
                     self.mark((*at, "values", i), v.start, v.end)
             if initial is not None:
                 self.put_field(element, "initial", nodes.value(initial), at, part(tree, "INITIAL"))
+            changes = parts(tree, "state_change")
+            if changes:
+                place = (*at, "changes")
+                element["changes"] = [
+                    self._state_change(c, place, k) for k, c in enumerate(changes)
+                ]
+                self.mark(place, *nodes.span(changes[0]))
             sink.put("state", element)
+
+    def _state_change(self, tree: Any, at: Pointer, number: int) -> Element:
+        """A timed change of state: `changes to false at 10`."""
+        change: Element = {}
+        place = (*at, number)
+        self.mark_node(place, tree)
+        word = part(tree, "CHANGES_TO")
+        self.put_field(change, "at", nodes.time(tree.children[-1]), place, part(tree, "AT"))
+        self.put_field(change, "value", nodes.value(part(tree, "value")), place, word)
+        return change
 
     def group(self, tree: Any, sink: Sink) -> None:
         """Adds a group: `group order 1 = bake, ice optional reward 30 deadline 90`."""

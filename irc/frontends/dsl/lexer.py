@@ -101,6 +101,7 @@ PHRASES = {
     ("no", "resources"): "NO_RESOURCES",
     ("no", "groups"): "NO_GROUPS",
     ("no", "state"): "NO_STATE",
+    ("changes", "to"): "CHANGES_TO",
     ("days", "per", "month"): "DAYS_PER_MONTH",
     ("of", "group"): "OF_GROUP",
     ("when", "broken"): "WHEN_BROKEN",

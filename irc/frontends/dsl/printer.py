@@ -305,6 +305,10 @@ def _variable(variable: StateVariable) -> str:
         words.append(f"= {', '.join(map(written.value, variable.values)) or '[]'}")
     if variable.initial is not None:
         words.append(f"initial {written.value(variable.initial)}")
+    words += [
+        f"changes to {written.value(change.value)} at {written.time(change.at)}"
+        for change in variable.changes
+    ]
     return " ".join(words)
 
 
