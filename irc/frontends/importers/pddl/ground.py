@@ -54,7 +54,7 @@ from irc.frontends.importers.pddl.lifted import (
 from irc.frontends.importers.pddl.numbers import Numbers
 from irc.frontends.importers.pddl.reached import reachable
 
-MOST_ACTIONS = 20_000
+MOST_ACTIONS = 50_000
 """Problems with more ground actions are refused."""
 
 TimedWay = tuple[TimedTest, ...]
