@@ -84,10 +84,10 @@ def judge_asyncplan(data: Path) -> Counter[str]:
     return counts
 
 
-def judge_asynchow(data: Path) -> Counter[str]:
-    """The number of makespans within the gold's (min, max)."""
+def judge_asynchow(data: Path, every: int = 1) -> Counter[str]:
+    """The number of makespans within the gold's (min, max), of each question or every so many."""
     counts: Counter[str] = Counter()
-    for raw in json.loads((data / "asynchow_160.json").read_text("utf-8")):
+    for raw in json.loads((data / "asynchow_160.json").read_text("utf-8"))[::every]:
         least, most = gold_seconds(raw["gold_answer"])
         try:
             makespan = irc.solve(irc.loads(raw["question"])).makespan

@@ -29,8 +29,14 @@ if TYPE_CHECKING:
         Group,
         Mode,
         Resource,
+        Solving,
         StateVariable,
         Task,
+        aexplain,
+        areplan,
+        asimulate,
+        asolve,
+        asolve_iter,
         between,
         check,
         compile,
@@ -41,6 +47,8 @@ if TYPE_CHECKING:
         replan,
         simulate,
         solve,
+        solve_iter,
+        start,
         validate,
     )
     from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
@@ -49,11 +57,14 @@ if TYPE_CHECKING:
     from irc.execution import Execution, ExecutionState, Simulation, Step, state_at
     from irc.explanation import Explanation
     from irc.model.quantities import TimeError
+    from irc.outcome import Outcome
     from irc.problem.decisions import AnswerError
     from irc.schedule import Entry, ObjectiveValue, Schedule, Status
     from irc.targets import (
+        Cancellation,
         EngineFailed,
         EngineMissing,
+        ObjectiveLevel,
         Program,
         Progress,
         Refusal,
@@ -66,14 +77,17 @@ _HOMES = {
     "irc.api.calls": "check compile explain extract replan simulate solve validate",
     "irc.api.elements": "Action Group Mode Resource StateVariable",
     "irc.api.event": "Event",
+    "irc.api.running": "Solving aexplain areplan asimulate asolve asolve_iter solve_iter start",
     "irc.api.task": "Task load loads",
     "irc.api.values": "Between between",
     "irc.targets": (
-        "EngineFailed EngineMissing Program Progress Refusal SolveOptions UnknownTarget"
+        "Cancellation EngineFailed EngineMissing ObjectiveLevel Program Progress Refusal "
+        "SolveOptions UnknownTarget"
     ),
     "irc.diagnostics": "Code Diagnostic InputError Report Severity",
     "irc.errors": "IrcError LibraryMissing NameNotFound OptionError",
     "irc.explanation": "Explanation",
+    "irc.outcome": "Outcome",
     "irc.events": "apply",
     "irc.execution": "Execution ExecutionState Simulation Step state_at",
     "irc.problem.decisions": "AnswerError",
@@ -87,6 +101,7 @@ __all__ = [
     "Action",
     "AnswerError",
     "Between",
+    "Cancellation",
     "Code",
     "Diagnostic",
     "EngineFailed",
@@ -102,8 +117,10 @@ __all__ = [
     "LibraryMissing",
     "Mode",
     "NameNotFound",
+    "ObjectiveLevel",
     "ObjectiveValue",
     "OptionError",
+    "Outcome",
     "Program",
     "Progress",
     "Refusal",
@@ -113,6 +130,7 @@ __all__ = [
     "Severity",
     "Simulation",
     "SolveOptions",
+    "Solving",
     "StateVariable",
     "Status",
     "Step",
@@ -122,7 +140,12 @@ __all__ = [
     "Verdict",
     "Violation",
     "__version__",
+    "aexplain",
     "apply",
+    "areplan",
+    "asimulate",
+    "asolve",
+    "asolve_iter",
     "between",
     "check",
     "compile",
@@ -133,6 +156,8 @@ __all__ = [
     "replan",
     "simulate",
     "solve",
+    "solve_iter",
+    "start",
     "state_at",
     "validate",
 ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
+
+from irc.outcome import FAULTY, MISSING, MISUSED, Outcome
 
 _Error = TypeVar("_Error", bound="IrcError")
 
@@ -12,6 +14,14 @@ class IrcError(Exception):
 
     An exception with all its contents can be pickled, so that another process can return it.
     """
+
+    ends_as: ClassVar[str] = FAULTY
+    """The status of the outcome of a call that raises this."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the call ended, in the form that every result has."""
+        return Outcome.of(self.ends_as, message=str(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Exception's own way calls the class with `args`, which are not those of our classes.
@@ -29,6 +39,8 @@ def _remade(kind: type[_Error], args: tuple[Any, ...], contents: dict[str, Any])
 class OptionError(IrcError, ValueError):
     """An option has a value that is not allowed; the text says what to write."""
 
+    ends_as = MISUSED
+
 
 class NameNotFound(IrcError, KeyError):
     """There is no element of this name; the text names a close one."""
@@ -40,3 +52,5 @@ class NameNotFound(IrcError, KeyError):
 
 class LibraryMissing(IrcError, ImportError):
     """An optional library is not installed; the text names it."""
+
+    ends_as = MISSING

@@ -10,11 +10,13 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
+from irc.outcome import INTERRUPTED, Outcome
 
 SCHEDULE_VERSION = "1"
 
@@ -23,6 +25,10 @@ CANCELLED = "cancelled"
 
 ABANDONED = "abandoned"
 """The status of an entry that ran for a group that is given up."""
+
+
+LeftOut = str | tuple[str, bool | str]
+"""An action, or a goal on state: a variable and its value."""
 
 
 class Status(StrEnum):
@@ -92,7 +98,8 @@ class Schedule:
     """An answer: entries by start time, and what is known about them.
 
     `schedule["eat"]` is the entry of an action, `schedule["eat", 2]` that of its second occurrence.
-    Iterating gives all entries in order of time.
+    Iterating gives all entries in order of time. `interrupted`: planning was ended before it was
+    done, so that a better answer may be close, or any.
     """
 
     entries: tuple[Entry, ...]
@@ -104,6 +111,10 @@ class Schedule:
     engine: str | None = None
     seconds: float | None = None
     time_unit: str | None = None
+    interrupted: bool = False
+    reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
+    left_out: tuple[LeftOut, ...] = ()
+    """The required actions and goals that a running task goes on without."""
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
@@ -154,6 +165,13 @@ class Schedule:
         return max((entry.end for entry in self.entries), default=0)
 
     @property
+    def outcome(self) -> Outcome:
+        """How the call ended; without a schedule, with the diagnostics that say why: `reasons`."""
+        if self.interrupted:
+            return Outcome.of(INTERRUPTED, self.reasons, answered=self.answered)
+        return Outcome.of(str(self.status), self.reasons, _MESSAGES.get(self.status))
+
+    @property
     def answered(self) -> bool:
         """Whether there is an answer (an empty schedule can be one)."""
         return self.status in (Status.OPTIMAL, Status.FEASIBLE)
@@ -177,6 +195,8 @@ class Schedule:
     def _headline(self) -> str:
         """The status and the makespan, in a line."""
         head = f"{self.task or 'schedule'}: {self.status}"
+        if self.interrupted:
+            head += ", interrupted"
         if not self.answered:
             return head
         return f"{head}, makespan {format_number(self.makespan)}{self._unit}"
@@ -241,6 +261,7 @@ class Schedule:
             "task_sha256": self.task_sha256,
             **({} if self.time_unit is None else {"time_unit": self.time_unit}),
             "status": str(self.status),
+            **({"interrupted": True} if self.interrupted else {}),
             "makespan": json_number(self.makespan) if self.answered else None,
             "objective": [
                 {
@@ -251,10 +272,15 @@ class Schedule:
                 for o in self.objective
             ],
             "actions": [_entry_json(entry) for entry in self.entries],
+            **({"left_out": list(map(_left_out_json, self.left_out))} if self.left_out else {}),
             "target": self.target,
             "engine": self.engine,
             "seconds": self.seconds,
+            **({} if self.answered else {"outcome": self.outcome.to_dict()}),
         }
+
+
+_MESSAGES = {Status.FAILED: "the engine broke down before it had an answer"}
 
 
 def _held(entry: Entry) -> str:
@@ -263,6 +289,10 @@ def _held(entry: Entry) -> str:
         name if amount == 1 else f"{name} ×{amount}"
         for name, amount in sorted(entry.resources.items())
     )
+
+
+def _left_out_json(what: LeftOut) -> str | dict[str, Any]:
+    return what if isinstance(what, str) else {"var": what[0], "value": what[1]}
 
 
 def _entry_json(entry: Entry) -> dict[str, Any]:
@@ -299,6 +329,9 @@ _SCHEDULE_FIELDS = frozenset(
         "engine",
         "seconds",
         "time_unit",
+        "outcome",
+        "interrupted",
+        "left_out",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -312,10 +345,14 @@ def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> 
     Raises `InputError` with every fault. The stated makespan must be that of the entries.
     """
     reader = _ScheduleReader(Findings())
-    schedule = reader.schedule(raw)
+    schedule = reader.schedule(without_nulls(raw))
     if reader.findings.items:
         raise InputError(Report(tuple(reader.findings.items), source))
     return schedule
+
+
+_MOST_SECONDS = 1e300
+"""Limit on seconds: more does not fit into a float."""
 
 
 class _ScheduleReader:
@@ -362,6 +399,8 @@ class _ScheduleReader:
             self._text(raw, "engine"),
             self._seconds(raw),
             self._text(raw, "time_unit"),
+            self._flag(raw, "interrupted"),
+            left_out=self._left_out(raw.get("left_out")),
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -377,6 +416,24 @@ class _ScheduleReader:
             return Status.FEASIBLE
         return Status(value)
 
+    def _left_out(self, raw: Any) -> tuple[LeftOut, ...]:
+        found: list[LeftOut] = []
+        for k, what in enumerate(raw if isinstance(raw, list) else []):
+            if isinstance(what, str):
+                found.append(what)
+            elif (
+                isinstance(what, dict)
+                and what.keys() == {"var", "value"}
+                and isinstance(what["var"], str)
+                and isinstance(what["value"], (bool, str))
+            ):
+                found.append((what["var"], what["value"]))
+            else:
+                self._fault("expected an action, or a 'var' and its 'value'", ("left_out", k))
+        if not isinstance(raw, (list, type(None))):
+            self._fault("'left_out' must be a list", ("left_out",))
+        return tuple(found)
+
     def _text(self, raw: Mapping[str, Any], key: str) -> str | None:
         value = raw.get(key)
         if value is not None and not isinstance(value, str):
@@ -384,10 +441,20 @@ class _ScheduleReader:
             return None
         return value
 
+    def _flag(self, raw: Mapping[str, Any], key: str) -> bool:
+        value = raw.get(key, False)
+        if not isinstance(value, bool):
+            self._fault(f"'{key}' must be true or false", (key,))
+            return False
+        return value
+
     def _seconds(self, raw: Mapping[str, Any]) -> float | None:
         value = raw.get("seconds")
         if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, type(None))):
             self._fault("'seconds' must be a number", ("seconds",))
+            return None
+        if value is not None and not -_MOST_SECONDS < value < _MOST_SECONDS:
+            self._fault("'seconds' is out of range", ("seconds",))
             return None
         return None if value is None else float(value)
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 ORDER = (
     "_version",
+    "outcome",
     "errors",
     "display",
     "diagnostics",

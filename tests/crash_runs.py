@@ -1,4 +1,8 @@
-"""Kills `irc run` while it is being told things, and looks at what its journal brings back."""
+"""Kills `irc run` while it is being told things, and looks at what its journal brings back.
+
+The journal that is left is also damaged in many ways: what it brings back must be all that was
+acknowledged, or nothing at all.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +10,24 @@ import contextlib
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from irc.diagnostics import InputError
 from irc.driver.solve import solve_task
 from irc.execution import Execution
 from irc.model import Task
+from irc.schedule import Schedule
+from irc.service.journal import Journal
 from irc.service.session import Session
 from irc.targets import SolveOptions
 
@@ -36,6 +46,15 @@ TASK: dict[str, Any] = {
 }
 MODES = ("after a while", "as the journal grows")
 WAIT_SECONDS = 60.0
+
+SMALL = """
+import irc.cli, irc.service.journal, irc.service.session
+irc.service.session.MOST_REQUESTS = 7
+irc.service.session.FEWEST_REQUESTS = 7
+irc.service.journal.COMPACT_ABOVE = 20_000
+irc.cli.main()
+"""
+"""`irc` with snapshots and shortening after so few requests that a crash can hit them."""
 
 
 class LostError(AssertionError):
@@ -83,21 +102,24 @@ class Kitchen:
     folder: Path
     draw: random.Random
     acknowledged: list[str] = field(default_factory=list)
-    sent: int = 0
+    requests: dict[str, dict[str, Any]] = field(default_factory=dict)
     replayed: int = 0
     unacknowledged_kept: int = 0
+    shortened: int = 0
+    damaged: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
         self.file = self.folder / "task.json"
         self.journal = self.folder / "run.journal"
         self.file.write_text(json.dumps(TASK), encoding="utf-8")
-        task = Task.model_validate(TASK)
-        first = solve_task(task, SolveOptions(time_limit=30, workers=1)).schedule
-        self.uninterrupted = Session.start(Execution(task, first, time_limit=30.0, workers=1))
+        self.task = Task.model_validate(TASK)
+        self.options = SolveOptions(time_limit=30, workers=1)
+        first = solve_task(self.task, self.options).schedule
+        self.uninterrupted = Session.start(Execution(self.task, first, options=self.options))
 
     def start(self) -> subprocess.Popen[bytes]:
         """A new process on the same journal."""
-        command = [sys.executable, "-m", "irc", "run", str(self.file), "--stdio"]
+        command = [sys.executable, "-c", SMALL, "run", str(self.file), "--stdio"]
         return subprocess.Popen(
             [*command, "--journal", str(self.journal), "--workers", "1", "--time-limit", "30"],
             stdin=subprocess.PIPE,
@@ -129,31 +151,73 @@ class Kitchen:
         A request in flight when the process was killed may be there or not. The state must be
         that of a process that was never killed and was told the same.
         """
-        requests = [json.loads(line)["entry"] for line in self.journal.read_text().splitlines()][1:]
-        ids = [entry["request"]["id"] for entry in requests]
-        known = len(self.acknowledged)
-        if ids[:known] != self.acknowledged or greeting["recovered"] != len(ids):
-            raise LostError(f"{self.acknowledged} were acknowledged, {ids} are there")
-        if len(ids) > known + 1:
-            raise LostError(f"{ids[known:]} are there, and only one of them can be")
-        self.unacknowledged_kept += len(ids) - known
-        self.acknowledged = ids
-        for entry in requests[self.replayed :]:
-            answer = self.uninterrupted.answer(json.dumps(entry["request"]).encode())
+        more = greeting["recovered"] - len(self.acknowledged)
+        if more not in (0, 1):
+            raise LostError(f"{len(self.acknowledged)} were acknowledged: {greeting}")
+        if more:
+            self.acknowledged.append(list(self.requests)[-1])
+            self.unacknowledged_kept += 1
+        last = self.acknowledged[-1] if self.acknowledged else None
+        if greeting["last_id"] != last:
+            raise LostError(f"the last one is {greeting['last_id']}, not {last}")
+        for name in self.acknowledged[self.replayed :]:
+            answer = self.uninterrupted.answer(json.dumps(self.requests[name]).encode())
             if not answer.document["ok"]:
                 raise LostError(f"accepted before, refused now: {answer.line()}")
-        self.replayed = len(requests)
+        self.replayed = len(self.acknowledged)
         there, expected = greeting["state"], self.uninterrupted.state()
         if _timeless(there) != _timeless(expected):
             raise LostError(f"the state is {there} and should be {expected}")
         if greeting["now"] != self.uninterrupted.greeting()["now"]:
             raise LostError(f"it is {greeting['now']}")
+        self.shortened += b'"seq": 1,' not in self.journal.read_bytes() and self.replayed > 0
+
+    def look(self) -> None:
+        """Checks what a copy of the journal brings back in this process."""
+        copy = self.folder / "copy.journal"
+        shutil.copy(self.journal, copy)
+        journal, found = Journal.open(copy)
+        with journal:
+            if found is None:  # It was killed before the first line was there.
+                return
+            session = Session.resume(self._begun, self.task, journal, found)
+            self.check(json.loads(json.dumps(session.greeting())))
+
+    def damage(self, times: int) -> None:
+        """Damages copies of the journal: each is refused as it is, or brings back everything.
+
+        `look` must have been called since the last crash.
+        """
+        copy = self.folder / "copy.journal"
+        data = copy.read_bytes()
+        if not data:
+            return
+        for _ in range(times):
+            how = self.draw.choice(tuple(DAMAGE))
+            changed = DAMAGE[how](self.draw, data)
+            copy.write_bytes(changed)
+            try:
+                journal, found = Journal.open(copy)
+            except InputError:
+                self.damaged["refused"] += changed != data
+            else:
+                with journal:
+                    assert found is not None
+                    session = Session.resume(self._begun, self.task, journal, found)
+                if _timeless(session.state()) != _timeless(self.uninterrupted.state()):
+                    raise LostError(f"{how}: {session.greeting()}")
+                self.damaged["mended"] += changed != data
+            if copy.read_bytes() != changed:
+                raise LostError(f"{how}: the damaged file was changed")
+
+    def _begun(self, first: Schedule) -> Execution:
+        return Execution(self.task, first, options=self.options)
 
     def _talk(self, process: subprocess.Popen[bytes]) -> None:
         assert process.stdin is not None
         while True:
-            self.sent += 1
-            made = request(self.draw, self.sent)
+            made = request(self.draw, len(self.requests) + 1)
+            self.requests[made["id"]] = made
             try:
                 process.stdin.write(json.dumps(made).encode() + b"\n")
                 process.stdin.flush()
@@ -176,9 +240,9 @@ class Kitchen:
 
     def _kill(self, process: subprocess.Popen[bytes], mode: str) -> None:
         if mode == MODES[0]:
-            time.sleep(self.draw.uniform(0.0, 0.25))
+            time.sleep(self.draw.uniform(0.0, 1.0))
         else:
-            self._wait_for_growth(self.draw.randint(1, 12))
+            self._wait_for_growth(self.draw.randint(1, 20))
         os.kill(process.pid, signal.SIGKILL)
 
     def _wait_for_growth(self, times: int) -> None:
@@ -188,6 +252,42 @@ class Kitchen:
             now = os.stat(self.journal).st_size
             times -= now != size
             size = now
+
+
+def _flip(draw: random.Random, data: bytes) -> bytes:
+    changed = bytearray(data)
+    for _ in range(draw.choice((1, 1, 1, 2, 5, 50))):
+        changed[draw.randrange(len(data))] ^= draw.randrange(1, 256)
+    return bytes(changed)
+
+
+def _overwrite(draw: random.Random, data: bytes) -> bytes:
+    """Some bytes are others; of the last line not all to its end, as if it had been torn."""
+    begin = draw.randrange(len(data) - 1)
+    end = min(len(data) - 1, begin + draw.choice((1, 3, 20, 500)))
+    return data[:begin] + draw.randbytes(end - begin) + data[end:]
+
+
+def _lines(draw: random.Random, data: bytes) -> bytes:
+    """A line is gone, there twice, or has changed places with another; never the last one."""
+    lines = data.splitlines(keepends=True)
+    k, j = draw.randrange(len(lines) - 1), draw.randrange(len(lines) - 1)
+    lines[k : k + 1] = draw.choice(([], [lines[k]] * 2, [lines[j]], [b"\n"], [b"{}\n"]))
+    return b"".join(lines)
+
+
+def _split(draw: random.Random, data: bytes) -> bytes:
+    at = draw.randrange(len(data))
+    return data[:at] + draw.choice((b"\n", b"\0", b"x" * 30)) + data[at:]
+
+
+DAMAGE: dict[str, Callable[[random.Random, bytes], bytes]] = {
+    "bits flipped": _flip,
+    "bytes overwritten": _overwrite,
+    "lines mixed up": _lines,
+    "bytes put between": _split,
+}
+"""A file that is only cut at its end looks like one after a crash, so that is none of them."""
 
 
 def _timeless(state: dict[str, Any]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Any
 from irc.execution import replan
 from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History
+from irc.execution.presumed import as_of
 from irc.execution.step import Step
 from irc.lowering.lower import lower
 from irc.model import Event, Task
@@ -62,4 +63,5 @@ def frozen_at(whole: Task, entries: Sequence[Entry], at: Number) -> FrozenProble
     """The frozen problem of a task and a plan, without events."""
     instants = [at, *(t for e in entries for t in (e.start, e.end))]
     problem = merge_pools(lower(whole, instants))
-    return freeze(problem, History.of(Schedule(tuple(entries))), at, problem.whole_ticks(at))
+    history = as_of(History.of(Schedule(tuple(entries)), at), whole, at)
+    return freeze(problem, history, at, problem.whole_ticks(at))

@@ -18,7 +18,9 @@ from irc.cli.app import build_app
 _FINDING = re.compile(
     r"^(?:error|warning|note)\[(IRC\d+)\]: .*\n(?:  --> (.+):(\d+):(\d+)$)?", re.MULTILINE
 )
-_SUMMARY = re.compile(r"\d+ (?:error|warning|note)s?(?:, \d+ (?:error|warning|note)s?)*")
+_SUMMARY = re.compile(
+    r"(?:infeasible: |refused: )?\d+ (?:error|warning|note)s?(?:, \d+ (?:error|warning|note)s?)*"
+)
 
 
 @dataclass(frozen=True)

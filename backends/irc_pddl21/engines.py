@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from irc.diagnostics import Code, Diagnostic
+from irc.schedule import Status
 from irc.targets import (
     Budget,
     Engine,
@@ -93,7 +94,7 @@ class Portfolio(Engine):
         queue = self._lineup()
         fallback = [p for p in self.planners if p not in queue and p.missing() is None]
         while queue:
-            if budget.left < LEAST_SECONDS and (best or failure):
+            if budget.is_cancelled or (budget.left < LEAST_SECONDS and (best or failure)):
                 break
             planner = queue.pop(0)
             share = self.first_share if queue or fallback else 1
@@ -109,6 +110,8 @@ class Portfolio(Engine):
                     break
             if not queue or best is None or best.schedule is None:
                 queue, fallback = fallback[:1] + queue, fallback[1:]
+        if best is None and budget.is_cancelled:
+            return Outcome(Status.UNKNOWN, self.name, notes=tuple(notes), seconds=budget.elapsed)
         if best is None:
             raise failure or EngineFailed("no planner answered in time")
         return replace(best, notes=tuple(notes), seconds=budget.elapsed)

@@ -1,7 +1,8 @@
 """The Python API: in, tasks built in code or read; out, schedules, reports and explanations.
 
 `calls` has the functions (`solve`, `check`, …), `task` and `elements` the classes to build with,
-`event` the changes of a running task. All of it is exported from `irc`.
+`event` the changes of a running task, `running` what runs in the background or is awaited. All of
+it is exported from `irc`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,16 @@ if TYPE_CHECKING:
     )
     from irc.api.elements import Action, Group, Mode, Resource, StateVariable
     from irc.api.event import Event
+    from irc.api.running import (
+        Solving,
+        aexplain,
+        areplan,
+        asimulate,
+        asolve,
+        asolve_iter,
+        solve_iter,
+        start,
+    )
     from irc.api.task import Task, load, loads
     from irc.api.values import Between, between
 
@@ -29,6 +40,7 @@ _HOMES = {
     "calls": "check compile explain extract replan simulate solve validate",
     "elements": "Action Group Mode Resource StateVariable",
     "event": "Event",
+    "running": "Solving aexplain areplan asimulate asolve asolve_iter solve_iter start",
     "task": "Task load loads",
     "values": "Between between",
 }
@@ -40,8 +52,14 @@ __all__ = [
     "Group",
     "Mode",
     "Resource",
+    "Solving",
     "StateVariable",
     "Task",
+    "aexplain",
+    "areplan",
+    "asimulate",
+    "asolve",
+    "asolve_iter",
     "between",
     "check",
     "compile",
@@ -52,6 +70,8 @@ __all__ = [
     "replan",
     "simulate",
     "solve",
+    "solve_iter",
+    "start",
     "validate",
 ]
 

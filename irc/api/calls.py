@@ -18,7 +18,14 @@ from irc.model.built import Built
 from irc.model.quantities import Number
 from irc.model.times import parse_instant
 from irc.schedule import Schedule
-from irc.targets import EngineKeywords, Program, SolveKeywords, SolveOptions, require_seconds
+from irc.targets import (
+    Cancellation,
+    EngineKeywords,
+    Program,
+    SolveKeywords,
+    SolveOptions,
+    require_seconds,
+)
 from irc.validation import Verdict
 
 if TYPE_CHECKING:
@@ -75,25 +82,29 @@ def solve(
     """The best schedule found, validated, with its status.
 
     The options are those of `SolveOptions`, alone or on top of `options`: `engine`, `time_limit`
-    (seconds of wall-clock time), `memory_limit` (MB), `workers`, `seed`, `shortcut`, `on_progress`.
+    (seconds of wall-clock time), `memory_limit` (MB), `workers`, `seed`, `shortcut`, `on_progress`,
+    `cancel`. `cancel`, and in the main thread ^C, end it with the best schedule so far.
     The task is planned as of t = 0: its events are ignored. Raises `InputError`, `OptionError`,
     `UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
     return solve_task(ir_of(task), SolveOptions.of(options, more, target)).schedule
 
 
-def explain(task: AnyTask, *, time_limit: float | None = None) -> Explanation:
+def explain(
+    task: AnyTask, *, time_limit: float | None = None, cancel: Cancellation | None = None
+) -> Explanation:
     """Explains why a task has no schedule, or why its schedule is not shorter.
 
     For an infeasible task: a minimal set of statements that cannot hold together. For a feasible
     one: a critical chain, the slack of each action, and the proof that no schedule is shorter.
-    `time_limit` is in seconds of wall-clock time. Raises `InputError` for a task that has faults
-    besides being infeasible, or that the target refuses.
+    `time_limit` is in seconds of wall-clock time; `cancel` ends it earlier, with what is known by
+    then. Raises `InputError` for a task that has faults besides being infeasible, or that the
+    target refuses.
     """
     from irc.explanation import explain_task
 
     require_seconds(time_limit)
-    return explain_task(ir_of(task), time_limit)
+    return explain_task(ir_of(task), time_limit, cancel=cancel)
 
 
 def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:

@@ -16,7 +16,7 @@ from irc.model import Action as IrAction
 from irc.model import Group as IrGroup
 from irc.model import Resource as IrResource
 from irc.model import StateVariable as IrStateVariable
-from irc.model.parts import PrecedenceType
+from irc.model.parts import OnFailure, PrecedenceType
 
 if TYPE_CHECKING:
     from irc.api.task import Task
@@ -281,6 +281,10 @@ class Action(_Wanted[IrAction], _Uses):
     def latest_start(self, time: Moment) -> Self:
         """Starts no later."""
         return self._set(latest_start=self._moment(time))
+
+    def on_failure(self, how: OnFailure) -> Self:
+        """Is done again if a resource breaks that it holds: what is left ("resume"), or all."""
+        return self._set(on_failure=how)
 
     def before(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 from irc.api.elements import (
@@ -18,9 +18,10 @@ from irc.api.elements import (
     precedence_fields,
     without_none,
 )
-from irc.api.values import Duration, Length, Moment, duration, moment
+from irc.api.values import Duration, Length, Moment, duration, length, moment
 from irc.frontends.events import to_events
 from irc.model import Event as IrEvent
+from irc.model.events import ObservedStatus
 from irc.model.parts import ObjectiveName, PrecedenceType
 
 if TYPE_CHECKING:
@@ -82,6 +83,21 @@ class Event:
         """Cancels actions; running ones end at the event."""
         return self._change("cancel_actions", actions=[name_of(a) for a in actions])
 
+    def retry_action(
+        self,
+        action: Action | str,
+        *,
+        id: str | None = None,
+        done: Length = 0,
+        mode: str | None = None,
+    ) -> Self:
+        """Does an action again that failed or was cancelled, or that this breaks off.
+
+        `id` names the repetition; `done` is what need not be done again, in this `mode`.
+        """
+        more = without_none(id=id, done=None if done == 0 else length(done), mode=mode)
+        return self._change("retry_action", action=name_of(action), **more)
+
     def set_duration(self, action: Action | str, time: Duration) -> Self:
         """Sets another duration of an action."""
         return self._change("set_duration", action=name_of(action), duration=duration(time))
@@ -119,12 +135,22 @@ class Event:
         *,
         started: Moment | None = None,
         finished: Moment | None = None,
+        status: ObservedStatus | None = None,
+        expected_end: Moment | None = None,
+        mode: str | None = None,
+        resources: Sequence[Resource | str] = (),
         occurrence: int = 1,
     ) -> Self:
-        """Adds an observation: an action started, or finished, at a time."""
-        seen = {"occurrence": occurrence} if occurrence != 1 else {}
-        times = without_none(started=started, finished=finished)
+        """Adds an observation: what really happened to an action, as of the event's time.
+
+        `status` is `"not_begun"`, `"running"`, `"finished"` or `"failed"` then.
+        """
+        seen: dict[str, Any] = {"occurrence": occurrence} if occurrence != 1 else {}
+        times = without_none(started=started, finished=finished, expected_end=expected_end)
         seen |= {name: self._moment(time) for name, time in times.items()}
+        seen |= without_none(status=status, mode=mode)
+        if resources:
+            seen["resources"] = [name_of(resource) for resource in resources]
         return self._change("observe", action=name_of(action), **seen)
 
     # --- order, resources, state, aims --------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Never, Self, TypeVar, Unpack
@@ -21,7 +21,7 @@ from irc.api.elements import (
     precedence_fields,
 )
 from irc.api.event import Event
-from irc.api.values import Duration, Length, Moment, is_time_of_day, moment, read, read_part
+from irc.api.values import Duration, Length, Moment, is_time_of_day, length, moment, read, read_part
 from irc.diagnostics import Report, did_you_mean
 from irc.errors import NameNotFound
 from irc.frontends.files import parse_task, read_task
@@ -33,6 +33,7 @@ from irc.schedule import Schedule
 from irc.targets import EngineKeywords, Program, SolveKeywords, SolveOptions
 
 if TYPE_CHECKING:
+    from irc.api.running import Solving
     from irc.execution.simulation import Simulation
     from irc.execution.step import Step
     from irc.explanation import Explanation
@@ -82,6 +83,7 @@ class Task:
         objective: ObjectiveName | Sequence[ObjectiveName] | None = None,
         description: str | None = None,
         days_per_month: int | None = None,
+        resolution: Length | None = None,
         metadata: Mapping[str, Any] | None = None,
         resources: Iterable[Resource | Object] = (),
         state: Iterable[StateVariable | Object] = (),
@@ -90,6 +92,7 @@ class Task:
         groups: Iterable[Group | Object] = (),
         goals: Iterable[Goal | Object] = (),
         events: Iterable[Event | Object] = (),
+        lapsed: Iterable[Object] = (),
         irc: Literal["1"] | None = None,
         **unknown: Never,
     ) -> None:
@@ -100,9 +103,11 @@ class Task:
             "description": description,
             "time_unit": time_unit,
             "days_per_month": days_per_month,
+            "resolution": None if resolution is None else length(resolution),
             "origin": origin,
             "metadata": None if metadata is None else dict(metadata),
             "objective": objective,
+            "lapsed": list(lapsed) or None,
         }
         given: dict[str, list[Any]] = {
             "resources": list(resources),
@@ -380,6 +385,42 @@ class Task:
     ) -> Schedule:
         """The best schedule found: see `irc.solve`."""
         return calls.solve(self, target, options=options, **more)
+
+    def start(
+        self,
+        target: str | None = None,
+        *,
+        options: SolveOptions | None = None,
+        **more: Unpack[EngineKeywords],
+    ) -> Solving:
+        """Begins to solve it in the background: see `irc.start`."""
+        from irc.api.running import start
+
+        return start(self, target, options=options, **more)
+
+    def solve_iter(
+        self,
+        target: str | None = None,
+        *,
+        options: SolveOptions | None = None,
+        **more: Unpack[EngineKeywords],
+    ) -> Iterator[Schedule]:
+        """Better and better schedules: see `irc.solve_iter`."""
+        from irc.api.running import solve_iter
+
+        return solve_iter(self, target, options=options, **more)
+
+    async def asolve(
+        self,
+        target: str | None = None,
+        *,
+        options: SolveOptions | None = None,
+        **more: Unpack[EngineKeywords],
+    ) -> Schedule:
+        """`solve` for `async` code: see `irc.asolve`."""
+        from irc.api.running import asolve
+
+        return await asolve(self, target, options=options, **more)
 
     def explain(self, *, time_limit: float | None = None) -> Explanation:
         """Explains why there is no schedule, or none that is shorter: see `irc.explain`."""

@@ -57,6 +57,10 @@ class DeclaredNames:
         known = self.tables[kind]
         if guess is not None:
             hint = f"did you mean `{guess}`?"
+        elif other := next((k for k, names in self.tables.items() if name in names), None):
+            hint = f"`{name}` is {_article(other)} {other}" + self._said_of(
+                kind, other, name, pointer
+            )
         elif known:
             hint = f"declare it, or use one of: {_some(known)}"
         else:
@@ -68,6 +72,24 @@ class DeclaredNames:
             fix = replaced(pointer, guess)
         message = f"there is no {kind} {name!r}"
         self.findings.add(Code.UNKNOWN_NAME, message, pointer, hint=hint, fix=fix)
+
+    def _said_of(self, kind: str, other: str, name: str, pointer: Pointer) -> str:
+        """The end of a hint about a name of another kind; a goal about a variable needs a value."""
+        if other != "state variable" or "goals" not in pointer:
+            return f", not {_article(kind)} {kind}"
+        wanted = goal_value(self.state[name])
+        value = wanted if isinstance(wanted, str) else value_text(wanted)
+        return f": say which value it must have, such as `{name} = {value}`"
+
+
+def goal_value(variable: StateVariable) -> bool | str:
+    """The value that a goal about a variable would most likely ask for: not the one at first."""
+    others = [v for v in variable.values if v != variable.start_value]
+    return True if True in others or not others else others[0]
+
+
+def _article(kind: str) -> str:
+    return "an" if kind[0] in "aeiou" else "a"
 
 
 _HOW_TO_DECLARE = {

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import gc
 import os
-import signal
 import sys
-from types import FrameType
+from contextlib import suppress
+from typing import NoReturn
 
 from irc.cli.exit_codes import EXIT_INPUT
+from irc.cli.interruption import INTERRUPTION, Interrupted
 
 
 def main() -> None:
@@ -17,17 +18,36 @@ def main() -> None:
     gc.set_threshold(10_000_000, 50, 100)
     # pydantic would search every installed distribution for plugins before the first model.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    from irc.cli.app import build_app
-
-    # If another process ends irc, irc still ends the planners that it started.
-    signal.signal(signal.SIGTERM, _terminated)
+    INTERRUPTION.install()
     try:
+        from irc.cli.app import build_app
+
         build_app(sys.argv[1] if len(sys.argv) > 1 else None)()
+    except Interrupted as interrupted:
+        _leave(_interrupted(interrupted.status))
+    except SystemExit as left:
+        _leave(left.code if INTERRUPTION.status is None else INTERRUPTION.status)
     except BrokenPipeError:
         # The reader of the output has ended (`irc … | head`): there is no more to print.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(EXIT_INPUT)
+        _leave(EXIT_INPUT)
+    except Exception:
+        if not INTERRUPTION.has_ended:
+            raise
+        _leave(_interrupted(INTERRUPTION.status or 0))
 
 
-def _terminated(number: int, _frame: FrameType | None) -> None:
-    sys.exit(128 + number)
+def _interrupted(status: int) -> int:
+    print("interrupted", file=sys.stderr)
+    return status
+
+
+def _leave(status: object) -> NoReturn:
+    """Exits; after planning at once, since Python takes its time to take solvers apart."""
+    INTERRUPTION.end()
+    if INTERRUPTION.has_planned and isinstance(status, int):
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)
+    sys.exit(status)  # type: ignore[arg-type]

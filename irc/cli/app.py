@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -26,6 +27,7 @@ from irc.cli.output import (
     CheckFormat,
     Format,
     fail,
+    prepare,
     print_notes,
     put,
     put_json,
@@ -51,12 +53,13 @@ def build_app(only: str | None = None) -> typer.Typer:
         add_completion=False,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
+        epilog=EXIT_STATUSES,
     )
     app.callback(invoke_without_command=False)(_root)
     commands = {function.__name__.rstrip("_").replace("_", "-"): function for function in _COMMANDS}
     for name, function in commands.items():
         if only not in commands or name == only:
-            app.command(name)(function)
+            app.command(name, epilog=EXIT_STATUSES)(function)
     if only not in commands:
         from irc.cli.eval import eval_app
 
@@ -131,9 +134,11 @@ def compile_(
 ) -> None:
     """Write the program of a task for a target, and its manifest.json; without -o print it."""
     from irc.driver.compile import compile_task
+    from irc.driver.files import require_folder
     from irc.targets import MANIFEST_FILE
 
     with reporting_errors(format):
+        require_folder(output)
         reading = _read(file, problem)
         program = compile_task(reading.task, target)
         _print_reading_notes(reading, format)
@@ -183,12 +188,16 @@ def solve(
     format: FormatOption = Format.text,
 ) -> None:
     """Compile a task, run an engine, and show the exact, validated schedule."""
+    from irc.cli.interruption import INTERRUPTION
     from irc.cli.progress import progress_shown
+    from irc.driver.files import require_file
     from irc.driver.solve import solve_task
     from irc.targets import SolveOptions
 
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        require_file(output)
         reading = _read(file, problem)
+        prepare(format)
         with progress_shown(reading.task) as on_progress:
             options = SolveOptions(
                 target,
@@ -199,8 +208,9 @@ def solve(
                 seed,
                 shortcut,
                 on_progress=on_progress,
+                cancel=cancel,
             )
-            answer = solve_task(reading.task, options)
+            answer = solve_task(reading.task, options, options.budget(INTERRUPTION.spent(file)))
         _print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for
@@ -219,19 +229,22 @@ def explain(
 ) -> None:
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
-    from irc.driver.compile import later_events
+    from irc.cli.interruption import INTERRUPTION
+    from irc.driver.compile import notes_on
     from irc.explanation import explain_task
 
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file, problem)
-        explanation = explain_task(reading.task, time_limit)
+        explanation = explain_task(
+            reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
+        )
         _print_reading_notes(reading, format)
-        print_notes(later_events(reading.task))
+        print_notes(notes_on(reading.task))
         put_explanation(explanation, format)
 
 
 def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
-    from irc.schedule import Status, dump_json
+    from irc.schedule import dump_json
 
     schedule = answer.schedule
     print_notes(answer.notes)
@@ -248,10 +261,8 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
         print_answer(answer, answer_console())
         if output is not None:
             say(f"wrote {output}")
-    if schedule.status is Status.INFEASIBLE:
-        sys.exit(EXIT_INPUT)
-    if schedule.status is Status.UNKNOWN:
-        sys.exit(EXIT_NO_ANSWER)
+    if not schedule.answered:
+        sys.exit(schedule.outcome.exit)
 
 
 def extract(
@@ -268,10 +279,12 @@ def extract(
     With --problem the output is a plan of a PDDL domain, by whichever planner.
     """
     from irc.cli.plans import extracted
+    from irc.driver.files import require_file
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
+        require_file(output)
         _show_answer(extracted(manifest, answer, problem), output, format)
 
 
@@ -317,12 +330,19 @@ def convert(
         str,
         typer.Option(
             "--from",
-            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl,"
-            " pddl-plan, schedule.",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, "
+            "planner, schedule-spec, plan-lines, pddl, pddl-plan, schedule.",
         ),
     ] = "irc",
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
+    ] = None,
+    instance: Annotated[
+        str | None, typer.Option("--instance", help="The kitchen of a schedule-spec.")
+    ] = None,
+    station: Annotated[
+        list[str] | None,
+        typer.Option("--station", help="A capacity for a schedule-spec, such as grill=2."),
     ] = None,
     domain: Annotated[
         str | None, typer.Option("--domain", help="The domain file of a plan or a schedule.")
@@ -336,17 +356,16 @@ def convert(
 
     An importer writes one task for each instance into a folder.
     """
-    from irc.frontends.convert import ConversionUseError, convert_file
+    from irc.frontends.convert import Beside, ConversionUseError, convert_file
 
     with reporting_errors(format):
         try:
+            beside = Beside(problem, instance, tuple(station or ()), domain, lenient)
             written = convert_file(
                 file,
                 source,
                 output,
-                problem,
-                domain=domain,
-                lenient=lenient,
+                beside,
                 on_report=lambda report: print_notes(report, report.source),
             )
         except ConversionUseError as error:
@@ -402,10 +421,25 @@ def targets(
             print_notes(later_events(reading.task))
 
 
-def schema() -> None:
+def schema(
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="For structured output of language models: closed, small."),
+    ] = False,
+    event: Annotated[
+        bool, typer.Option("--event", help="With --strict: of one event that revises a task.")
+    ] = False,
+) -> None:
     """Print the JSON Schema of the IR."""
     from irc.model import Task
 
+    if strict:
+        from irc.model.strict_schema import strict_schema
+
+        put(json.dumps(strict_schema("event" if event else "task"), separators=(",", ":")))
+        return
+    if event:
+        fail(EXIT_USE, "--event is for --strict", Format.text)
     document = Task.model_json_schema(by_alias=True)
     put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})
 

@@ -34,11 +34,13 @@ def reproduce_tables(
     ] = None,
 ) -> None:
     """Compute the paper's tables again from its recorded answers; no model is called."""
+    from irc.driver.files import require_file
     from irc.evaluation.data import Data
     from irc.evaluation.plot import accuracy_by_size
     from irc.evaluation.report import reproduce, written
 
     with reporting_errors(_plain(format)):
+        require_file(figure, (".svg",))
         found = reproduce(Data(data), rules)
         put(written(found, format))
         if figure is not None:

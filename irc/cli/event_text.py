@@ -22,6 +22,7 @@ from irc.model.events import (
     CancelGroups,
     Observe,
     RemovePrecedence,
+    RetryAction,
     SetCapacity,
     SetDeadline,
     SetDuration,
@@ -108,14 +109,40 @@ def _observe(change: Observe, unit: _Unit) -> str:
         ("started", change.started),
         ("finished", change.finished),
     ]
-    times = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
-    return f"{change.action} {' and '.join(times)}"
+    said = [f"{what} at {_time(when, unit)}" for what, when in happened if when is not None]
+    status = change.status
+    if status == "failed" and change.finished is not None:
+        said[-1] = f"failed at {_time(change.finished, unit)}"
+    elif status is not None and not (status == "finished" and change.finished is not None):
+        said.insert(0, _STATUSES[status])
+    if change.expected_end is not None:
+        said.append(f"is expected to end at {_time(change.expected_end, unit)}")
+    if change.mode is not None:
+        said.append(f"is done as {change.mode}")
+    if change.resources:
+        said.append(f"is done by {listed(change.resources)}")
+    return f"{change.action} {' and '.join(said)}"
+
+
+_STATUSES = {
+    "not_begun": "has not begun",
+    "running": "is still running",
+    "finished": "has finished",
+    "failed": "has failed",
+}
+
+
+def _retry_action(change: RetryAction, unit: _Unit) -> str:
+    name = "" if change.id is None else f", as {change.id}"
+    done = f", but for {_time(change.done, unit)} that are done" if change.done != 0 else ""
+    return f"again: {change.action}{name}{done}"
 
 
 _WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(
     {
         AddActions: lambda change, _: f"new: {_ids(change.actions)}",
         CancelActions: lambda change, _: f"cancelled: {listed(change.actions)}",
+        RetryAction: _retry_action,
         SetDuration: lambda change, unit: (
             f"{change.action} takes {_duration(change.duration, unit)}"
         ),

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER
 from irc.cli.output import Format, put, put_json
 from irc.diagnostics.source import Source, pointer_text
 from irc.diagnostics.text import excerpt
@@ -16,6 +15,9 @@ from irc.explanation.result import ChainStep, RenderedStatement
 from irc.model.quantities import Number
 from irc.model.times import format_number
 from irc.schedule import Status
+
+STATEMENTS_SHOWN = 60
+"""Longer conflicts end in "and N more"; JSON has all of them."""
 
 SLACK_ROWS = 60
 """Longer lists of slacks end in "and N more"; JSON has all of them."""
@@ -33,17 +35,16 @@ def put_explanation(explanation: Explanation, format: Format) -> None:
         put_json(explanation.to_dict())
     else:
         put("\n".join(_lines(explanation)))
-    if explanation.status is Status.INFEASIBLE:
-        sys.exit(EXIT_INPUT)
-    if explanation.feasible is None:
-        sys.exit(EXIT_NO_ANSWER)
+    if not explanation.outcome.answered:
+        sys.exit(explanation.outcome.exit)
 
 
 def _lines(explanation: Explanation) -> Iterator[str]:
     if explanation.status is Status.INFEASIBLE:
         yield from _infeasible(explanation)
     elif explanation.schedule is None:
-        yield f"{_name(explanation)}: it is not known whether there is a schedule"
+        ended = "interrupted, and " if explanation.interrupted else ""
+        yield f"{_name(explanation)}: {ended}it is not known whether there is a schedule"
         yield "hint: give it more time with --time-limit"
     else:
         yield from _feasible(explanation)
@@ -63,23 +64,27 @@ def _visible(text: str) -> str:
 
 def _infeasible(explanation: Explanation) -> Iterator[str]:
     count = len(explanation.conflict)
+    ended = "it was interrupted" if explanation.interrupted else "the time limit ended"
     yield f"{_name(explanation)}: no schedule exists"
     if not count and explanation.reason is not None:
         yield f"this is proven; {explanation.reason}"
         return
     if not count:
-        yield "this is proven; the conflicting statements were not found within the time limit"
+        yield f"this is proven; {ended} before the conflicting statements were found"
         yield "hint: give it more time with --time-limit"
         return
     proven = "without any one of them the others can"
     if not explanation.minimal:
-        proven = "the time limit ended before irc could prove that each of them is needed"
+        proven = f"{ended} before irc could prove that each of them is needed"
     yield f"these {count} statements cannot hold together; {proven}:"
     yield ""
-    if explanation.source is not None and all(t.offset is not None for t in explanation.conflict):
-        yield from _snippet(explanation.source, explanation.conflict)
+    shown = explanation.conflict[:STATEMENTS_SHOWN]
+    if explanation.source is not None and all(t.offset is not None for t in shown):
+        yield from _snippet(explanation.source, shown)
     else:
-        yield from (_listed(statement) for statement in explanation.conflict)
+        yield from (_listed(statement) for statement in shown)
+    if count > len(shown):
+        yield f"and {count - len(shown):,} more; `--format json` shows all of them"
     if explanation.reason is not None:
         yield ""
         yield f"because {explanation.reason}"
@@ -112,6 +117,8 @@ def _feasible(explanation: Explanation) -> Iterator[str]:
     unit = explanation.time_unit
     makespan = format_number(explanation.schedule.makespan)
     optimal = "optimal" if explanation.status is Status.OPTIMAL else "not proven optimal"
+    if explanation.interrupted:
+        optimal = f"interrupted, {optimal}"
     yield f"{_name(explanation)}: makespan {makespan} {unit}, {optimal}"
     if explanation.chain is None:
         yield "no critical chain: this schedule could end earlier in the same order"

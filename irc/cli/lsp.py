@@ -22,7 +22,8 @@ def run_server() -> None:
     # Other commands end before garbage matters; this one goes on.
     gc.set_threshold(20_000, 10, 10)
     # There is nothing to clean up, and a thread that waits for input cannot be woken.
-    signal.signal(signal.SIGTERM, lambda number, _frame: os._exit(128 + number))
+    for ending in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(ending, lambda number, _frame: os._exit(128 + number))
     from irc.lsp.server import serve_standard_streams
 
     serve_standard_streams()

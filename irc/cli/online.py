@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
@@ -93,6 +94,13 @@ def simulate(
     simulate_file(file, schedule, options, output, steps, format)
 
 
+class PresumeName(StrEnum):
+    """The facts of a running task for `irc run`: the plan, or only observations."""
+
+    assume = "assume"
+    confirm = "confirm"
+
+
 def run(
     file: FileArgument,
     stdio: Annotated[
@@ -109,6 +117,14 @@ def run(
         Path | None,
         typer.Option("--journal", "-j", help="The file for accepted requests, for a restart."),
     ] = None,
+    presume: Annotated[
+        PresumeName,
+        typer.Option(
+            "--presume",
+            help="assume: the plan happens unless something else is observed; confirm: nothing "
+            "begins or ends until it is observed.",
+        ),
+    ] = PresumeName.assume,
     target: TargetOption = "cpsat",
     engine: EngineOption = "auto",
     time_limit: StepTimeLimitOption = 60.0,
@@ -124,4 +140,4 @@ def run(
     options = SolveOptions(
         target, engine, time_limit, memory_limit, workers, seed, stability=stability
     )
-    run_file(file, stdio, schedule, journal, options)
+    run_file(file, stdio, schedule, journal, options, presume.value)

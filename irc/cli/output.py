@@ -9,9 +9,10 @@ from contextlib import contextmanager
 from enum import StrEnum
 from typing import Any, NoReturn
 
-from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_USE
+from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.diagnostics import DIAGNOSTICS_VERSION, Diagnostic, InputError, Report, Severity
 from irc.diagnostics.source import Source
+from irc.outcome import FAILED, FAULTY, INTERRUPTED, MISUSED, UNKNOWN, Outcome
 
 
 class Format(StrEnum):
@@ -67,32 +68,49 @@ def print_notes(notes: Iterable[Diagnostic], source: Source | None = None) -> No
         say(shown)
 
 
-def fail(code: int, message: str, format: Format) -> NoReturn:
-    """Exits with a code and one message."""
+def fail(code: int, message: str, format: Format, status: str | None = None) -> NoReturn:
+    """Exits with a code and one message; `status` is that of the outcome, if not the usual one."""
     if format is Format.json:
-        put_json({"irc_error": DIAGNOSTICS_VERSION, "exit": code, "message": message})
+        outcome = Outcome.of(status or _STATUS.get(code, INTERRUPTED), (), message)
+        document = {"irc_error": DIAGNOSTICS_VERSION, "exit": code, "message": message}
+        put_json({**document, "outcome": {**outcome.to_dict(), "exit": code}})
     say(f"error: {message}")
     sys.exit(code)
+
+
+_STATUS = {EXIT_INPUT: FAULTY, EXIT_USE: MISUSED, EXIT_NO_ANSWER: UNKNOWN, EXIT_ENGINE: FAILED}
+"""The status of the outcome of a command that exits with a code and a message."""
+
+
+def prepare(format: Format) -> None:
+    """Loads what showing an answer takes: before planning, so that after it nothing is slow."""
+    if format is Format.text:
+        import irc.cli.render
+        import irc.cli.step_text  # noqa: F401
 
 
 @contextmanager
 def reporting_errors(format: Format) -> Iterator[None]:
     """Turns irc's errors into messages and exit codes, so that none ends in a traceback."""
+    from irc.cli.interruption import Interrupted
     from irc.driver.files import WriteError
     from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 
     try:
         yield
+    except Interrupted as interrupted:
+        fail(interrupted.status, "interrupted, before there was anything to show", format)
     except InputError as error:
         if format is Format.json:
             put_json(error.report.to_dict())
         else:
             say(error.report.render())
-            say(summary(error.report))
+            status = error.outcome.status
+            say(summary(error.report) if status == FAULTY else f"{status}: {summary(error.report)}")
         sys.exit(EXIT_INPUT)
     except UnknownTarget as error:
         fail(EXIT_USE, str(error), format)
     except WriteError as error:
         fail(EXIT_USE, str(error), format)
     except (EngineMissing, EngineFailed) as error:
-        fail(EXIT_ENGINE, str(error), format)
+        fail(EXIT_ENGINE, str(error), format, error.ends_as)

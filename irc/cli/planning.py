@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 from irc.checks import run_checks
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
+from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
 from irc.cli.output import Format, fail, print_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
-from irc.execution.execution import Execution
+from irc.execution.execution import Execution, Presume
 from irc.frontends.files import STANDARD_INPUT, read_task, read_text
 from irc.frontends.json.document import read_document
 from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
+from irc.outcome import EXIT_STATUS
 from irc.schedule import Schedule, Status, schedule_from_json
 from irc.targets import SolveOptions, get_backend
 
@@ -30,13 +32,14 @@ def execution_of(
     options: SolveOptions,
     at: Number = 0,
     source: Source | None = None,
+    presume: Presume = "assume",
 ) -> Execution:
     """The execution of a task by a schedule (read from `source`, if given), as of `at`.
 
     Raises `InputError` if the schedule does not fit the task.
     """
     try:
-        return Execution(task, schedule, at, options=options)
+        return Execution(task, schedule, at, presume=presume, options=options)
     except InputError as error:
         raise InputError(Report(error.report.diagnostics, source)) from None
 
@@ -101,11 +104,6 @@ def read_sound_task(file: str, format: Format) -> Task:
 
 def end_with(statuses: Sequence[Status]) -> None:
     """Exits if a step found no schedule, with the code for the first such step."""
-    import sys
-
     for status in statuses:
-        if status is Status.INFEASIBLE:
-            sys.exit(EXIT_INPUT)
-        if status in (Status.UNKNOWN, Status.FAILED):
-            sys.exit(EXIT_NO_ANSWER)
-    return None
+        if EXIT_STATUS[status] != EXIT_DONE:
+            sys.exit(EXIT_STATUS[status])

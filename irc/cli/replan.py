@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from irc.cli.exit_codes import EXIT_INPUT
+from irc.cli.interruption import INTERRUPTION
 from irc.cli.moments import moment_of
-from irc.cli.output import Format, print_notes, put_json, reporting_errors, say
+from irc.cli.output import Format, prepare, print_notes, put_json, reporting_errors, say
 from irc.cli.planning import (
     end_with,
     execution_of,
@@ -15,15 +19,16 @@ from irc.cli.planning import (
     read_sound_task,
     require_task,
 )
+from irc.cli.progress import progress_shown
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.diagnostics.suggest import closest
-from irc.driver.files import write_whole
+from irc.driver.files import require_file, write_whole
 from irc.events.apply import apply
 from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
 from irc.execution.step import Step
-from irc.frontends.convert import written_as
+from irc.frontends.convert import DSL_SUFFIX, written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
 from irc.model import Task
 from irc.model.canonical import task_sha256
@@ -47,13 +52,22 @@ def replan_file(
     format: Format,
 ) -> None:
     """Replans a task's schedule as of a time, prints the step and writes the requested files."""
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule, *named)
+        require_file(output)
+        require_file(task_output, (".json", DSL_SUFFIX))
         task = read_sound_task(file, format)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
+        prepare(format)
         events = _events(task, named, moment, format)
-        step = _step(_running(task, before, source, moment, options), events)
+        with progress_shown(task) as on_progress:
+            options = replace(options, on_progress=on_progress)
+            running = _running(task, before, source, moment, options)
+            noted = _apply(running, events)
+            step = running.replan(options.budget(INTERRUPTION.spent(file, schedule, *named)))
+            step = replace(step, notes=(*noted, *step.notes))
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
@@ -67,6 +81,8 @@ def replan_file(
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
                 say(f"wrote {path}")
         end_with([step.schedule.status])
+        if step.left_out:
+            sys.exit(EXIT_INPUT)
 
 
 def _events(task: Task, named: Sequence[str], at: Number, format: Format) -> list[PlacedEvent]:
@@ -156,17 +172,16 @@ def _running(
     return execution_of(task, schedule, options, at, source)
 
 
-def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> None:
+def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnostic]:
+    """Applies events; returns the notes on them."""
+    notes: list[Diagnostic] = []
     for placed in events:
         try:
-            execution.apply(placed.event)
+            report = execution.apply(placed.event)
         except InputError as error:
             raise InputError(placed.anchored(error.report)) from None
-
-
-def _step(execution: Execution, events: Sequence[PlacedEvent]) -> Step:
-    _apply(execution, events)
-    return execution.replan()
+        notes += placed.notes(report)
+    return notes
 
 
 def _write(step: Step, output: Path | None, task_output: Path | None) -> None:

@@ -7,11 +7,12 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from types import FrameType
-from typing import IO, NoReturn
+from typing import IO
 
-from irc.cli.exit_codes import EXIT_DONE, EXIT_USE
+from irc.cli.exit_codes import EXIT_USE
+from irc.cli.interruption import INTERRUPTION, Interrupted
 from irc.cli.output import Format, fail, print_notes, reporting_errors, say
 from irc.cli.planning import (
     end_with,
@@ -22,6 +23,7 @@ from irc.cli.planning import (
 )
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.solve import solve_task
+from irc.execution.execution import Execution, Presume
 from irc.frontends.files import STANDARD_INPUT
 from irc.model import Task
 from irc.schedule import Schedule
@@ -32,28 +34,33 @@ from irc.targets import SolveOptions
 
 
 def run_file(
-    file: str, stdio: bool, schedule: str | None, journal: Path | None, options: SolveOptions
+    file: str,
+    stdio: bool,
+    schedule: str | None,
+    journal: Path | None,
+    options: SolveOptions,
+    presume: Presume = "assume",
 ) -> None:
     """Serves one execution until its requests end or one of them is `stop`."""
     if not stdio:
         fail(EXIT_USE, "add --stdio: requests come from standard input", Format.text)
     if STANDARD_INPUT in (file, schedule):
         fail(EXIT_USE, "standard input is for the requests: name a file", Format.text)
+    # (Every acknowledged request is on disk.)
+    INTERRUPTION.usual = signal.SIGTERM
     with reporting_errors(Format.text), ExitStack() as open_files:
-        before = signal.signal(signal.SIGTERM, _ended)
-        open_files.callback(signal.signal, signal.SIGTERM, before)
         require_engine(options)
         task = read_sound_task(file, Format.text)
         try:
-            session = _session(task, schedule, journal, options, open_files)
-            _serve(session, sys.stdin.buffer)
+            with INTERRUPTION.planning() as cancel:
+                options = replace(options, cancel=cancel)
+                session = _session(task, schedule, journal, options, open_files, presume)
+            if INTERRUPTION.status is None:
+                _serve(session, sys.stdin.buffer)
+        except Interrupted as interrupted:
+            sys.exit(interrupted.status)
         except JournalError as error:
             fail(EXIT_USE, str(error), Format.text)
-
-
-def _ended(_number: int, _frame: FrameType | None) -> NoReturn:
-    """Exits with success after SIGTERM: every acknowledged request is on disk."""
-    sys.exit(EXIT_DONE)
 
 
 def _session(
@@ -62,20 +69,26 @@ def _session(
     path: Path | None,
     options: SolveOptions,
     open_files: ExitStack,
+    presume: Presume,
 ) -> Session:
+    def make(first: Schedule) -> Execution:
+        return execution_of(task, first, options, source=source, presume=presume)
+
     given, source = (None, None) if schedule is None else schedule_to_begin_with(schedule, task)
     if path is None:
         first = given or _planned(task, options)
-        return Session.start(execution_of(task, first, options, source=source))
+        return Session.start(make(first))
     journal, found = Journal.open(path)
     open_files.enter_context(journal)
     if found is None:
         first = given or _planned(task, options)
-        return Session.start(execution_of(task, first, options, source=source), journal)
+        return Session.start(make(first), journal)
     begun = first_schedule(task, found)
     if given is not None and given.entries != begun.entries:
         raise InputError(Report((_other_schedule(),)))
-    return Session.resume(lambda first: execution_of(task, first, options), task, journal, found)
+    if (was := found.header.get("presume", "assume")) != presume:
+        raise InputError(Report((_other_presumption(str(was)),)))
+    return Session.resume(make, task, journal, found)
 
 
 def _planned(task: Task, options: SolveOptions) -> Schedule:
@@ -86,9 +99,17 @@ def _planned(task: Task, options: SolveOptions) -> Schedule:
     return schedule
 
 
+def _other_presumption(was: str) -> Diagnostic:
+    return Diagnostic(
+        Code.OTHER_JOURNAL,
+        f"the execution in the journal began with --presume {was}",
+        hint=f"continue it with --presume {was}, or start another journal",
+    )
+
+
 def _other_schedule() -> Diagnostic:
     return Diagnostic(
-        Code.BAD_JOURNAL,
+        Code.OTHER_JOURNAL,
         "the execution in the journal began with another schedule",
         hint="leave --schedule out to continue it, or start another journal",
     )
@@ -102,14 +123,17 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
         if len(line) > MAX_LINE:
             _send(session.too_long().line())
             continue
-        try:
-            answer = session.answer(line)
-        except JournalError as error:
-            _send(session.broken(str(error)).line())
-            raise
-        _send(answer.line())
-        if answer.last:
+        with INTERRUPTION.planning(session.execution.options.cancel):
+            try:
+                answer = session.answer(line)
+            except JournalError as error:
+                _send(session.broken(str(error)).line())
+                raise
+            _send(answer.line())
+        if answer.last or INTERRUPTION.status is not None:
             return
+        if (unsaved := session.save()) is not None:
+            say(f"note: {unsaved}")
 
 
 def _lines(requests: IO[bytes]) -> Iterator[bytes]:

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
-from irc.cli.output import Format, print_notes, put, put_json, reporting_errors, say
+from irc.cli.interruption import INTERRUPTION
+from irc.cli.output import (
+    Format,
+    prepare,
+    print_notes,
+    put,
+    put_json,
+    reporting_errors,
+    say,
+    summary,
+)
 from irc.cli.planning import (
     end_with,
     one_standard_input,
@@ -15,9 +25,9 @@ from irc.cli.planning import (
     schedule_to_begin_with,
 )
 from irc.cli.replan import STEP_VERSION
-from irc.diagnostics import Code
-from irc.driver.files import write_folder, write_whole
-from irc.execution.simulation import Simulation, simulate
+from irc.diagnostics import Code, Report
+from irc.driver.files import require_file, require_folder, write_folder, write_whole
+from irc.execution.simulation import EventRefused, Simulation, simulate
 from irc.execution.step import Step
 from irc.schedule import Schedule, dump_json
 from irc.targets import SolveOptions
@@ -33,27 +43,55 @@ def simulate_file(
     format: Format,
 ) -> None:
     """Simulates a task, prints every step as it comes, and writes the requested files."""
-    with reporting_errors(format):
+    with reporting_errors(format), INTERRUPTION.planning() as cancel:
+        options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule)
+        require_file(output)
+        require_folder(steps)
         task = read_sound_task(file, format)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
+        prepare(format)
         reporter = _StepReporter(steps, format)
-        simulation = simulate(task, schedule=given, on_step=reporter.report, options=options)
-        if output is not None and simulation.final.answered:
-            write_whole(output, dump_json(simulation.final.to_dict()))
-        verdict = _verdict(simulation)
-        if format is Format.json:
-            judged = None if verdict is None else verdict.to_dict()
-            put_json({**simulation.to_dict(), "verdict": judged})
-        elif verdict is not None:
-            _print_end(simulation)
-            before = "" if simulation.final.answered else "before the last event: "
-            put(f"{before}{verdict}")
-            if output is not None and simulation.final.answered:
-                say(f"wrote {output}")
-        end_with([step.schedule.status for step in simulation.steps])
-        if verdict is not None and not verdict.valid:
-            sys.exit(EXIT_INPUT)
+        refused: Report | None = None
+        try:
+            simulation = simulate(
+                task,
+                schedule=given,
+                on_step=reporter.report,
+                options=options,
+                spent=INTERRUPTION.spent(file, schedule),
+            )
+        except EventRefused as error:
+            simulation, refused = error.simulation, error.report
+        _report(simulation, refused, output, format)
+
+
+def _report(
+    simulation: Simulation, refused: Report | None, output: Path | None, format: Format
+) -> None:
+    """Prints the whole episode, up to an event that was refused if one was, and exits."""
+    final = simulation.final
+    if output is not None and final.answered:
+        write_whole(output, dump_json(final.to_dict()))
+    verdict = _verdict(simulation)
+    if format is Format.json:
+        judged = None if verdict is None else verdict.to_dict()
+        found = {} if refused is None else {"refused": refused.to_list()}
+        put_json({**simulation.to_dict(), **found, "verdict": judged})
+    elif verdict is not None:
+        _print_end(simulation)
+        before = "" if final.answered else "before the last event: "
+        put(f"{before}{verdict}")
+        if output is not None and final.answered:
+            say(f"wrote {output}")
+    if refused is not None:
+        if format is Format.text:
+            say(refused.render())
+            say(summary(refused))
+        sys.exit(EXIT_INPUT)
+    end_with([final.status])
+    if final.left_out or (verdict is not None and not verdict.valid):
+        sys.exit(EXIT_INPUT)
 
 
 @dataclass

@@ -22,7 +22,8 @@ from irc.cli.table import (
 from irc.execution.simulation import Simulation
 from irc.execution.step import Step
 from irc.model.quantities import Number
-from irc.schedule import CANCELLED, Entry, Schedule, Status
+from irc.model.state_values import value_text
+from irc.schedule import Entry, Schedule, Status
 
 _STYLES = {
     Status.OPTIMAL: "bold green",
@@ -93,14 +94,16 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
         (f"at {time_in_words(page, step.at, unit)}: {what}", "bold"),
         "  ",
         (str(step.schedule.status), _STYLES[step.schedule.status]),
+        ", interrupted" if step.schedule.interrupted else "",
     )
     for event in step.events:
         for line in changes_in_words(event, step.task):
             yield Text(f"  {page.visible(line)}")
-    stopped = {e.id for e in step.schedule.entries if e.status == CANCELLED and e.end == step.at}
-    done = [name for name in step.completed if name not in stopped]
-    running = [name for name in step.running if name not in stopped]
-    for title, ids in (("done", done), ("stopped", sorted(stopped)), ("running", running)):
+    for title, ids in (
+        ("done", [name for name in step.completed if name not in step.stopped]),
+        ("stopped", step.stopped),
+        ("running", step.running),
+    ):
         if ids:
             yield Text(f"{title} {len(ids):,}: {listed(map(page.visible, ids))}")
     if step.abandoned:
@@ -110,7 +113,8 @@ def _heading(page: Page, step: Step, unit: str) -> Iterator[Text]:
     elif step.schedule.status is Status.INFEASIBLE:
         yield Text("no schedule continues the history; keeping the previous plan", "red")
     elif not step.schedule.answered:
-        yield Text("no schedule was found within the limits", "yellow")
+        when = "before it was interrupted" if step.schedule.interrupted else "within the limits"
+        yield Text(f"no schedule was found {when}", "yellow")
 
 
 def _movements(page: Page, step: Step, before: Schedule, unit: str) -> Iterator[Text]:
@@ -169,11 +173,17 @@ def _objective_values(page: Page, schedule: Schedule, unit: str) -> Text:
 
 
 def _left_out(page: Page, step: Step) -> Iterator[Text]:
-    """The line on the optional groups of which no action is planned or has run."""
+    """The lines on what is not there: optional groups, and what cannot go on."""
     present = {entry.id for entry in step.schedule.entries}
     groups = [g for g in step.task.groups if not g.required and present.isdisjoint(g.actions)]
     if groups:
         yield Text(f"left out: {listed(page.visible(group.id) for group in groups)}")
+    if step.left_out:
+        names = (
+            what if isinstance(what, str) else f"{what[0]} = {value_text(what[1])}"
+            for what in step.left_out
+        )
+        yield Text(f"cannot go on: {listed(map(page.visible, names))}", "red")
 
 
 def _is_time(objective: str) -> bool:

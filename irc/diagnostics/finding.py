@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from irc.diagnostics.source import Pointer, Source, pointer_text
 
 if TYPE_CHECKING:
-    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.fix import Fix, TextEdit
 
 
 DIAGNOSTICS_VERSION = "1"
@@ -73,6 +73,8 @@ class Code(Enum):
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
     NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
+    ROUNDED = ("IRC108", Severity.NOTE, "a time that is rounded to the resolution")
+    COARSE_RESOLUTION = ("IRC109", Severity.ERROR, "a resolution coarser than a duration")
     LENIENT = ("IRC110", Severity.WARNING, "PDDL that is read differently from what it says")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
@@ -92,6 +94,7 @@ class Code(Enum):
     INCOMPLETE = ("IRC211", Severity.ERROR, "a declaration that lacks what it needs")
     WITHOUT_EFFECT = ("IRC212", Severity.WARNING, "a field that has no meaning here")
     OVERLAP = ("IRC213", Severity.ERROR, "windows that overlap")
+    TOO_MANY = ("IRC214", Severity.ERROR, "more occurrences than irc can plan")
 
     CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
     WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")
@@ -102,6 +105,7 @@ class Code(Enum):
     STOCK = ("IRC307", Severity.ERROR, "a stock that runs out or overflows in every order")
     AT_ODDS = ("IRC308", Severity.ERROR, "conditions, effects or goals that contradict each other")
     NEVER = ("IRC309", Severity.ERROR, "an action that is required and may never occur")
+    NO_SCHEDULE = ("IRC310", Severity.ERROR, "a task that an engine proved to have no schedule")
 
     UNUSED = ("IRC401", Severity.WARNING, "a resource that no action uses")
     REDUNDANT = ("IRC402", Severity.NOTE, "a precedence that follows from others")
@@ -116,6 +120,10 @@ class Code(Enum):
     NO_ANSWER = ("IRC604", Severity.NOTE, "an engine found no answer within its limits")
     BAD_JOURNAL = ("IRC605", Severity.ERROR, "a journal that cannot be continued")
     TORN_JOURNAL = ("IRC606", Severity.NOTE, "a journal whose last line was cut off")
+    OTHER_JOURNAL = ("IRC607", Severity.ERROR, "a journal of another task or schedule")
+    CHANGED_TASK = ("IRC608", Severity.ERROR, "a task that has changed since its journal was begun")
+    JOURNAL_VERSION = ("IRC609", Severity.ERROR, "a journal of another version of irc")
+    MENDED_JOURNAL = ("IRC610", Severity.WARNING, "damage of a journal that loses nothing")
 
     TAKEN_ID = ("IRC701", Severity.ERROR, "an event that adds an id which is already there")
     OVER = ("IRC702", Severity.ERROR, "an event about an action that can no longer happen")
@@ -126,11 +134,19 @@ class Code(Enum):
     OBSERVED = ("IRC708", Severity.ERROR, "an observation that contradicts another one")
     CARRIED = ("IRC709", Severity.WARNING, "a conflict that the history alone causes")
     NO_CONTINUATION = ("IRC710", Severity.ERROR, "a history that no schedule continues")
+    NOT_AS_PLANNED = ("IRC711", Severity.WARNING, "an action that cannot have begun as planned")
+    CORRECTED = ("IRC712", Severity.WARNING, "an observation that another one corrects")
+    LAPSED = ("IRC713", Severity.WARNING, "what lapses with an action that is cancelled")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id
         self.severity = severity
         self.summary = summary
+
+    @property
+    def proves_infeasible(self) -> bool:
+        """Whether an error of this code is a proof that there is no schedule."""
+        return self.id.startswith("IRC3") or self is Code.NO_CONTINUATION
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +154,8 @@ class Diagnostic:
     """One finding. `offset` is its place in the text, if no element of the document gives one.
 
     `within` is its text, if that is not the report's own: a file that the task includes. `fix` is
-    a certain repair as JSON patch operations; it is empty if there is none.
+    a certain repair as JSON patch operations; it is empty if there is none. `edits` are a certain
+    repair of the text itself, where it is not JSON and patches do not apply.
     """
 
     code: Code
@@ -151,6 +168,7 @@ class Diagnostic:
     column: int | None = None
     within: Source | None = None
     fix: Fix = ()
+    edits: tuple[TextEdit, ...] = ()
     end: int | None = None
     """The offset at which the faulty text ends, if it is known and on the same line."""
 
@@ -171,6 +189,8 @@ class Diagnostic:
             "hint": self.hint,
             "fix": [operation.to_dict() for operation in self.fix] or None,
         }
+        if self.edits:
+            found["edits"] = [edit._asdict() for edit in self.edits]
         return found if self.within is None else {**found, "file": self.within.name}
 
 

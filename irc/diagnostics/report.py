@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import IrcError
+from irc.outcome import FAULTY, FEASIBLE, INFEASIBLE, REFUSED, Outcome
 
 if TYPE_CHECKING:
-    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.fix import Fix, TextEdit
     from irc.diagnostics.source import Range
 from irc.diagnostics.finding import DIAGNOSTICS_VERSION, Code, Diagnostic, Severity, _row
 
@@ -68,12 +69,32 @@ class Report:
         columns = ("", "code", "message", "place", "hint")
         return table(columns, [_row(d) for d in self.located()])
 
+    @property
+    def contradicts(self) -> bool:
+        """Whether its errors prove that the task, which has no other fault, has no schedule."""
+        return not self.ok and all(d.code.proves_infeasible for d in self.errors)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How a call with this input ends: "infeasible", "refused" or "faulty" if it has errors.
+
+        Without errors it is "feasible", as far as checks can tell.
+        """
+        errors = Report(self.errors, self.source).located().diagnostics
+        if self.ok:
+            return Outcome.of(FEASIBLE, message="no error was found")
+        if self.contradicts:
+            return Outcome.of(INFEASIBLE, errors)
+        refused = all(d.code in (Code.UNSUPPORTED, Code.OUT_OF_RANGE) for d in errors)
+        return Outcome.of(REFUSED if refused else FAULTY, errors)
+
     def to_dict(self) -> dict[str, Any]:
         """The document that `irc check --format json` prints."""
         return {
             "irc_diagnostics": DIAGNOSTICS_VERSION,
             "ok": self.ok,
             "diagnostics": self.to_list(),
+            **({} if self.ok else {"outcome": self.outcome.to_dict()}),
         }
 
     def to_list(self) -> list[dict[str, Any]]:
@@ -126,12 +147,22 @@ class InputError(IrcError):
         self.report = report
         super().__init__(report.render(notes=False))
 
+    @property
+    def outcome(self) -> Outcome:
+        """How the call ended, with the errors of the report."""
+        return self.report.outcome
+
 
 @dataclass
 class Findings:
     """Collects diagnostics while a check runs."""
 
     items: list[Diagnostic] = field(default_factory=list)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether one of them stops a compilation."""
+        return any(d.severity is Severity.ERROR for d in self.items)
 
     def add(
         self,
@@ -143,6 +174,9 @@ class Findings:
         at_key: bool = False,
         offset: int | None = None,
         fix: Fix = (),
+        edits: tuple[TextEdit, ...] = (),
     ) -> None:
         """Records one finding."""
-        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix))
+        self.items.append(
+            Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix, edits=edits)
+        )

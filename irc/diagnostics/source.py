@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 Pointer = tuple[str | int, ...]
 """A path into the document: keys and array indexes, as in RFC 6901."""
@@ -12,8 +13,7 @@ Locator = Callable[[str, frozenset[Pointer]], Mapping[Pointer, "Range"]]
 """Finds elements in a text. A front end supplies the one for its language."""
 
 
-@dataclass(frozen=True, slots=True)
-class Range:
+class Range(NamedTuple):
     """Offsets into the text: [start, end) of a value, and the start of its key if it has one.
 
     `within` is the text, if that is not the task's own: a file that it includes. `written` is the

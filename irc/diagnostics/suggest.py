@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 _MANY = 5_000
 """With more names, a guess compares only those with the same first letter."""
@@ -40,14 +40,14 @@ def closest(name: str, known: Iterable[str]) -> str | None:
     )
 
 
+@lru_cache(maxsize=4096)
 def normal_form(name: str) -> str:
     """A name without its case, spaces, underscores and hyphens, which people vary freely."""
     folded = unicodedata.normalize("NFKC", name).casefold()
     return "".join(c for c in folded if c not in "_-‐‑–" and not c.isspace())
 
 
-@dataclass(frozen=True)
-class SlipRule:
+class SlipRule(NamedTuple):
     """The least length of a word in which a slip, or a replaced letter, is corrected."""
 
     slip: int

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from irc.checks import run_checks
-from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
 from irc.diagnostics.source import Source
 from irc.model import Task
 from irc.model.canonical import task_sha256
@@ -30,6 +31,46 @@ class Answer:
     schedule: Schedule
     problem: Problem
     notes: tuple[Diagnostic, ...] = ()
+
+
+def explained(schedule: Schedule, notes: Iterable[Diagnostic]) -> Schedule:
+    """The schedule with the diagnostics that say why there is none, if there is none.
+
+    Of the notes on an answer these are the errors, and what engines say of an unknown one.
+    """
+    if schedule.answered:
+        return schedule
+    why = (d for d in notes if d.severity is Severity.ERROR or d.code is Code.NO_ANSWER)
+    return replace(schedule, reasons=tuple(why))
+
+
+def reasons_for(task: Task, outcome: Outcome) -> tuple[Diagnostic, ...]:
+    """The notes of an outcome, placed in the task's text; without an answer, at least one."""
+    return tuple(_placed(note, task.source) for note in _with_reason(outcome))
+
+
+def _placed(note: Diagnostic, source: Source | None) -> Diagnostic:
+    """A diagnostic that carries its place in the task's text, if it is about a part of it."""
+    if not note.pointer or note.within is not None or source is None:
+        return note
+    (placed,) = Report((note,), source).located()
+    return placed if placed.within or placed.line is None else replace(placed, within=source)
+
+
+def _with_reason(outcome: Outcome) -> tuple[Diagnostic, ...]:
+    if outcome.status is Status.INFEASIBLE and not any(
+        note.severity is Severity.ERROR for note in outcome.notes
+    ):
+        proved = f"no schedule exists: proved by {outcome.engine}"
+        hint = "`irc explain` shows which statements cannot hold together"
+        return (*outcome.notes, Diagnostic(Code.NO_SCHEDULE, proved, hint=hint))
+    if outcome.status is Status.UNKNOWN and not any(
+        note.code is Code.NO_ANSWER for note in outcome.notes
+    ):
+        unknown = f"{outcome.engine} found no schedule within the limits, and no proof of none"
+        hint = "give it more time, or more memory"
+        return (*outcome.notes, Diagnostic(Code.NO_ANSWER, unknown, hint=hint))
+    return outcome.notes
 
 
 def _approved(task: Task, schedule: Schedule) -> Schedule:
@@ -74,8 +115,19 @@ def validate_schedule(
     return validate(task, schedule, at)
 
 
-def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds: float) -> Schedule:
-    """The schedule of an outcome, with its status, objective values and bounds."""
+def finish(
+    task: Task,
+    problem: Problem,
+    outcome: Outcome,
+    target: str,
+    seconds: float,
+    *,
+    cancelled: bool = False,
+) -> Schedule:
+    """The schedule of an outcome, with its status, objective values and bounds.
+
+    It is interrupted where the call was cancelled before the answer was certain.
+    """
     schedule = outcome.schedule or Schedule(())
     status = outcome.status
     objective: tuple[ObjectiveValue, ...] = ()
@@ -91,6 +143,7 @@ def finish(task: Task, problem: Problem, outcome: Outcome, target: str, seconds:
         engine=outcome.engine,
         seconds=round(seconds, 3),
         time_unit=task.time_unit,
+        interrupted=cancelled and status in (Status.FEASIBLE, Status.UNKNOWN),
     )
 
 

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import later_events, lower_for, reporting_refusals
-from irc.driver.judge import Answer, _approved, finish
+from irc.driver.asking import asked
+from irc.driver.compile import lower_checked, notes_on, reporting_refusals
+from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
+from irc.driver.progress import telling
 from irc.model import Task
 from irc.problem import Problem
+from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
-from irc.schedule import Status
+from irc.schedule import Schedule, Status
 from irc.targets import (
     Backend,
     Budget,
     Engine,
-    EngineMissing,
     Outcome,
     Program,
     SolveOptions,
     get_backend,
 )
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 SHORTCUT_ENGINE = "critical-path"
 """The name of the engine in a schedule that needed no solver."""
+
+CHECKS_ENGINE = "checks"
+"""The engine named where the checks of the task already prove that it has no schedule."""
 
 CHECK_ENGINE = "stock-order"
 """The engine named where stock alone rules every schedule out."""
@@ -34,12 +43,22 @@ def solve_task(
     """Compiles, runs an engine, re-times and returns the answer.
 
     The task is planned as of t = 0, without its events; a note says so. If this is a part of a
-    longer call, `budget` replaces the time limit of the options. Raises `InputError`,
-    `UnknownTarget`, `EngineMissing` or `EngineFailed`. An answer without a schedule has no entries;
-    its status says why.
+    longer call, `budget` replaces the time limit and the cancellation of the options. Raises
+    `InputError`, `UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt` where
+    ^C comes before there is any answer. An answer without a schedule has no entries; its status
+    says why.
     """
     options = options or SolveOptions()
-    budget = Budget(options.time_limit) if budget is None else budget.share(1)
+    if budget is not None:
+        return _solved(task, options, budget)
+    with ended_by_interrupt(options.cancel) as cancel:
+        answer = _solved(task, options, replace(options, cancel=cancel).budget())
+        if answer.schedule.status is Status.UNKNOWN:
+            lost(cancel)
+    return answer
+
+
+def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
     if not _may_ask_a_planner(task, options, budget):
@@ -78,22 +97,53 @@ def solve_by(
     task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
 ) -> Answer:
     """The answer of `solve_task` by a given backend and engine."""
-    problem = lower_for(task, backend)
+    checked = run_checks(task, lint=False)
+    if checked.report.contradicts:
+        outcome = Outcome(Status.INFEASIBLE, CHECKS_ENGINE, notes=checked.report.errors)
+        return _answer(task, checked.problem, outcome, backend, budget)
+    problem = lower_checked(checked, backend, budget)
     if options.shortcut and not problem.has_contention:
-        schedule = schedule_of(problem, earliest_schedule(problem))
-        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
+        outcome = _by_critical_path(problem)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     elif (stuck := _impossible_stock(problem)) is not None:
         outcome = Outcome(Status.INFEASIBLE, CHECK_ENGINE, notes=(stuck,))
     else:
-        reason = engine.missing()
-        if reason is not None:
-            raise EngineMissing(reason)
+
+        def approve(found: Outcome) -> Schedule:
+            return _approved(task, finish(task, problem, found, backend.name, budget.elapsed))
+
+        reporting = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = engine.solve(Program(backend, task, problem), options, budget)
-    schedule = finish(task, problem, outcome, backend.name, budget.elapsed)
-    return Answer(_approved(task, schedule), problem, (*later_events(task), *outcome.notes))
+            outcome = asked(Program(backend, task, problem), engine, reporting, budget)
+    return _answer(task, problem, outcome, backend, budget)
+
+
+def _answer(
+    task: Task, problem: Problem, outcome: Outcome, backend: Backend, budget: Budget
+) -> Answer:
+    """The answer with an outcome, approved by the validator."""
+    schedule = finish(
+        task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
+    )
+    notes = reasons_for(task, outcome)
+    schedule = explained(_approved(task, schedule), notes)
+    return Answer(schedule, problem, (*notes_on(task), *notes))
+
+
+def _by_critical_path(problem: Problem) -> Outcome:
+    """The outcome with all activities as early as possible; infeasible if one is too late then.
+
+    (The checks report what lags alone make too late, but not what state does.)
+    """
+    placed = earliest_schedule(problem)
+    for i, place in enumerate(placed):
+        late = too_late(problem, i, place.start, place.end)
+        if late is not None:
+            note = Diagnostic(Code.TOO_LATE, late, problem.activities[i].origin)
+            return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))
+    schedule = schedule_of(problem, placed)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 
 
 def _too_short(problem: Problem) -> Diagnostic:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -10,10 +10,13 @@ from irc.checks.events import check_event
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
+from irc.events.observed import Outcome, failures, lasting, with_length, with_start, written
+from irc.events.repetition import lapsed_of, repetition_of, restored
 from irc.events.world import world_change
 from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
 from irc.model.built import Built, event_of, task_of
-from irc.model.cancellation import ended
+from irc.model.cancellation import ended, repetition_id
+from irc.model.details import Lapsed
 from irc.model.events import (
     AddActions,
     AddGroups,
@@ -24,6 +27,7 @@ from irc.model.events import (
     CancelGroups,
     Observe,
     RemovePrecedence,
+    RetryAction,
     SetCapacity,
     SetDeadline,
     SetDuration,
@@ -33,6 +37,7 @@ from irc.model.events import (
     SetState,
 )
 from irc.model.quantities import Number
+from irc.model.resolution import pinned
 
 _UNKNOWN: Mapping[str, Number] = MappingProxyType({})
 
@@ -70,6 +75,33 @@ def apply(
     return editor.revised(event)
 
 
+def without_observations(task: Task, event: Event) -> Task:
+    """The task as an event revises it, but for what the event has observed.
+
+    The event must fit the task (`irc.checks.events.check_event`).
+    """
+    editor = _TaskEditor(task, task.number(event.at), _UNKNOWN)
+    for change in event.changes:
+        if not isinstance(change, Observe):
+            _OPERATIONS[type(change)](editor, change)
+    return editor.revised(event)
+
+
+def with_observations(task: Task, outcomes: Sequence[Outcome]) -> Task:
+    """The task with what was observed of its actions, as `apply` writes it."""
+    if not outcomes:
+        return task
+    editor = _TaskEditor(task, 0, _UNKNOWN)
+    for outcome in outcomes:
+        action = editor.actions.get(outcome.action)
+        if action is not None:
+            editor.actions[outcome.action] = written(action, outcome, editor.clock)
+    for name, failed in failures(outcomes).items():
+        if name in editor.actions:
+            editor.cancel([name], at=failed)
+    return editor.revised(None)
+
+
 class _NoStart(Exception):
     """An observation names the end of an action whose start is not known."""
 
@@ -93,17 +125,18 @@ class _TaskEditor:
     """A task that is being revised. Elements keep their order; new ones come last."""
 
     def __init__(self, task: Task, at: Number, starts: Mapping[str, Number]) -> None:
-        self.task, self.at, self.starts = task, at, starts
+        self.task, self.at, self.starts = pinned(task), at, starts
         self.clock = task.clock
         self.actions: dict[str, Action] = {a.id: a for a in task.actions}
         self.resources: dict[str, Resource] = {r.id: r for r in task.resources}
         self.state: dict[str, StateVariable] = {s.id: s for s in task.state}
         self.groups: dict[str, Group] = {g.id: g for g in task.groups}
         self.precedence: list[Precedence] = list(task.precedence)
+        self.lapsed: dict[str, Lapsed] = {had.action: had for had in task.lapsed}
         self.whole: dict[str, Any] = {}
         """Fields of the task that are replaced as a whole."""
 
-    def revised(self, event: Event) -> Task:
+    def revised(self, event: Event | None) -> Task:
         """The task after the changes."""
         fields: dict[str, Any] = {
             "actions": tuple(self.actions.values()),
@@ -111,7 +144,8 @@ class _TaskEditor:
             "state": tuple(self.state.values()),
             "groups": tuple(self.groups.values()),
             "precedence": tuple(self.precedence),
-            "events": _without(self.task.events, event),
+            "lapsed": tuple(self.lapsed.values()),
+            "events": self.task.events if event is None else _without(self.task.events, event),
             **self.whole,
         }
         changed = {k: v for k, v in fields.items() if v != getattr(self.task, k)}
@@ -121,11 +155,18 @@ class _TaskEditor:
     def change_action(self, name: str, **fields: Any) -> None:
         self.actions[name] = self.actions[name].model_copy(update=fields)
 
-    def cancel(self, names: Collection[str]) -> None:
+    def cancel(self, names: Collection[str], at: Number | None = None) -> None:
         """Cancels actions, and removes them from precedences, groups and goals."""
         gone = frozenset(names)
+        goals = self.whole.get("goals", self.task.goals)
+        for name in self.actions:
+            if name in gone and name not in self.lapsed:
+                groups = self.groups.values()
+                had = lapsed_of(self.actions[name], self.precedence, groups, goals)
+                self.lapsed[name] = had
+        when = self.at if at is None else at
         for name in gone:
-            self.actions[name] = ended(self.actions[name], self.at, self.clock)
+            self.actions[name] = ended(self.actions[name], when, self.clock)
         self.precedence = [e for e in self.precedence if gone.isdisjoint((e.before, e.after))]
         for group in [g for g in self.groups.values() if not gone.isdisjoint(g.actions)]:
             left = tuple(a for a in group.actions if a not in gone)
@@ -133,8 +174,31 @@ class _TaskEditor:
                 del self.groups[group.id]
             else:
                 self.groups[group.id] = group.model_copy(update={"actions": left})
-        goals = self.whole.get("goals", self.task.goals)
         self.whole["goals"] = tuple(g for g in goals if not isinstance(g, str) or g not in gone)
+
+    def repeat(self, change: RetryAction) -> None:
+        """Adds the repetition of an action, which is cancelled if it is not over."""
+        old = change.action
+        if old not in self.lapsed:
+            self.cancel([old])
+        had = self.lapsed[old]
+        name = change.id or repetition_id(old, self.actions, self.lapsed.values())
+        action = repetition_of(self.actions[old], had, change, name, self.at, self.clock)
+        self.lapsed[old] = had.model_copy(update={"repetition": name})
+        self.actions[name] = action
+        found = restored(had, name, self.lapsed, lambda other: other in self.lapsed)
+        self.precedence += [edge for edge in found.precedence if edge not in self.precedence]
+        for other, edges in found.waiting.items():
+            known = self.lapsed[other]
+            all_edges = (*known.precedence, *edges)
+            self.lapsed[other] = known.model_copy(update={"precedence": all_edges})
+        for group in had.groups:
+            now = self.groups.get(group.id)
+            members = () if now is None else now.actions
+            changed = (now or group).model_copy(update={"actions": (*members, name)})
+            self.groups[group.id] = changed
+        if had.goal:
+            self.whole["goals"] = (*self.whole.get("goals", self.task.goals), name)
 
 
 def _without(events: tuple[Event, ...], event: Event) -> tuple[Event, ...]:
@@ -150,6 +214,11 @@ def _add(table: dict[str, Any], elements: Iterable[Any]) -> None:
 def _cancel_groups(editor: _TaskEditor, change: CancelGroups) -> None:
     """Removes groups and cancels their members, except members of other groups."""
     taken_back = [editor.groups.pop(name) for name in dict.fromkeys(change.groups)]
+    gone = set(change.groups)
+    for name, had in editor.lapsed.items():
+        left = tuple(group for group in had.groups if group.id not in gone)
+        if len(left) < len(had.groups):
+            editor.lapsed[name] = had.model_copy(update={"groups": left})
     wanted = {action for group in editor.groups.values() for action in group.actions}
     editor.cancel({a for group in taken_back for a in group.actions} - wanted)
 
@@ -184,39 +253,49 @@ def _set_state(editor: _TaskEditor, change: SetState) -> None:
 
 
 def _observe(editor: _TaskEditor, change: Observe) -> None:
-    """Writes an observation into the task: as a fixed start, an exact duration.
+    """Writes an observation into the task: as a fixed start, an exact duration, a cancellation.
 
     A task cannot express this for one of several occurrences: only the history has it.
     """
     name, clock = change.action, editor.clock
-    action = editor.actions[name]
-    if action.may_repeat:
+    if editor.actions[name].may_repeat or change.status == "not_begun":
         return
     if change.started is not None:
         started = clock.number(change.started)
-        editor.change_action(name, start=started)
-        if clock.number(action.release) > started:  # It started before its release.
-            editor.change_action(name, release=started)
-        latest = action.latest_start
-        if latest is not None and clock.number(latest) < started:
-            editor.change_action(name, latest_start=started)
-    if change.finished is not None:
-        _end_at(editor, name, clock.number(change.finished))
+        editor.actions[name] = with_start(editor.actions[name], started, clock)
+    end = clock.number(change.finished) if change.finished is not None else editor.at
+    if change.status == "failed":
+        _fail(editor, name, end)
+    elif change.finished is not None or change.status == "finished":
+        _end_at(editor, name, end)
+    elif change.expected_end is not None:
+        _end_at(editor, name, clock.number(change.expected_end))
+    elif change.status == "running":
+        started_at = _start_of(editor, name)
+        if started_at is not None:
+            action = editor.actions[name]
+            editor.actions[name] = lasting(action, editor.at - started_at, clock)
+
+
+def _start_of(editor: _TaskEditor, name: str) -> Number | None:
+    """The start of an action, if the task or `starts` has it."""
+    start = editor.actions[name].start
+    return editor.starts.get(name) if start is None else editor.clock.number(start)
 
 
 def _end_at(editor: _TaskEditor, name: str, finished: Number) -> None:
-    action = editor.actions[name]
-    started = editor.starts.get(name)
-    if action.start is not None:
-        started = editor.clock.number(action.start)
+    started = _start_of(editor, name)
     if started is None or started > finished:
         raise _NoStart(name)
-    length = finished - started
-    if action.modes:
-        modes = tuple(mode.model_copy(update={"duration": length}) for mode in action.modes)
-        editor.change_action(name, modes=modes)
-    else:
-        editor.change_action(name, duration=length)
+    editor.actions[name] = with_length(editor.actions[name], finished - started)
+
+
+def _fail(editor: _TaskEditor, name: str, failed: Number) -> None:
+    """Ends an action before it was done, at a time that may have passed."""
+    started = _start_of(editor, name)
+    if started is not None and started <= failed:
+        editor.actions[name] = lasting(editor.actions[name], failed - started, editor.clock)
+    editor.cancel([name], at=failed)
 
 
 def _replace(field: str) -> Callable[[_TaskEditor, Any], None]:
@@ -243,6 +322,7 @@ _OPERATIONS: Mapping[type, Callable[[_TaskEditor, Any], None]] = MappingProxyTyp
         SetState: _set_state,
         AddState: lambda editor, change: _add(editor.state, change.state),
         SetObjective: _replace("objective"),
+        RetryAction: lambda editor, change: editor.repeat(change),
         Observe: _observe,
     }
 )

@@ -7,11 +7,12 @@ events of a task. `irc.events.apply` revises the task itself.
 from __future__ import annotations
 
 from irc.execution.execution import Execution, replan
-from irc.execution.simulation import Simulation, simulate
+from irc.execution.simulation import EventRefused, Simulation, simulate
 from irc.execution.state import ExecutionState, state_at
 from irc.execution.step import Step
 
 __all__ = [
+    "EventRefused",
     "Execution",
     "ExecutionState",
     "Simulation",

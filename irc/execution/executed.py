@@ -28,6 +28,8 @@ class ExecutedActivity:
     end_rank: int = 0
     by_itself: bool = False
     """Whether it is a world change, which no plan contains."""
+    least_end: int = 0
+    """A time before which it does not end, though it is running and its duration would allow it."""
 
     @property
     def cancelled(self) -> bool:
@@ -81,7 +83,8 @@ def as_executed(
     activity = _in_mode(activity, past)
     shortest = longest = past.end - past.start
     if past.running and not activity.is_fixed and not past.cancelled:
-        shortest = max(activity.duration_min, now - past.start)
+        least = max(now, past.least_end)
+        shortest = max(activity.duration_min, least - past.start)
         longest = max(activity.duration_max, shortest)
     apart = _ends_apart(activity, past, ranks)
     if apart:
@@ -101,7 +104,7 @@ def as_executed(
         deadline=deadline,
         duration_min=shortest,
         duration_max=longest,
-        open_demands=activity.open_demands if past.running or frees_now else (),
+        open_demands=activity.open_demands if longest and (past.running or frees_now) else (),
         details=details,
     )
 
@@ -139,20 +142,20 @@ def _as_happened(
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
         ranks=ranks,
     )
+    if past.cancelled:
+        details = replace(
+            details,
+            stock=tuple(c for c in details.stock if not c.at_end),
+            conditions=tuple(c for c in details.conditions if c.at != "end"),
+            effects=tuple(e for e in details.effects if not e.at_end),
+            due=None,
+            reward=0,
+        )
     if longest == 0:
         # (An activity of no duration is one happening, which gives each variable its last value.)
         changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
         details = replace(details, effects=tuple(changed.values()))
-    if not past.cancelled:
-        return details
-    return replace(
-        details,
-        stock=tuple(c for c in details.stock if not c.at_end),
-        conditions=tuple(c for c in details.conditions if c.at != "end"),
-        effects=tuple(e for e in details.effects if not e.at_end),
-        due=None,
-        reward=0,
-    )
+    return details
 
 
 def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None) -> bool:

@@ -3,29 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Unpack
+from dataclasses import replace
+from typing import Any, Literal, TypeVar, Unpack, get_args
 
 from irc.checks.events import check_event
-from irc.diagnostics import Code, Findings, InputError, Report
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
-from irc.events.apply import apply
+from irc.errors import OptionError
+from irc.events.apply import with_observations, without_observations
+from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
+from irc.execution.interruption import lapses, with_repetitions, without_the_past
+from irc.execution.plannable import Plannable
+from irc.execution.presumed import adopt, as_of, not_as_planned, outcomes
 from irc.execution.replanning import solve_step
+from irc.execution.rounding import Rounding
 from irc.execution.state import ExecutionState
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
+from irc.model.events import ObservedStatus, SetCapacity
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
-from irc.schedule import Schedule
-from irc.targets import SolveKeywords, SolveOptions
+from irc.schedule import Entry, Schedule
+from irc.targets import Budget, Cancellation, SolveKeywords, SolveOptions
+
+_T = TypeVar("_T")
+
+Presume = Literal["assume", "confirm"]
+"""The facts of a running task: the plan as well, or only observations."""
 
 
 class Execution:
     """A task in force, the schedule that is being carried out, and the time.
 
-    The options are those of `irc.SolveOptions`, for each replanning. Not for several threads at
-    once.
+    The options are those of `irc.SolveOptions`, for each replanning. Times that come in are rounded
+    to the task's resolution; the first report or step after that says so. Not for several threads
+    at once.
 
     >>> import irc
     >>> task = irc.Task()
@@ -44,16 +58,29 @@ class Execution:
         schedule: Schedule,
         at: Number = 0,
         *,
+        presume: Presume = "assume",
         options: SolveOptions | None = None,
         **more: Unpack[SolveKeywords],
     ) -> None:
-        """Starts at `at`. Raises `InputError` where the schedule names what the task lacks."""
+        """Starts at `at`, until when the schedule has been carried out.
+
+        With `presume="confirm"` nothing begins or ends from then on until it is observed; with
+        `"assume"` the plan is taken to happen unless something else is observed. Raises
+        `InputError` where the schedule names what the task lacks.
+        """
         self.task = task_of(task)
         _require_known(self.task, schedule)
-        self.now: Number = at
+        if presume not in (known := get_args(Presume)):
+            raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
+        self._notes: tuple[Diagnostic, ...] = ()
+        self._rounding = Rounding.of(self.task)
+        schedule = self._take(self._rounding.schedule(schedule))
+        self.now: Number = self._take(self._rounding.moment(at, "the present, ", ("at",)))
         self.options = SolveOptions.of(options, more)
+        self._plannable = Plannable(self.options.target)
+        self._told = self.task
         self._schedule = schedule
-        self._history = History.of(schedule)
+        self._history = History.of(schedule, self.now, assumes=presume == "assume")
         self._events: list[Event] = []
 
     def copy(self) -> Execution:
@@ -78,7 +105,8 @@ class Execution:
         """
         if not self._events:
             return self._schedule
-        entries = sorted(self._history.entries.values(), key=lambda e: (e.start, e.end, e.id))
+        taken = as_of(self._history, self._told, self.now).entries.values()
+        entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
         return Schedule(tuple(entries), task=self.task.name)
 
     @property
@@ -86,18 +114,36 @@ class Execution:
         """The events since the last plan."""
         return tuple(self._events)
 
+    @property
+    def presume(self) -> Presume:
+        """Whether the plan is presumed to happen, or only observations count."""
+        return "assume" if self._history.assumes else "confirm"
+
+    @property
+    def replan_needed(self) -> bool:
+        """Whether the plan is out of date: an event came in, or what should have begun has not."""
+        if self._events or self._history.held is not None:
+            return True
+        state = self.state()
+        return any(entry.start < self.now for entry in state.open)
+
     def state(self) -> ExecutionState:
         """The entries that are completed, running and open now."""
-        return self._history.state(self.now)
+        return as_of(self._history, self._told, self.now).state(self.now)
 
     def advance(self, to: Instant) -> None:
-        """Advances the time. Raises `InputError` for a time that has passed already."""
-        time = self.task.number(parse_instant(to))
+        """Advances the time. Raises `InputError` for a time that has passed already, and for one
+        with which the target cannot plan.
+        """
+        exact = self.task.clock.exact(parse_instant(to))
+        time, rounding, notes = self._rounding.moment(exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
                 "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
             )
-        self.now = time
+        self._plannable = self._after(self.task, Event(at=time), self._history, None)
+        self.now, self._rounding = time, rounding
+        self._notes += notes
 
     def observe(
         self,
@@ -105,61 +151,165 @@ class Execution:
         *,
         started: Instant | None = None,
         finished: Instant | None = None,
+        status: ObservedStatus | None = None,
+        expected_end: Instant | None = None,
+        mode: str | None = None,
+        resources: Iterable[str] = (),
         occurrence: int = 1,
+        at: Instant | None = None,
     ) -> Report:
-        """Applies an `observe` event: what really happened, as of now. Raises `InputError`."""
-        seen = {"started": started, "finished": finished}
+        """Applies an `observe` event: what really happened, as of now or of `at`.
+
+        An observation may come in late: `at` is when it was made. Returns notes, such as which of
+        two observations counts. Raises `InputError`.
+        """
+        said: dict[str, Any] = {
+            "status": status,
+            "started": started,
+            "finished": finished,
+            "expected_end": expected_end,
+            "mode": mode,
+            "resources": list(resources) or None,
+        }
         change = {
             "op": "observe",
             "action": action,
             "occurrence": occurrence,
-            **{k: v for k, v in seen.items() if v is not None},
+            **{k: v for k, v in said.items() if v is not None},
         }
-        return self.apply(Event.model_validate({"at": self.now, "changes": [change]}))
+        when = self.now if at is None else at
+        return self.apply(Event.model_validate({"at": when, "changes": [change]}))
 
     def apply(self, event: Event | Built[Event], *, source: Source | None = None) -> Report:
         """Revises the task by an event, now or later: the time advances to the event.
 
-        Raises `InputError` where the event has a fault, and then applies nothing of it; `source`
-        is the text that it was read from. The plan is repaired only by `replan`.
+        An event that only observes may also be of a time that has passed. Raises `InputError`
+        where the event has a fault, and then applies nothing of it; `source` is the text that it
+        was read from. The plan is repaired only by `replan`.
         """
-        event = event_of(event)
+        given = event_of(event)
+        event, rounding, rounded = self._rounding.event(given)
         report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
         at = self.task.number(event.at)
-        if at < self.now:
+        if at < self.now and not is_observation(event):
             raise _in_the_past(
                 "the event is at", at, self.now, self.task.time_unit, ("at",), source
             )
-        history, findings = self._history.copy(), Findings()
-        history.take(self.task, event, findings)
+        event = self._with_repetitions(event)
+        history, findings, now = self._history.copy(), Findings(), max(self.now, at)
+        notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
-        self.task = apply(self.task, event, self._history.starts(at), source=source)
-        self.now = at
-        self._history = history
+        told = without_observations(_with_own(self._told, given, event), event)
+        taken = as_of(history, told, now)
+        told, passed = without_the_past(self._told, told, taken.state(now))
+        task = self._in_force(told, taken, now)
+        self._plannable = self._after(task, event, history, source)
+        if task.lapsed != self.task.lapsed:
+            ended = {entry.id for entry in taken.state(now).completed}
+            notes = [*notes, *lapses(self.task, task, event, ended), *passed]
+        self._told, self.task, self._history, self.now = told, task, history, now
+        self._rounding = rounding
         self._events.append(event)
-        return report
+        return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
 
-    def replan(self) -> Step:
+    def _with_repetitions(self, event: Event) -> Event:
+        """The event, with what runs on a resource that it breaks done again."""
+        if not any(isinstance(change, SetCapacity) for change in event.changes):
+            return event
+        if all(action.on_failure is None for action in self._told.actions):
+            return event
+        at = self.task.number(event.at)
+        state = as_of(self._history, self._told, at).state(at)
+        return with_repetitions(event, self.task, state.running)
+
+    def take_notes(self) -> tuple[Diagnostic, ...]:
+        """The notes on what came in since the last report or step; each is given once."""
+        notes, self._notes = self._notes, ()
+        return notes
+
+    def _take(self, taken: tuple[_T, Rounding, tuple[Diagnostic, ...]]) -> _T:
+        """Returns a value after rounding, and keeps the note on it."""
+        value, self._rounding, notes = taken
+        self._notes += notes
+        return value
+
+    def _after(
+        self, task: Task, event: Event, history: History, source: Source | None
+    ) -> Plannable:
+        """Raises `InputError` where the target could not plan with the task, after an event."""
+        times = (t for entry in history.entries.values() for t in (entry.start, entry.end))
+        return self._plannable.after(task, event, times, source)
+
+    def _in_force(self, told: Task, history: History, now: Number) -> Task:
+        """The task with all that is taken to have happened by now."""
+        return with_observations(told, outcomes(history, told, now))
+
+    def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
-        Where no continuation exists the step reports it, and the previous schedule stays. Raises
-        `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`.
+        Where no continuation exists the step reports it, and nothing that was still to begin is
+        presumed any more. `budget` replaces the time limit and the cancellation of the options.
+        Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and
+        `KeyboardInterrupt` where ^C comes before there is any answer.
         """
-        step = solve_step(self.task, self._history, self.now, self.options, tuple(self._events))
+        present = task, history = self._present()
+        step = solve_step(task, history, self.now, self.options, tuple(self._events), budget)
+        return self._taken(present, step)
+
+    async def areplan(self) -> Step:
+        """`replan` for `async` code: the execution must not be changed meanwhile.
+
+        If the task that awaits it is cancelled, the engine ends, and the plan stays as it was.
+        """
+        from irc.driver.running import awaited
+
+        present = task, history = self._present()
+        at, events = self.now, tuple(self._events)
+
+        def call(cancel: Cancellation) -> Step:
+            return solve_step(task, history, at, replace(self.options, cancel=cancel), events)
+
+        return self._taken(present, await awaited(call, self.options.cancel))
+
+    def _present(self) -> tuple[Task, History]:
+        """The task and the history with all that is taken to have happened by now."""
+        history = as_of(self._history, self._told, self.now)
+        return self._in_force(self._told, history, self.now), history
+
+    def _taken(self, present: tuple[Task, History], step: Step) -> Step:
+        """The step, after it has changed the execution: its plan is adopted or rejected."""
+        task, history = present
+        late = [self._late(entry) for entry in not_as_planned(history, self.now)]
+        step = replace(step, notes=(*late, *step.notes))
+        self.task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
-        return step
+        else:
+            self.reject()
+        return replace(step, notes=(*self.take_notes(), *step.notes))
+
+    def _late(self, entry: Entry) -> Diagnostic:
+        start = f"{format_number(entry.start)} {self.task.time_unit}"
+        return Diagnostic(
+            Code.NOT_AS_PLANNED,
+            f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
+            "not to have begun",
+            hint="if it has, observe when it started",
+        )
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
         _require_known(self.task, schedule)
-        entries = {(e.id, e.occurrence): e for e in schedule.entries}
-        self._history.entries, self._history.plan = entries, dict(entries)
+        adopt(self._history, schedule, self._told, self.now)
         self._schedule = schedule
         self._events.clear()
+
+    def reject(self) -> None:
+        """Takes note that a step has no schedule: from now on nothing is presumed to begin."""
+        self._history.reject(self.now)
 
 
 def replan(
@@ -176,9 +326,18 @@ def replan(
     Raises what `Execution.apply` and `Execution.replan` raise.
     """
     execution = Execution(task, schedule, at, options=options, **more)
-    for event in events:
-        execution.apply(event)
-    return execution.replan()
+    noted = [note for event in events for note in execution.apply(event)]
+    step = execution.replan()
+    return replace(step, notes=(*noted, *step.notes))
+
+
+def _with_own(task: Task, given: Event, rounded: Event) -> Task:
+    """The task in which its own event `given` is the rounded one that is applied."""
+    if rounded is given or given not in task.events:
+        return task
+    place = task.events.index(given)
+    events = (*task.events[:place], rounded, *task.events[place + 1 :])
+    return task.model_copy(update={"events": events})
 
 
 def _require_known(task: Task, schedule: Schedule) -> None:

@@ -21,6 +21,7 @@ from irc.execution.executed import (
 )
 from irc.execution.history import History
 from irc.execution.past import known_ranks, past_first, stock_past_first
+from irc.execution.state import key_of
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
@@ -73,11 +74,15 @@ def freeze(
         begun += [(e, True) for e in running.get(activity.id, ())]
         by_itself = activity.id in world_changes
         found = [
-            replace(executed_activity(problem, activity, e, running=r), by_itself=by_itself)
+            replace(
+                executed_activity(problem, activity, e, running=r),
+                by_itself=by_itself,
+                least_end=problem.whole_ticks(history.least_ends.get(key_of(e), 0)),
+            )
             for e, r in begun
         ]
         if activity.details.repeats is not None:
-            in_order = sorted(found, key=lambda f: (f.start, f.end))
+            in_order = sorted(found, key=lambda f: (f.start, f.entry.occurrence))
             first = len(problem.activities)
             for k, past in enumerate(in_order, 1):
                 executed[first + len(further)] = past

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.compile import reporting_refusals
-from irc.driver.judge import finish
+from irc.driver.judge import explained, finish, reasons_for
+from irc.events.suspend import suspended
 from irc.execution.abandonment import best_continuation
 from irc.execution.conflicts import overloaded
 from irc.execution.continuation import Repair
@@ -14,15 +15,26 @@ from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History, ids
 from irc.execution.infeasibility import what_is_in_the_way
 from irc.execution.step import Step, moved
+from irc.execution.stuck import in_words, what_is_stuck
 from irc.lowering.lower import lower
 from irc.model import Event, Task
+from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
 from irc.model.world_changes import is_world_change
 from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
-from irc.schedule import Schedule, Status
-from irc.targets import Budget, EngineFailed, SolveOptions, get_backend, require_support
+from irc.schedule import LeftOut, Schedule, Status
+from irc.targets import (
+    Backend,
+    Budget,
+    Engine,
+    EngineFailed,
+    SolveOptions,
+    get_backend,
+    require_support,
+)
+from irc.targets.interrupt import ended_by_interrupt, lost
 
 __all__ = ["Step", "solve_step"]
 
@@ -37,34 +49,108 @@ def solve_step(
     at: Number,
     options: SolveOptions,
     events: tuple[Event, ...] = (),
+    budget: Budget | None = None,
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
-    Raises `InputError` (the target refuses the task, or the history does not fit it),
-    `UnknownTarget`, `EngineMissing` or `EngineFailed`.
+    What cannot go on whatever else is done, because its resource is gone for good, say, is named
+    and left out, and the rest is continued. `history` is as it is taken to be at `at`. `budget`
+    replaces the time limit and the cancellation of the options. Raises `InputError` (the target
+    refuses the task, or the history does not fit it), `UnknownTarget`, `EngineMissing` or
+    `EngineFailed`, and `KeyboardInterrupt` where ^C comes before there is any answer.
     """
-    budget = Budget(options.time_limit)
-    state = history.state(at)
+    if budget is not None:
+        return _step(task, history, at, options, events, budget)
+    with ended_by_interrupt(options.cancel) as cancel:
+        budget = replace(options, cancel=cancel).budget()
+        step = _step(task, history, at, options, events, budget)
+        if step.schedule.status is Status.UNKNOWN:
+            lost(cancel)
+    return step
+
+
+def _step(
+    task: Task,
+    history: History,
+    at: Number,
+    options: SolveOptions,
+    events: tuple[Event, ...],
+    budget: Budget,
+) -> Step:
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
     require_support(task, backend)
+    means = _Means(backend, engine, options, budget)
+    problem, frozen = _lowered(task, history, at, means)
+    stuck = what_is_stuck(frozen, problem)
+    if not stuck:
+        return _continued(task, (problem, frozen), history, at, means, events)
+    names = frozenset(stuck.actions) | stuck.others
+    rest = suspended(task, names, stuck.goals, at)
+    cancelled = {**history.cancelled, **dict.fromkeys(names, at)}
+    without = replace(history, cancelled=cancelled)
+    step = _continued(rest, _lowered(rest, without, at, means), without, at, means, events)
+    left_out: tuple[LeftOut, ...] = (*stuck.actions, *stuck.goals)
+    schedule, gone = replace(step.schedule, task_sha256=task_sha256(task)), step.moved
+    if schedule.answered:
+        schedule = replace(schedule, left_out=left_out)
+        gone = moved(history.state(at).open, schedule, history)
+    stopped = [had.action for had in task.lapsed if had.repetition is None]
+    notes = (*in_words(stuck, stopped), *step.notes)
+    return replace(step, task=task, schedule=schedule, notes=notes, moved=gone)
+
+
+@dataclass(frozen=True, slots=True)
+class _Means:
+    """The means by which a step is solved."""
+
+    backend: Backend
+    engine: Engine
+    options: SolveOptions
+    budget: Budget
+
+
+def _lowered(
+    task: Task, history: History, at: Number, means: _Means
+) -> tuple[Problem, FrozenProblem]:
+    """The problem of a task, and the same with the history fixed."""
+    state = history.state(at)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
+    instants += history.least_ends.values()
     problem = lower(task, instants)
-    previous = replace(problem.previous, stability=options.share)
+    previous = replace(problem.previous, stability=means.options.share)
     problem = replace(problem, previous=previous)
-    if backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
+    if means.backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
         problem = merge_pools(problem, overloaded(problem, state.running))
-    frozen = _frozen(task, problem, history, at)
-    repair = Repair(task, frozen, history, at, backend, engine, options, budget)
+    return problem, _frozen(task, problem, history, at)
+
+
+def _continued(
+    task: Task,
+    lowered: tuple[Problem, FrozenProblem],
+    history: History,
+    at: Number,
+    means: _Means,
+    events: tuple[Event, ...],
+) -> Step:
+    """The best continuation of all that the task still asks for."""
+    problem, frozen = lowered
+    state, options = history.state(at), means.options
+    repair = Repair(task, frozen, history, at, means.backend, means.engine, options, means.budget)
     with reporting_refusals(task):
         outcome, whole, given_up = best_continuation(repair)
     if outcome.status is Status.INFEASIBLE:
-        outcome = replace(outcome, notes=what_is_in_the_way(repair) or outcome.notes)
+        why = what_is_in_the_way(repair) or outcome.notes or (_no_continuation(outcome.engine),)
+        outcome = replace(outcome, notes=why)
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
-    schedule = finish(task, whole, outcome, backend.name, budget.elapsed)
-    notes = outcome.notes
+    budget = means.budget
+    schedule = finish(
+        task, whole, outcome, means.backend.name, budget.elapsed, cancelled=budget.is_cancelled
+    )
+    notes = reasons_for(task, outcome)
+    schedule = explained(schedule, notes)
     if schedule.answered:
         notes = (*notes, *_carried(task, schedule, at))
     return Step(
@@ -77,6 +163,16 @@ def solve_step(
         task,
         notes,
         tuple(problem.groups[k].id for k in given_up),
+        ids(state.stopped),
+    )
+
+
+def _no_continuation(engine: str) -> Diagnostic:
+    """The reason for a history without continuation where no limit in the way was found."""
+    return Diagnostic(
+        Code.NO_CONTINUATION,
+        f"no schedule continues what has run: proved by {engine}",
+        hint="undo or relax what the last events changed",
     )
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from irc.model.quantities import Number
-from irc.schedule import Entry, Schedule
+from irc.schedule import CANCELLED, Entry, Schedule
 
 Key = tuple[str, int]
 """An occurrence: the action's id and the number of the occurrence."""
@@ -32,6 +32,11 @@ class ExecutionState:
     open: tuple[Entry, ...]
 
     @property
+    def stopped(self) -> tuple[Entry, ...]:
+        """The completed entries that were cancelled, or failed."""
+        return tuple(entry for entry in self.completed if entry.status == CANCELLED)
+
+    @property
     def frozen(self) -> tuple[Entry, ...]:
         """The entries that cannot be changed any more."""
         return (*self.completed, *self.running)
@@ -42,11 +47,21 @@ def state_at(schedule: Schedule, at: Number, observed: Collection[Key] = ()) -> 
 
     `observed` occurrences have started, even where the schedule has them start just at `at`.
     """
+    begun = {
+        key_of(entry)
+        for entry in schedule.entries
+        if entry.start < at or (entry.start == at and key_of(entry) in observed)
+    }
+    return state_of(schedule.entries, at, begun)
+
+
+def state_of(entries: Iterable[Entry], at: Number, begun: Collection[Key]) -> ExecutionState:
+    """The entries that are completed, running and open at `at`, of which some have `begun`."""
     completed: list[Entry] = []
     running: list[Entry] = []
     still_open: list[Entry] = []
-    for entry in schedule.entries:
-        if entry.start < at or (entry.start == at and key_of(entry) in observed):
+    for entry in entries:
+        if key_of(entry) in begun:
             (completed if entry.end <= at else running).append(entry)
         else:
             still_open.append(entry)

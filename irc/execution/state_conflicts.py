@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
-from irc.problem import Activity, Condition, Details, Problem
+from irc.problem import Activity, Condition, Details, Effect, Problem, Variable
 from irc.schedule import Entry
 
 Write = tuple[int, int, int, int]
@@ -34,6 +34,7 @@ def without_broken_conditions(
     }
     activities = list(problem.activities)
     helpers: list[tuple[Activity, ExecutedActivity]] = []
+    lost: list[tuple[int, int, bool]] = []
     for i, past in executed.items():
         details = activities[i].details
         if not details.conditions:
@@ -47,9 +48,16 @@ def without_broken_conditions(
                 helpers += _held_until_broken(problem, writes, c, i, past, now)
         if len(kept) < len(details.conditions):
             conditions = tuple(kept)
+            lost += [
+                (i, c.var, c.at == "end")
+                for c in details.conditions
+                if c not in kept and c.at != "all"
+            ]
             activities[i] = replace(activities[i], details=replace(details, conditions=conditions))
+    variables = _still_read(problem, activities, executed, lost, now)
     changed = replace(
         problem,
+        variables=(*problem.variables, *variables),
         activities=(*activities, *(a for a, _ in helpers)),
         previous=replace(
             problem.previous,
@@ -57,6 +65,42 @@ def without_broken_conditions(
         ),
     )
     return changed, {**executed, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
+
+
+def _still_read(
+    problem: Problem,
+    activities: list[Activity],
+    executed: Mapping[int, ExecutedActivity],
+    lost: Sequence[tuple[int, int, bool]],
+    now: int,
+) -> list[Variable]:
+    """Lets happenings that are still to come read a variable, though their condition is dropped.
+
+    Who changes the variable then must not do so at the same time and rank. So both change another
+    variable, which has one value and which nothing needs. Returns these variables.
+    """
+    added: list[Variable] = []
+    names = {v.id for v in problem.variables}
+    for i, var, at_end in lost:
+        past = executed[i]
+        if (past.end if at_end else past.start) < now:
+            continue
+        index = len(problem.variables) + len(added)
+        name = fresh_name(f"{problem.activities[i].id} reads {problem.variables[var].id}", names)
+        names.add(name)
+        added.append(Variable(name, (False,), 0))
+        for j, activity in enumerate(activities):
+            if j != i and j in executed and not executed[j].running:
+                continue
+            own = [Effect(index, 0, at_end)] if j == i else []
+            more = own or [
+                Effect(index, 0, e.at_end) for e in activity.details.effects if e.var == var
+            ]
+            if more:
+                effects = (*activity.details.effects, *more)
+                details = replace(activity.details, effects=effects)
+                activities[j] = replace(activity, details=details)
+    return added
 
 
 def _held_until_broken(

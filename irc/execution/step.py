@@ -12,17 +12,19 @@ from irc.execution.state import Key, key_of
 from irc.model import Event, Task
 from irc.model.quantities import Number
 from irc.model.times import json_number
-from irc.schedule import Entry, Schedule
+from irc.outcome import Outcome
+from irc.schedule import Entry, LeftOut, Schedule
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
     """The result of replanning at one instant.
 
-    `completed` and `running` are ids as of then. `moved` counts the planned occurrences whose
-    start, mode or resources differ from the previous plan, or that are gone. `abandoned` are
-    half-done groups that cannot be finished. `schedule` is the whole history with the new plan, an
-    answer to `task`.
+    `completed` and `running` are ids as of then; `stopped` are those of what was cancelled or
+    failed, which is over too. `moved` counts the planned occurrences whose start, mode or resources
+    differ from the previous plan, or that are gone. `abandoned` are half-done groups that cannot be
+    finished. `schedule` is the whole history with the new plan, an answer to `task` except for what
+    is `left_out`.
     """
 
     at: Number
@@ -34,6 +36,17 @@ class Step:
     task: Task
     notes: tuple[Diagnostic, ...] = ()
     abandoned: tuple[str, ...] = ()
+    stopped: tuple[str, ...] = ()
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """The required actions and goals that cannot go on: the schedule is without them."""
+        return self.schedule.left_out
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the replanning ended; without a plan, with the diagnostics that say why."""
+        return self.schedule.outcome
 
     def to_dict(self) -> dict[str, Any]:
         """The step as `irc simulate --format json` writes it."""
@@ -42,10 +55,12 @@ class Step:
             "event": [event.id for event in self.events],
             "completed": list(self.completed),
             "running": list(self.running),
+            "stopped": list(self.stopped),
             "moved": self.moved,
             "abandoned": list(self.abandoned),
             "notes": [note.to_dict() for note in self.notes],
             "schedule": self.schedule.to_dict(),
+            **({} if self.outcome.answered else {"outcome": self.outcome.to_dict()}),
         }
 
 

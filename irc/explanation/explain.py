@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irc.checks import run_checks
-from irc.diagnostics import Code, InputError
+from irc.diagnostics import InputError, Report
 from irc.diagnostics.source import Pointer
 from irc.driver.compile import reporting_refusals
 from irc.driver.judge import Answer
@@ -20,6 +20,7 @@ from irc.explanation.wording import in_words
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.mandatory import mandatory_part
+from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 from irc.problem.statements import (
     Kind,
@@ -31,36 +32,56 @@ from irc.problem.statements import (
 )
 from irc.retiming.slack import slacks
 from irc.schedule import Schedule, Status
-from irc.targets import Budget, SolveOptions, get_backend
+from irc.targets import Budget, Cancellation, SolveOptions, get_backend
+from irc.targets.interrupt import ended_by_interrupt, lost
 from irc.targets.refuter import Refuter
 
 TARGET = "cpsat"
 """The target whose solver decides conflicts that time alone does not."""
 
-_INFEASIBLE = frozenset((Code.CYCLE, Code.WINDOW, Code.TOO_LATE, Code.DEMAND, Code.LAGS))
-"""Faults that mean that the task has no schedule: they are explained, not refused."""
+AFTERWARDS_SHARE = 0.1
+"""The part of a time limit that is kept for the critical chain and its words, at most."""
 
 
-def explain_task(task: Task, time_limit: float | None = None) -> Explanation:
+def explain_task(
+    task: Task,
+    time_limit: float | None = None,
+    *,
+    cancel: Cancellation | None = None,
+    spent: float = 0.0,
+) -> Explanation:
     """The explanation of a task: why it has no schedule, or why its schedule is not shorter.
 
-    `time_limit` is in seconds of wall-clock time for the whole explanation. Raises `InputError` if
+    `time_limit` is in seconds of wall-clock time for the whole explanation, of which some may be
+    `spent` already; `cancel` ends it earlier, with what is known by then. Raises `InputError` if
     the task has faults other than that it has no schedule, or an element that the solver's target
-    does not support; `EngineMissing` or `EngineFailed` as solving does.
+    does not support; `EngineMissing` or `EngineFailed` as solving does, and `KeyboardInterrupt`
+    where ^C comes before anything is known.
     """
-    budget = Budget(time_limit)
+    with ended_by_interrupt(cancel) as ending:
+        budget = Budget(time_limit, spent=spent, cancel=ending)
+        explanation = _explained(task, budget)
+        if explanation.feasible is None:
+            lost(ending)
+    done = explanation.status is Status.OPTIMAL or explanation.conflict
+    return replace(
+        explanation,
+        source=task.source,
+        seconds=round(budget.elapsed, 3),
+        interrupted=budget.is_cancelled and not (done and explanation.minimal),
+    )
+
+
+def _explained(task: Task, budget: Budget) -> Explanation:
     checked = run_checks(task, lint=False)
-    if any(d.code not in _INFEASIBLE for d in checked.report.errors):
+    if not checked.report.ok and not checked.report.contradicts:
         raise InputError(checked.report)
     # (If the part that every schedule contains is infeasible, so is the whole task.)
-    problem, _ = mandatory_part(checked.problem)
-    if not checked.report.ok:
-        explanation = _without_solver(task, problem, budget)
-        if explanation is None:
-            raise InputError(checked.report)
-    else:
-        explanation = _with_solver(task, problem, budget, whole=problem is checked.problem)
-    return replace(explanation, source=task.source, seconds=round(budget.elapsed, 3))
+    problem, _ = mandatory_part(decide_presence(checked.problem))
+    if checked.report.ok:
+        return _with_solver(task, problem, budget, whole=problem is checked.problem)
+    explanation = _without_solver(task, problem, budget) or _by_checks(task, checked.report)
+    return replace(explanation, reasons=checked.report.located().errors)
 
 
 def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation | None:
@@ -72,15 +93,37 @@ def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
+def _by_checks(task: Task, report: Report) -> Explanation:
+    """Returns why the checks rule every schedule out, where no conflict is known."""
+    return Explanation(
+        Status.INFEASIBLE,
+        task.name,
+        task.time_unit,
+        minimal=False,
+        by="checks",
+        reason="; ".join(d.message for d in report.errors),
+    )
+
+
 def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -> Explanation:
     """The explanation with a solver; `whole`: the problem is the whole task, not only a part."""
     # One worker and one seed: the same task gets the same explanation.
-    answer = solve_task(task, SolveOptions(TARGET, time_limit=None, workers=1, seed=0), budget)
+    options = SolveOptions(TARGET, time_limit=None, workers=1, seed=0)
+    part = budget.at_most(budget.left - min(budget.elapsed, AFTERWARDS_SHARE * budget.limit))
+    answer = solve_task(task, options, part)
     if answer.schedule.answered:
         return _feasible(task, problem, answer) if whole else _solved(task, answer)
+    found = _unanswered(task, problem, answer, budget, whole=whole)
+    return replace(found, reasons=answer.schedule.reasons)
+
+
+def _unanswered(
+    task: Task, problem: Problem, answer: Answer, budget: Budget, *, whole: bool
+) -> Explanation:
+    """Why the solver has found no schedule."""
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
-    refuter = get_backend(TARGET).refuter()
+    refuter = None if budget.is_over else get_backend(TARGET).refuter()
     if not whole and not _is_refuted(problem, refuter, budget):
         return Explanation(
             Status.INFEASIBLE,
@@ -113,7 +156,10 @@ def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bo
 
 
 _OF_THE_CLOCK = frozenset(
-    (Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.LATEST_START, Kind.RELEASE)
+    (
+        *(Kind.TASK_DEADLINE, Kind.GROUP_DEADLINE, Kind.DEADLINE),
+        *(Kind.START, Kind.LATEST_START, Kind.RELEASE),
+    )
 )
 """The statements that name an hour."""
 

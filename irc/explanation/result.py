@@ -6,9 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from irc.diagnostics import Diagnostic
 from irc.diagnostics.source import Pointer, Source, pointer_text
 from irc.model.quantities import Number
 from irc.model.times import format_number, json_number
+from irc.outcome import INTERRUPTED, Outcome
 from irc.schedule import Schedule, Status
 
 EXPLANATION_VERSION = "1"
@@ -75,6 +77,9 @@ class Explanation:
       order), `slack` is how much later each action could start, and `proof` says whether a shorter
       schedule may exist.
     - Neither is known within the limits: `status` is "unknown".
+
+    `interrupted`: the search was ended before it was done, so that the conflict may have statements
+    that are not needed, or the schedule may not be the shortest.
     """
 
     status: Status
@@ -91,6 +96,15 @@ class Explanation:
     proof: str | None = None
     seconds: float | None = None
     source: Source | None = None
+    interrupted: bool = False
+    reasons: tuple[Diagnostic, ...] = field(default=(), repr=False)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the explanation ended, with the diagnostics that say why there is no schedule."""
+        if self.interrupted:
+            return Outcome.of(INTERRUPTED, self.reasons, answered=self.feasible is True)
+        return Outcome.of(str(self.status), self.reasons)
 
     @property
     def feasible(self) -> bool | None:
@@ -106,6 +120,7 @@ class Explanation:
             "task": self.task,
             "feasible": self.feasible,
             "status": str(self.status),
+            **({"interrupted": True} if self.interrupted else {}),
         }
         if self.status is Status.INFEASIBLE:
             shown |= {
@@ -122,6 +137,8 @@ class Explanation:
                 "chain": None if self.chain is None else [step.to_dict() for step in self.chain],
                 "slack": {name: json_number(value) for name, value in self.slack.items()},
             }
+        if not self.outcome.answered:
+            shown["outcome"] = self.outcome.to_dict()
         return {**shown, "seconds": self.seconds}
 
     def _repr_html_(self) -> str:

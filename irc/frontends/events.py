@@ -35,13 +35,18 @@ class PlacedEvent:
 
     def anchored(self, report: Report) -> Report:
         """A report on the event alone, with places in the text of the event."""
-        if report.source is not None or self.source is None:
+        if report.source is not None:
             return report
         moved = (
             replace(d, pointer=(*self.pointer, *d.pointer), fix=()) if d.offset is None else d
             for d in report
         )
         return Report(tuple(moved), self.source)
+
+    def notes(self, report: Report) -> list[Diagnostic]:
+        """The findings of a report on the event alone, each with its place and its text."""
+        found = self.anchored(report)
+        return [d if d.within else replace(d, within=found.source) for d in found.located()]
 
 
 def read_events(
@@ -114,7 +119,10 @@ def to_events(
     Raises `InputError` with every fault of shape.
     """
     timed = [
-        {"at": at, **element} if isinstance(element, dict) else element for element in elements
+        {"at": at, **{k: v for k, v in element.items() if v is not None}}
+        if isinstance(element, dict)
+        else element
+        for element in elements
     ]
     findings = Findings()
     # Read them as part of a task, so that faults of shape have the usual messages.

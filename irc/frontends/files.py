@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.frontends.json.document import MAX_BYTES, RawDocument, decode_bytes, read_document
@@ -15,8 +16,7 @@ from irc.model.from_document import to_task
 STANDARD_INPUT = "-"
 
 
-@dataclass(frozen=True)
-class Reading:
+class Reading(NamedTuple):
     """A task that was read, with the notes on its text."""
 
     task: Task
@@ -59,13 +59,13 @@ def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Rea
         from irc.frontends.english.reader import read_english
 
         return _typed(read_english(text, name))
-    return _typed(read_document(text, name))
+    return _typed(read_document(text, name, mend=True))
 
 
 def _typed(document: RawDocument) -> Reading:
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
-    if task is None:
+    if task is None or document.notes.has_errors:
         from irc.frontends.partial import further_findings
 
         findings.items += further_findings(document.content, findings)

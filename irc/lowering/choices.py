@@ -26,6 +26,7 @@ from irc.problem import (
     Details,
     Effect,
     Group,
+    GroupDeadline,
     Mode,
     Problem,
     Requirement,
@@ -85,31 +86,29 @@ class _Lowering:
         self.forced = {name for group in task.groups if group.required for name in group.actions}
         self.deadlines = self._group_deadlines()
 
-    def _group_deadlines(self) -> dict[str, int]:
-        """The earliest deadline among the groups of each action."""
-        deadlines: dict[str, int] = {}
-        for group in self.task.groups:
+    def _group_deadlines(self) -> dict[str, tuple[int, GroupDeadline]]:
+        """The earliest deadline among the groups of each action, and whose it is."""
+        deadlines: dict[str, tuple[int, GroupDeadline]] = {}
+        for g, group in enumerate(self.task.groups):
             if group.deadline is None:
                 continue
             deadline = ticks_or_none(group.deadline, self.to_ticks)
             if deadline is not None:
+                by = GroupDeadline(group.id, ("groups", g, "deadline"))
                 for name in group.actions:
-                    deadlines[name] = min(deadline, deadlines.get(name, deadline))
+                    if name not in deadlines or deadline < deadlines[name][0]:
+                        deadlines[name] = deadline, by
         return deadlines
 
     def activity(self, activity: Activity) -> Activity:
         action = self.task.actions[int(activity.origin[1])]
         details = self._details(action)
-        deadline = self.deadlines.get(action.id)
-        if deadline is not None and activity.deadline is not None:
-            deadline = min(deadline, activity.deadline)
-        activity = replace(
-            activity,
-            deadline=activity.deadline if deadline is None else deadline,
-            details=PLAIN if details == PLAIN else details,
-        )
+        activity = replace(activity, details=PLAIN if details == PLAIN else details)
+        deadline, by = self.deadlines.get(action.id, (None, None))
+        if deadline is not None and (activity.deadline is None or deadline < activity.deadline):
+            activity = replace(activity, deadline=deadline, deadline_by=by)
         if action.occurrence_bounds[1] == 0:
-            activity = replace(activity, deadline=IMPOSSIBLE_DEADLINE)
+            activity = replace(activity, deadline=IMPOSSIBLE_DEADLINE, deadline_by=None)
         return self._with_modes(activity, action) if action.modes else activity
 
     def _details(self, action: Action) -> Details:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from irc.diagnostics import Code, Diagnostic
-from irc.diagnostics.patching import TextEdit, text_edits
+from irc.diagnostics.fix import TextEdit
+from irc.diagnostics.patching import text_edits
 from irc.diagnostics.suggest import closest
 from irc.lsp.analysis import Analysis
 from irc.lsp.names import Names

@@ -18,7 +18,7 @@ from irc.model.base import Node, write_time
 from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, json_number
 
-_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
+_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals", "lapsed"])
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
@@ -51,7 +51,12 @@ def canonical_sha256(canonical: dict[str, Any]) -> str:
 
 def written_task(task: Task) -> dict[str, Any]:
     """The task as a JSON document, as it was written: order and units kept, defaults left out."""
-    written: dict[str, Any] = {"irc": "1", **_as_written(task)}
+    return {"irc": "1", **written_part(task)}
+
+
+def written_part(node: Node) -> dict[str, Any]:
+    """A part of the IR as a JSON document, as it was written."""
+    written: dict[str, Any] = _as_written(node)
     return written
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, field_validator
 
-from irc.model.base import Amount, Count, Instant, Name, Node, StateValue
+from irc.model.base import Amount, Count, Instant, Name, Node, Span, StateValue
 from irc.model.details import Goal, Group, StateVariable
 from irc.model.parts import (
     Action,
@@ -140,14 +140,41 @@ class SetObjective(Node):
     _one_objective = field_validator("objective", mode="before")(objective_names)
 
 
+class RetryAction(Node):
+    """Does an action again that failed, was cancelled, or is interrupted by this.
+
+    The repetition is an action of its own, called `id` (default: "weld (2)", say), with the
+    precedences, groups and goal of the other. `done` is the part of the duration that need not be
+    done again, in the mode `mode` if the action has modes.
+    """
+
+    op: Literal["retry_action"]
+    action: Name
+    id: Name | None = None
+    done: Span = 0
+    mode: Name | None = None
+
+
+ObservedStatus = Literal["not_begun", "running", "finished", "failed"]
+"""The state of an occurrence at the time of an observation."""
+
+
 class Observe(Node):
-    """An observation: an action really started or finished at a time."""
+    """An observation: what really happened to an action, as of the event's time.
+
+    `status` says what it is then; `finished` is also when it failed. `expected_end` is when what is
+    running should end. `mode` and `resources` are those in which it is really done.
+    """
 
     op: Literal["observe"]
     action: Name
     occurrence: Amount = 1
+    status: ObservedStatus | None = None
     started: Instant | None = None
     finished: Instant | None = None
+    expected_end: Instant | None = None
+    mode: Name | None = None
+    resources: tuple[Name, ...] = ()
 
 
 Change = Annotated[
@@ -166,6 +193,7 @@ Change = Annotated[
     | SetState
     | AddState
     | SetObjective
+    | RetryAction
     | Observe,
     Discriminator("op"),
 ]

@@ -8,9 +8,8 @@ the task in force.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from irc.diagnostics.source import Pointer
 from irc.model import Action, DurationRange, Resource, Task
@@ -59,8 +58,7 @@ class Feature(Enum):
     MAKESPAN = "the objective minimize_makespan"
 
 
-@dataclass(frozen=True, slots=True)
-class FeatureUse:
+class FeatureUse(NamedTuple):
     """One place where a task uses a feature, and the element's name for messages."""
 
     feature: Feature

@@ -10,7 +10,6 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from irc.diagnostics.listing import and_more
@@ -35,8 +34,7 @@ _NOTHING = -(1 << 200)
 """Below every sum of times and work."""
 
 
-@dataclass(frozen=True, slots=True)
-class Load:
+class Load(NamedTuple):
     """Activities (by index) that hold `amounts` of a load with `capacity` units.
 
     `of` names the load for the user. Each activity has a least duration above 0; together they

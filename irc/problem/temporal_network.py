@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 
 @dataclass
@@ -34,8 +34,7 @@ class Network:
         return Network(self.size, self.dst, self.src, self.weight)
 
 
-@dataclass(frozen=True)
-class Times:
+class Times(NamedTuple):
     """The least solution, the cause of each time, and the contradictions found.
 
     `cause[v]` is the edge that set `t[v]`, or -1 where its floor did. `cycles` holds one positive

@@ -6,7 +6,7 @@ point of its own. Resources are not part of it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from irc.problem.problem import Problem
 from irc.problem.temporal_network import Network, earliest
@@ -15,8 +15,7 @@ DURATION = -1
 """Marks an edge that comes from an activity's own duration, not from an arc."""
 
 
-@dataclass(frozen=True)
-class PointMap:
+class PointMap(NamedTuple):
     """The points of each activity's two ends: a point number and an offset to it in ticks."""
 
     start: list[int]
@@ -25,8 +24,7 @@ class PointMap:
     size: int
 
 
-@dataclass(frozen=True)
-class TimingNetwork:
+class TimingNetwork(NamedTuple):
     """The network of a problem. `labels[e]` is (arc index or `DURATION`, whether a maximum)."""
 
     points: PointMap

@@ -13,6 +13,7 @@ from irc.frontends.events import to_events
 from irc.frontends.json.document import decode_bytes
 from irc.frontends.json.value import read_value
 from irc.model import Event, Task
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError
 from irc.model.times import json_number, parse_instant
 
@@ -40,10 +41,21 @@ class Request:
         return self.do == "replan" or self.raw.get("replan") is True
 
 
+OBSERVED = (
+    "occurrence",
+    "status",
+    "started",
+    "finished",
+    "expected_end",
+    "mode",
+    "resources",
+)
+"""The fields of a request `observe` that are those of the change `observe` of an event."""
+
 _FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "advance": ("to",),
-        "observe": ("action", "occurrence", "started", "finished", "replan"),
+        "observe": ("action", *OBSERVED, "at", "replan"),
         "apply": ("event", "replan"),
         "replan": (),
         "state": (),
@@ -68,7 +80,7 @@ def decode_request(line: bytes) -> tuple[Mapping[str, Any], Source]:
         findings = Findings()
         findings.add(Code.WRONG_TYPE, f"expected {_EXPECTED}, found a list", offset=0)
         raise InputError(Report(tuple(findings.items), source))
-    return raw, source
+    return without_nulls(raw), source
 
 
 def to_request(raw: Mapping[str, Any], source: Source) -> Request:
@@ -122,18 +134,30 @@ def _check_fields(do: str, raw: Mapping[str, Any], findings: Findings) -> None:
     if type(number) is not int or number < 1:
         message = "'occurrence': expected a whole number, 1 or more"
         findings.add(Code.WRONG_TYPE, message, ("occurrence",))
-    if do == "observe" and raw.get("started") is None and raw.get("finished") is None:
+    if do == "observe" and all(raw.get(field) in (None, []) for field in OBSERVED[1:]):
         findings.add(
             Code.MISSING_FIELD,
-            "this observation of the action has no time",
-            hint='add "started" or "finished"',
+            "this observation of the action says nothing",
+            hint='add "started" or "finished", or a "status" such as "running"',
         )
+
+
+def observation_of(request: Request, task: Task, now: Number) -> Event:
+    """The event of a request `observe`; the default of its time is now. Raises `InputError`."""
+    said = {k: request.raw[k] for k in ("action", *OBSERVED) if request.raw.get(k) is not None}
+    for field in ("at", "started", "finished", "expected_end"):
+        if request.raw.get(field) is not None:
+            time_of(request, field, task)
+    at = request.raw.get("at")
+    raw = {"at": json_number(now) if at is None else at, "changes": [{"op": "observe", **said}]}
+    (event,) = to_events([raw], lambda i: (), 0, request.source)
+    return event
 
 
 def time_of(request: Request, field: str, task: Task) -> Number:
     """A time of a request in the task's unit. Raises `InputError`."""
     try:
-        moment = task.number(parse_instant(request.raw.get(field)))
+        moment = task.clock.exact(parse_instant(request.raw.get(field)))
     except TimeError as error:
         fault = f"'{field}': {error}"
     else:

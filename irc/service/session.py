@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Self
 
+from irc._version import __version__
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
@@ -20,22 +21,29 @@ from irc.execution.step import Step
 from irc.frontends.events import PlacedEvent
 from irc.frontends.json.value import read_value
 from irc.model import Task
-from irc.model.canonical import task_sha256
+from irc.model.canonical import task_sha256, written_task
 from irc.model.times import json_number
+from irc.outcome import Outcome
 from irc.schedule import Schedule, schedule_from_json
-from irc.service.journal import Journal, Recovered
+from irc.service.journal import Journal, JournalError, Recovered
 from irc.service.protocol import (
     MAX_LINE,
     Request,
     decode_request,
     event_of,
     is_id,
+    observation_of,
     time_of,
     to_request,
 )
+from irc.service.same_task import require_task
+from irc.service.snapshot import SnapshotError, from_snapshot, to_snapshot
 from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 
 RUN_VERSION = "1"
+
+MOST_REQUESTS, FEWEST_REQUESTS, ACTIONS_REPLAYED = 100, 20, 50_000
+"""A snapshot follows each such number of requests, fewer of them for a task with many actions."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +69,8 @@ class Session:
     """The number of replayed requests."""
     last_id: Any = None
     """The "id" of the last request that was accepted."""
+    _accepted: int = 0
+    _since_snapshot: int = 0
 
     @classmethod
     def start(cls, execution: Execution, journal: Journal | None = None) -> Self:
@@ -71,7 +81,9 @@ class Session:
                 {
                     "task": task.name,
                     "task_sha256": task_sha256(task),
+                    "document": written_task(task),
                     "schedule": execution.schedule.to_dict(),
+                    "presume": execution.presume,
                 }
             )
         return cls(execution, journal)
@@ -85,15 +97,51 @@ class Session:
         Raises `InputError` if the journal belongs to another task or cannot be replayed.
         """
         schedule = first_schedule(task, found)
-        session = cls(make(schedule), None, found.notes)
-        for number, text in enumerate(found.entries, 2):
+        session, requests = cls._begun(make(schedule), found)
+        for number, text in requests:
             try:
                 entry, _ = read_value(text, "<journal>")
                 session._replay(entry)
             except (InputError, KeyError, TypeError) as error:
-                raise _not_replayed(number, error) from None
+                raise _not_replayed(number, error, found) from None
         session.journal = journal
         return session
+
+    @classmethod
+    def _begun(cls, first: Execution, found: Recovered) -> tuple[Self, tuple[tuple[int, str], ...]]:
+        """(the session at the last snapshot that can be read, the requests since).
+
+        `first` is the execution at its start, for a journal without one.
+        """
+        for start in found.starts():
+            if start.snapshot is None:
+                return cls(first, None, found.notes), start.requests
+            try:
+                saved, _ = read_value(start.snapshot, "<journal>")
+                saved = saved["snapshot"]
+                execution = from_snapshot(saved["execution"], first.options)
+                session = cls(execution, None, found.notes, saved["recovered"], saved["last_id"])
+            except (InputError, KeyError, SnapshotError, TypeError):
+                continue  # Of another version; an earlier one, or the beginning, does as well.
+            return session, start.requests
+        raise InputError(_of_another_version(found))
+
+    def save(self) -> str | None:
+        """Writes a snapshot to the journal if enough requests have come since the last one.
+
+        Returns why it could not be written, if it could not: nothing is lost by that.
+        """
+        size = len(self.execution.task.actions)
+        every = max(FEWEST_REQUESTS, min(MOST_REQUESTS, ACTIONS_REPLAYED // (size + 1)))
+        if self.journal is None or self._since_snapshot < every:
+            return None
+        self._since_snapshot = 0
+        known = {"recovered": self.recovered + self._accepted, "last_id": self.last_id}
+        try:
+            self.journal.save(_one_line({**known, "execution": to_snapshot(self.execution)}))
+        except OSError as error:
+            return f"no snapshot could be added to the journal: {error.strerror or error}"
+        return None
 
     def greeting(self) -> dict[str, Any]:
         """The first message: the state of the execution, and the number of replayed requests."""
@@ -123,10 +171,10 @@ class Session:
         except InputError as error:
             self.execution = before
             message = error.report.errors[0].message
-            return Reply(_with_id(name, self._refused(message, error.report)))
+            return Reply(_with_id(name, self._refused(message, error.outcome, error.report)))
         except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
-            return Reply(_with_id(name, self._refused(str(error))))
+            return Reply(_with_id(name, self._refused(str(error), error.outcome)))
         self._record(source.text, step)
         self.last_id = name
         return Reply(_with_id(name, document))
@@ -135,11 +183,12 @@ class Session:
         """The answer to a line that is too long for a request."""
         message = f"a request may have at most {MAX_LINE:,} bytes"
         finding = Diagnostic(Code.TOO_LARGE, message, hint="send it in several requests")
-        return Reply(self._refused(message, Report((finding,))))
+        report = Report((finding,))
+        return Reply(self._refused(message, report.outcome, report))
 
     def broken(self, message: str) -> Reply:
         """The last answer, if the journal can no longer be written."""
-        return Reply(self._refused(message), last=True)
+        return Reply(self._refused(message, JournalError(message).outcome), last=True)
 
     def state(self) -> dict[str, Any]:
         """The state of the execution: the completed, running and open actions, and the plan."""
@@ -148,8 +197,9 @@ class Session:
         return {
             "completed": [entry.id for entry in state.completed],
             "running": [entry.id for entry in state.running],
+            "stopped": [entry.id for entry in state.stopped],
             "open": [entry.id for entry in state.open],
-            "replan_needed": bool(execution.pending),
+            "replan_needed": execution.replan_needed,
             "events": [
                 {"id": event.id, "at": json_number(execution.task.number(event.at))}
                 for event in in_order(execution.task)
@@ -158,11 +208,14 @@ class Session:
             "schedule": execution.schedule.to_dict(),
         }
 
-    def _refused(self, message: str, report: Report | None = None) -> dict[str, Any]:
+    def _refused(
+        self, message: str, outcome: Outcome, report: Report | None = None
+    ) -> dict[str, Any]:
         """An answer with an error message, and every finding if the request is faulty."""
         found = [] if report is None else report.to_list()
         now = json_number(self.execution.now)
-        return {"ok": False, "now": now, "error": {"message": message, "diagnostics": found}}
+        error = {"message": message, "diagnostics": found}
+        return {"ok": False, "now": now, "error": error, "outcome": outcome.to_dict()}
 
     def _now_and_notes(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
         return {"now": json_number(self.execution.now), "notes": [d.to_dict() for d in notes]}
@@ -187,21 +240,12 @@ class Session:
             self.execution.advance(to)
         except InputError as error:
             raise InputError(_placed(error.report, request, "to")) from None
-        return ()
+        return tuple(_placed(Report(self.execution.take_notes()), request, "to").located())
 
     def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
-        task = self.execution.task
-        started, finished = (
-            None if request.raw.get(key) is None else time_of(request, key, task)
-            for key in ("started", "finished")
-        )
+        execution = self.execution
         try:
-            report = self.execution.observe(
-                request.raw["action"],
-                started=started,
-                finished=finished,
-                occurrence=request.raw.get("occurrence", 1),
-            )
+            report = execution.apply(observation_of(request, execution.task, execution.now))
         except InputError as error:
             raise InputError(_placed(error.report, request)) from None
         return tuple(_placed(report, request).located())
@@ -221,6 +265,8 @@ class Session:
             return
         result = "" if step is None else f', "step": {json.dumps(step.to_dict())}'
         self.journal.append(f'{{"request": {request.strip()}{result}}}')
+        self._accepted += 1
+        self._since_snapshot += 1
 
     def _replay(self, entry: Mapping[str, Any]) -> None:
         request = to_request(entry["request"], read_value("{}", "<journal>")[1])
@@ -229,7 +275,10 @@ class Session:
             schedule = schedule_from_json(entry["step"]["schedule"])
             if schedule.answered:
                 self.execution.adopt(schedule)
+            else:
+                self.execution.reject()
         self.recovered += 1
+        self._since_snapshot += 1
         self.last_id = request.id
 
 
@@ -240,23 +289,36 @@ _CHANGES: Mapping[str, Callable[[Session, Request], tuple[Diagnostic, ...]]] = M
 
 def first_schedule(task: Task, found: Recovered) -> Schedule:
     """The first schedule of a journal. Raises `InputError` if it belongs to another task."""
-    if found.header.get("task_sha256") != task_sha256(task):
-        name = found.header.get("task")
-        raise InputError(
-            _bad_journal(
-                f"the journal belongs to another task ({name or 'unnamed'}), "
-                "or the task has changed",
-                "give the task that it was begun with, or start another journal",
-            )
-        )
+    require_task(task, found.header)
     return schedule_from_json(found.header.get("schedule") or {})
 
 
-def _bad_journal(message: str, hint: str) -> Report:
-    return Report((Diagnostic(Code.BAD_JOURNAL, message, hint=hint),))
+def _one_line(document: Mapping[str, Any]) -> str:
+    """A document as JSON on one line."""
+    return json.dumps(document, ensure_ascii=False, allow_nan=False)
 
 
-def _not_replayed(line: int, error: Exception) -> InputError:
+def _of_another_version(found: Recovered) -> Report:
+    """The report for a journal that has only snapshots which cannot be read."""
+    writer = found.header.get("irc")
+    return _bad_journal(
+        Code.JOURNAL_VERSION,
+        f"no snapshot of the journal can be read; irc {writer} wrote it, and this is {__version__}",
+        "continue it with the version of irc that wrote it",
+    )
+
+
+def _writer(found: Recovered) -> str:
+    """The version of irc that began a journal, in brackets, if another one continues it."""
+    writer = found.header.get("irc")
+    return f" (irc {writer})" if isinstance(writer, str) and writer != __version__ else ""
+
+
+def _bad_journal(code: Code, message: str, hint: str) -> Report:
+    return Report((Diagnostic(code, message, hint=hint),))
+
+
+def _not_replayed(line: int, error: Exception, found: Recovered) -> InputError:
     """The error for an undamaged journal whose requests are no longer accepted."""
     if isinstance(error, InputError) and error.report.errors:
         reason = error.report.errors[0].message
@@ -264,8 +326,9 @@ def _not_replayed(line: int, error: Exception) -> InputError:
         reason = "it is not an entry of `irc run`"
     return InputError(
         _bad_journal(
+            Code.BAD_JOURNAL,
             f"line {line} of the journal cannot be replayed: {reason}",
-            "continue it with the version of irc that wrote it",
+            f"continue it with the version of irc that wrote it{_writer(found)}",
         )
     )
 

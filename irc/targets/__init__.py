@@ -1,7 +1,7 @@
 """Targets: the interfaces of backends, programs and engines; in, a `Problem`; out, an `Outcome`."""
 
 from irc.targets.backend import MANIFEST_FILE, MANIFEST_VERSION, Backend, Engine, Program
-from irc.targets.budget import Budget, Clock
+from irc.targets.budget import Budget, Cancellation, Clock
 from irc.targets.options import (
     EngineKeywords,
     SolveKeywords,
@@ -26,6 +26,7 @@ __all__ = [
     "MANIFEST_VERSION",
     "Backend",
     "Budget",
+    "Cancellation",
     "Clock",
     "Engine",
     "EngineFailed",

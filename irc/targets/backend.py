@@ -107,6 +107,18 @@ class Engine(ABC):
 
     name: ClassVar[str]
 
+    @property
+    def loading_seconds(self) -> float:
+        """About how long it takes until the engine can begin to search; 0 where it is at once.
+
+        With less time left it is not asked, if the compiler has a schedule of its own.
+        """
+        return 0.0
+
+    def can_begin(self, budget: Budget) -> bool:
+        """Whether the budget lasts until the engine has been loaded, as busy as the machine is."""
+        return not budget.is_over and budget.left >= self.loading_seconds * budget.slowness
+
     @abstractmethod
     def missing(self) -> str | None:
         """The reason why the engine cannot run here and how to install it; None if it can run."""
@@ -116,8 +128,9 @@ class Engine(ABC):
         """Runs until the budget is over and returns the best answer with its proven status.
 
         Of the options an engine needs `memory_limit`, `workers`, `seed` and `on_progress`; its time
-        is that of the budget alone. Raises `EngineFailed` if the engine breaks down without any
-        answer.
+        is that of the budget alone. The budget can be cancelled at any moment
+        (`Budget.is_cancelled`): then the engine returns what it has within about half a second.
+        Raises `EngineFailed` if the engine breaks down without any answer.
         """
 
 
@@ -165,6 +178,13 @@ class Backend(ABC):
         if name not in engines:
             raise UnknownTarget("engine", name, list(engines))
         return engines[name]
+
+    def greatest_horizon(self, problem: Problem) -> int | None:
+        """The greatest horizon, in ticks, that its engines can hold; None: any.
+
+        A running task refuses what would take its times beyond it.
+        """
+        return None
 
     def refuter(self) -> Refuter | None:
         """The solver that proves for `irc explain` why a problem has no schedule, if any."""

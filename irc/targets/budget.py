@@ -7,9 +7,75 @@ engines, the levels of an objective, repair, explanation. A part never outlives 
 from __future__ import annotations
 
 import math
+import os
+import time
 from collections.abc import Callable
 from time import perf_counter
 from typing import Self
+
+
+class Cancellation:
+    """Ends a call early, with the best answer so far.
+
+    A call is given one (`irc.SolveOptions.cancel`), and `cancel` may be called at any time, by any
+    thread or by a signal handler. All that works under the call's budget then has no time left. A
+    copy in another process is not reached.
+    """
+
+    __slots__ = ("_kept", "_noticed", "_outer", "_wanted")
+
+    def __init__(self, outer: Cancellation | None = None) -> None:
+        """Not cancelled yet; `outer`, where there is one, cancels it too."""
+        self._wanted = False
+        self._noticed = False
+        self._kept = False
+        self._outer = outer
+
+    def __repr__(self) -> str:
+        return f"<Cancellation: {'cancelled' if self.is_cancelled else 'not cancelled'}>"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are cancelled, or neither is."""
+        if not isinstance(other, Cancellation):
+            return NotImplemented
+        return self.is_cancelled == other.is_cancelled
+
+    def __hash__(self) -> int:
+        return hash(Cancellation)
+
+    def __copy__(self) -> Self:
+        """Itself: a copy of what was given it is ended with it."""
+        return self
+
+    def __deepcopy__(self, _memo: object) -> Self:
+        return self
+
+    def cancel(self) -> None:
+        """Ends what was given this; nothing takes it back."""
+        self._wanted = True
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether it was cancelled."""
+        if self._wanted or (self._outer is not None and self._outer.is_cancelled):
+            self._noticed = True
+        return self._noticed
+
+    def keep(self) -> None:
+        """Says that there is an answer already, which must not be lost."""
+        self._kept = True
+        if self._outer is not None:
+            self._outer.keep()
+
+    @property
+    def will_answer(self) -> bool:
+        """Whether there is an answer, or the call has noticed, so that one is near."""
+        return self._noticed or self._kept
+
+
+MOST_SLOWNESS = 8.0
+_ENOUGH_SECONDS = 0.05
+"""With less than this computed, nothing is known about the machine."""
 
 Clock = Callable[[], float]
 """Seconds since some moment; only differences count."""
@@ -18,6 +84,8 @@ Clock = Callable[[], float]
 class Budget:
     """Seconds of wall-clock time that run from when it is made; without a number, no limit.
 
+    `spent` are seconds that have gone by before. After `cancel` no time is left, of no part either.
+
     >>> budget = Budget(10)
     >>> budget.share(0.5).limit <= 5
     True
@@ -25,11 +93,20 @@ class Budget:
     True
     """
 
-    __slots__ = ("_began", "_clock", "_end")
+    __slots__ = ("_began", "_cancel", "_clock", "_computed", "_end")
 
-    def __init__(self, seconds: float | None = None, *, clock: Clock = perf_counter) -> None:
+    def __init__(
+        self,
+        seconds: float | None = None,
+        *,
+        spent: float = 0.0,
+        cancel: Cancellation | None = None,
+        clock: Clock = perf_counter,
+    ) -> None:
         self._clock = clock
-        self._began = clock()
+        self._cancel = cancel
+        self._began = clock() - spent
+        self._computed = 0.0 if spent else time.process_time()
         self._end = math.inf if seconds is None else self._began + seconds
 
     def __repr__(self) -> str:
@@ -38,12 +115,24 @@ class Budget:
     def __reduce__(self) -> tuple[Callable[..., Budget], tuple[object, ...]]:
         """Elsewhere it goes on where it was: clocks of two processes have nothing in common."""
         limit = self.limit if self.is_limited else None
-        return _resumed, (type(self), limit, self.elapsed, self._clock)
+        return _resumed, (type(self), limit, self.elapsed, self._clock, self._cancel)
 
     @property
     def limit(self) -> float:
         """The seconds from its beginning to its end; infinite where there is no limit."""
         return self._end - self._began
+
+    @property
+    def slowness(self) -> float:
+        """How many seconds pass for a second of computing: more than 1 on a busy machine.
+
+        It is estimated from what this process has computed since the beginning, and at most
+        `MOST_SLOWNESS`.
+        """
+        computed = time.process_time() - self._computed
+        if computed < _ENOUGH_SECONDS:
+            return 1.0
+        return min(MOST_SLOWNESS, max(1.0, self.elapsed / computed))
 
     @property
     def is_limited(self) -> bool:
@@ -58,12 +147,22 @@ class Budget:
     @property
     def left(self) -> float:
         """The seconds until it ends, never less than 0; infinite where there is no limit."""
-        return max(0.0, self._end - self._clock())
+        return 0.0 if self.is_cancelled else max(0.0, self._end - self._clock())
 
     @property
     def is_over(self) -> bool:
         """Whether no time is left."""
-        return self._clock() >= self._end
+        return self.is_cancelled or self._clock() >= self._end
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether it was ended from outside: then nothing more is begun, however short."""
+        return self._cancel is not None and self._cancel.is_cancelled
+
+    @property
+    def cancel(self) -> Cancellation | None:
+        """The cancellation that ends it, for what has a clock of its own."""
+        return self._cancel
 
     def share(self, fraction: float) -> Self:
         """A part of what is left, from now on; of no limit there is no smaller part."""
@@ -71,20 +170,49 @@ class Budget:
         left = max(0.0, self._end - now)
         return self._part(now, left * fraction if self.is_limited else math.inf)
 
+    def at_least(self, seconds: float) -> Self:
+        """`seconds` from now on, or all that is left if that is more: a part that may outlive it.
+
+        Such a part too has no time left after `cancel`.
+        """
+        now = self._clock()
+        part = self._part(now, math.inf)
+        part._end = max(part._end, now + seconds)
+        return part
+
     def at_most(self, seconds: float) -> Self:
         """`seconds` from now on, or what is left if that is less."""
         return self._part(self._clock(), seconds)
 
     def _part(self, now: float, seconds: float) -> Self:
         part = type(self).__new__(type(self))
-        part._clock, part._began = self._clock, now
+        part._clock, part._cancel, part._began = self._clock, self._cancel, now
+        part._computed = time.process_time()
         part._end = max(now, min(self._end, now + seconds))
         return part
 
 
-def _resumed(kind: type[Budget], seconds: float | None, elapsed: float, clock: Clock) -> Budget:
+def seconds_since_start(*, waited: bool = False) -> float:
+    """The seconds since this process began, with the start of Python itself.
+
+    If it has `waited` for others (for its input), only what it has computed counts.
+    """
+    if waited:
+        return time.process_time()
+    try:
+        with open("/proc/self/stat", "rb") as file:
+            ticks = int(file.read().rpartition(b")")[2].split()[19])
+        return max(0.0, time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK"))
+    except (OSError, ValueError, IndexError, AttributeError):
+        return time.process_time()  # Not Linux: while a program starts it does little but compute.
+
+
+def _resumed(
+    kind: type[Budget],
+    seconds: float | None,
+    elapsed: float,
+    clock: Clock,
+    cancel: Cancellation | None,
+) -> Budget:
     """A budget of which some seconds have gone by."""
-    budget = kind.__new__(kind)
-    budget._clock, budget._began = clock, clock() - elapsed
-    budget._end = math.inf if seconds is None else budget._began + seconds
-    return budget
+    return kind(seconds, spent=elapsed, cancel=cancel, clock=clock)

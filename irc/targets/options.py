@@ -11,6 +11,7 @@ from irc.diagnostics import did_you_mean
 from irc.errors import OptionError
 from irc.model.quantities import TimeError, exact
 from irc.model.times import format_number, parse_number
+from irc.targets.budget import Budget, Cancellation
 from irc.targets.outcome import OnProgress
 
 
@@ -54,6 +55,7 @@ class EngineKeywords(TypedDict, total=False):
     shortcut: bool
     stability: float | Fraction | str
     on_progress: OnProgress | None
+    cancel: Cancellation | None
 
 
 class SolveKeywords(EngineKeywords, total=False):
@@ -69,7 +71,8 @@ class SolveOptions:
     `time_limit` is in wall-clock seconds for each plan (None: no limit), `memory_limit` in MB. With
     `shortcut`, a task without contention is solved by its critical path alone. `stability` is how
     much worse the last objective may get, as a fraction (0.05 or "5%"), so that fewer occurrences
-    of a running plan move. Raises `OptionError`.
+    of a running plan move. `cancel` ends the call early, with the best answer so far. Raises
+    `OptionError`.
     """
 
     target: str = "cpsat"
@@ -81,6 +84,7 @@ class SolveOptions:
     shortcut: bool = True
     stability: float | Fraction | str = 0
     on_progress: OnProgress | None = None
+    cancel: Cancellation | None = None
 
     def __post_init__(self) -> None:
         require_seconds(self.time_limit)
@@ -101,6 +105,10 @@ class SolveOptions:
                 raise TypeError(f"there is no option {name!r}; {hint}")
         named = more if target is None else {**more, "target": target}
         return replace(options or cls(), **named)
+
+    def budget(self, spent: float = 0.0) -> Budget:
+        """The time limit from now on, or from `spent` seconds ago, which `cancel` ends."""
+        return Budget(self.time_limit, spent=spent, cancel=self.cancel)
 
     @property
     def share(self) -> Fraction:

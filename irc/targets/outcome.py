@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from irc import outcome
 from irc.diagnostics import Code, Diagnostic, did_you_mean
 from irc.errors import IrcError
 from irc.model.quantities import Number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status
-
-
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """An improving answer while an engine runs. Makespan and bound in ticks."""
-
-    seconds: float
-    makespan: int | None
-    bound: int
-    engine: str
-
-
-OnProgress = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +26,68 @@ class ObjectiveLevel:
     name: str
     value: Number
     bound: Number | None = None
+
+    @property
+    def gap(self) -> float | None:
+        """How far value and bound are apart, from 0 (proven best) to 1; None without a bound."""
+        if self.bound is None:
+            return None
+        if self.value == self.bound:
+            return 0.0
+        value, bound = Fraction(self.value), Fraction(self.bound)
+        return float(abs(value - bound) / max(abs(value), abs(bound)))
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """A better answer, or a better bound on it, while an engine runs.
+
+    `seconds` count from when the call began. `objective` names what is being improved, and `value`,
+    `bound` and `gap` are its own; `levels` have it with the objectives before it, or all of them,
+    in their order. Engines give `found`, which makes the schedule of this answer; it is lost when a
+    progress is pickled.
+    """
+
+    seconds: float
+    engine: str
+    objective: str
+    levels: tuple[ObjectiveLevel, ...]
+    found: Callable[[], Schedule] | None = field(default=None, repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.seconds, self.engine, self.objective, self.levels)
+
+    @property
+    def level(self) -> ObjectiveLevel:
+        """The objective that is being improved."""
+        return next(level for level in self.levels if level.name == self.objective)
+
+    @property
+    def value(self) -> Number:
+        """The value of the objective that is being improved."""
+        return self.level.value
+
+    @property
+    def bound(self) -> Number | None:
+        """A proven bound on it; None where none is known."""
+        return self.level.bound
+
+    @property
+    def gap(self) -> float | None:
+        """How far the two are apart, from 0 (proven the best) to 1; None without a bound."""
+        return self.level.gap
+
+    def schedule(self) -> Schedule:
+        """The schedule of this answer, exact and validated; it is made when it is asked for.
+
+        Raises `EngineFailed` where the validator rejects it, or where it is not to be had.
+        """
+        if self.found is None:
+            raise EngineFailed("this progress is a copy, which has no schedule")
+        return self.found()
+
+
+OnProgress = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +110,19 @@ class Outcome:
 class EngineMissing(IrcError):
     """The requested engine is not installed; the message says what to do."""
 
+    ends_as = outcome.MISSING
+
 
 class EngineFailed(IrcError):
     """The engine ran but gave no usable answer; the message says what happened."""
 
+    ends_as = outcome.FAILED
+
 
 class Refusal(IrcError):
     """A target cannot express a problem, although it supports all of its features."""
+
+    ends_as = outcome.REFUSED
 
     def __init__(self, message: str, pointer: tuple[str | int, ...] = (), hint: str | None = None):
         super().__init__(message)
@@ -74,6 +131,8 @@ class Refusal(IrcError):
 
 class UnknownTarget(IrcError):
     """A target or engine that does not exist."""
+
+    ends_as = outcome.MISUSED
 
     def __init__(self, kind: str, name: str, known: list[str]) -> None:
         hint = did_you_mean(name, known) or f"known are {', '.join(sorted(known))}"

@@ -43,7 +43,7 @@ from types import TracebackType
 from typing import IO, Protocol, Self
 
 from irc.errors import IrcError
-from irc.targets.budget import Budget
+from irc.targets.budget import Budget, Cancellation
 
 __all__ = [
     "CommandNotFound",
@@ -108,6 +108,8 @@ class Ended(Enum):
     """It printed more than the limit: stdout is cut at the limit."""
     STOPPED = "stopped"
     """`on_line` ended it (even if the child was about to exit by itself)."""
+    CANCELLED = "cancelled"
+    """The call that it works for was cancelled."""
     SIGNALLED = "signalled"
     """It ended by a signal from elsewhere, such as a crash or the out-of-memory killer."""
 
@@ -173,10 +175,12 @@ def run(
     cwd: Path | None = None,
     env: Mapping[str, str] | None = None,
     on_line: Callable[[str], bool | None] | None = None,
+    cancel: Cancellation | None = None,
 ) -> ProcessResult:
     """Runs a command to its end, within limits, and leaves no process behind.
 
-    It returns at most about half a second after the time limit (plus the time of `on_line`). After
+    It returns at most about half a second after the time limit, or after `cancel` was cancelled
+    (plus the time of `on_line`). After
     an exit it waits up to `GRACE_SECONDS` for a descendant that holds stdout open, and as long for
     one that ignores SIGTERM (or that process 1 does not reap, as in some containers).
 
@@ -191,6 +195,7 @@ def run(
             line end. A true answer ends the child and the calls. The time of the calls counts
             towards the limit, but they are not interrupted. An exception ends the child and is
             raised again.
+        cancel: ends the run, at any time and from any thread.
 
     Raises:
         CommandNotFound: there is no such program.
@@ -202,7 +207,7 @@ def run(
     """
     data = stdin.encode() if isinstance(stdin, str) else stdin
     capture = _Capture(limits.output_bytes, on_line)
-    budget = Budget(limits.seconds)
+    budget = Budget(limits.seconds, cancel=cancel)
     with _Tree() as tree:
         child = tree.start(command, limits.memory_mb, data is not None, cwd, env)
         with closing(_PIPES(child, data, capture)) as pipes:
@@ -419,10 +424,10 @@ def _watch(
     while child.poll() is None:
         remaining = budget.left
         if not remaining:
-            return Ended.TIMEOUT
+            return Ended.CANCELLED if budget.is_cancelled else Ended.TIMEOUT
         if pipes.idle:
             with suppress(subprocess.TimeoutExpired):
-                child.wait(remaining)
+                child.wait(min(remaining, _POLL_SECONDS))
         else:
             pipes.pump(min(remaining, _POLL_SECONDS))
         if capture.verdict is not None:

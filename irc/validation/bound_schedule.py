@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import NamedTuple, Protocol, TypeVar
 
 from irc.errors import IrcError
@@ -22,7 +23,7 @@ from irc.model import (
 )
 from irc.model.quantities import Number
 from irc.model.times import Clock
-from irc.schedule import Entry, Schedule
+from irc.schedule import Entry, LeftOut, Schedule
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"
 """The statuses that an entry of a schedule that is being carried out may have."""
@@ -138,6 +139,11 @@ class BoundSchedule:
         """All occurrences and timed changes, by their numbers."""
         return self.occurrences + self.changes
 
+    @cached_property
+    def left_out(self) -> frozenset[LeftOut]:
+        """The actions and goals that a running task goes on without; none as of t = 0."""
+        return frozenset() if self.at is None else frozenset(self.schedule.left_out)
+
     @property
     def ranked(self) -> bool:
         """Whether the schedule gives ranks; if not, the validator searches for them."""
@@ -159,6 +165,11 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
             f"cannot judge a schedule as of the time {at!r}; use an int or a Fraction"
         )
     clock = task.clock
+    for entry in schedule.entries:
+        _check_exact(entry)
+    if clock.resolution is not None:
+        schedule = _read_at_resolution(schedule, clock)
+        at = None if at is None else clock.number(at)
     actions = _by_id("action", task.actions)
     resources = _by_id("resource", task.resources)
     variables = _by_id("state variable", task.state)
@@ -169,7 +180,6 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
     unknown = []
     for entry in schedule.entries:
         action = actions.get(entry.id)
-        _check_exact(entry)
         if action is None:
             unknown.append(entry)
             continue
@@ -191,6 +201,25 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
         at,
         tuple(_changes(task, schedule, clock, at, len(occurrences))),
     )
+
+
+def _read_at_resolution(schedule: Schedule, clock: Clock) -> Schedule:
+    """The schedule with its times as multiples of the task's resolution."""
+    entries = tuple(
+        replace(entry, start=clock.number(entry.start), end=clock.number(entry.end))
+        for entry in schedule.entries
+    )
+    stated = tuple(
+        replace(
+            o,
+            value=clock.number(o.value),
+            bound=None if o.bound is None else clock.number(o.bound),
+        )
+        if o.name in ("makespan", "tardiness")
+        else o
+        for o in schedule.objective
+    )
+    return replace(schedule, entries=entries, objective=stated)
 
 
 def _changes(
@@ -264,6 +293,8 @@ def _past(
     over = entry.end <= at
     if over or shortest is None or longest is None or shortest == longest:
         return Past(over, entry.end, entry.end)
+    if not shortest <= entry.end - entry.start <= longest:
+        return Past(over, entry.end, entry.end)  # It was observed to take another time.
     earliest = max(at, entry.start + shortest)
     return Past(over, earliest, max(earliest, entry.start + longest))
 

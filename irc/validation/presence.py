@@ -41,7 +41,8 @@ def _check_bounds(bound: BoundSchedule, violations: Violations) -> None:
         if len(found) < least:
             wanted = "" if least == 1 else f"; it must occur at least {least} times"
             count = f"occurs {len(found)} times" if found else "is missing"
-            violations.add("presence", f"{name!r} {count}{wanted}", [name])
+            carried = name in bound.left_out
+            violations.add("presence", f"{name!r} {count}{wanted}", [name], carried=carried)
         elif greatest is not None and len(found) > greatest:
             violations.add(
                 "presence",
@@ -117,4 +118,5 @@ def _check_groups(bound: BoundSchedule, violations: Violations) -> None:
         unmarked = [name for name in there if not is_abandoned(bound, name)]
         if not group.required and len(unmarked) < len(there):
             message += f"; present and not {ABANDONED}: {listed(unmarked, len(unmarked))}"
-        violations.add("group", message, missing)
+        left_out = group.required and bound.left_out.issuperset(missing)
+        violations.add("group", message, missing, carried=left_out)

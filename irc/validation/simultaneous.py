@@ -160,7 +160,7 @@ def rank_constraints(
     constraints = RankConstraints()
     goals: dict[str, list[StateValue]] = {}
     for goal in dict.fromkeys(bound.task.goals):
-        if isinstance(goal, StateGoal):
+        if isinstance(goal, StateGoal) and (goal.var, goal.value) not in bound.left_out:
             goals.setdefault(goal.var, []).append(goal.value)
     for name, variable in bound.variables.items():
         pass_over = _OneVariable(name, variable.start_value, constraints, violations)

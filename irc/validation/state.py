@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import combinations
 
 from irc.model import StateGoal, StateVariable
+from irc.model.state_values import value_text
 from irc.validation.bound_schedule import BoundSchedule, Occurrence, bind
 from irc.validation.happenings import (
     Timeline,
@@ -31,10 +32,15 @@ _READING_COST = 50
 
 
 def check_goals(bound: BoundSchedule, violations: Violations) -> None:
-    """Checks rule 7 for goals that name an action."""
+    """Checks rule 7 for goals that name an action, and for those that are left out."""
     for goal in dict.fromkeys(bound.task.goals):
-        if not isinstance(goal, StateGoal) and goal not in bound.done:
-            violations.add("goal", f"the goal {goal!r} is missing", [goal])
+        if isinstance(goal, StateGoal):
+            if (goal.var, goal.value) in bound.left_out:
+                what = f"the goal {goal.var!r} = {value_text(goal.value)} is left out"
+                violations.add("goal", what, carried=True)
+        elif goal not in bound.done:
+            carried = goal in bound.left_out
+            violations.add("goal", f"the goal {goal!r} is missing", [goal], carried=carried)
 
 
 def check_state(bound: BoundSchedule, violations: Violations) -> None:
@@ -247,5 +253,7 @@ def _check_state_goals(
     bound: BoundSchedule, final: Mapping[str, Value], violations: Violations
 ) -> None:
     for goal in dict.fromkeys(bound.task.goals):
-        if isinstance(goal, StateGoal) and final[goal.var] != goal.value:
+        if not isinstance(goal, StateGoal) or (goal.var, goal.value) in bound.left_out:
+            continue
+        if final[goal.var] != goal.value:
             add_unmet_goal(goal.var, goal.value, final[goal.var], violations)

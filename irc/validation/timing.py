@@ -97,8 +97,11 @@ def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
         f"instead of {wanted}",
         [occurrence.entry.id],
         (occurrence.start, occurrence.end),
-        # The end of a running action is not certain yet, and nothing ends before it starts.
-        carried=occurrence.past is not None and occurrence.past.over and lasts >= 0,
+        # The end of a running action is not certain yet, and nothing ends before it starts. (That
+        # an occurrence of an action that repeats takes another time, no task can express.)
+        carried=occurrence.past is not None
+        and (occurrence.past.over or occurrence.action.may_repeat)
+        and lasts >= 0,
     )
 
 

@@ -91,7 +91,12 @@ def values() -> dict[str, Any]:
         "Step": step,
         "Simulation": task.simulate(time_limit=20),
         "SolveOptions": irc.SolveOptions(stability="5%"),
-        "Progress": irc.Progress(1.0, 3, 2, "ortools"),
+        "Outcome": error_of(lambda: irc.loads('{"actons": []}')).outcome,
+        "ObjectiveLevel": irc.ObjectiveLevel("reward", 5),
+        "Cancellation": irc.Cancellation(),
+        "Progress": irc.Progress(
+            1.0, "ortools", "makespan", (irc.ObjectiveLevel("makespan", 3, 2),)
+        ),
     }
 
 
@@ -106,7 +111,22 @@ def test_there_is_a_value_of_every_public_class(every: dict[str, Any]) -> None:
         for name in irc.__all__
         if inspect.isclass(thing := getattr(irc, name)) and not issubclass(thing, BaseException)
     }
-    assert {name.partition(",")[0] for name in every} == classes
+    assert {name.partition(",")[0] for name in every} == classes - {"Solving"}
+
+
+def test_a_search_that_runs_says_that_it_cannot_be_pickled() -> None:
+    with irc.start(tea()) as solving, pytest.raises(TypeError, match="its result can"):
+        pickle.dumps(solving)
+    assert pickle.loads(pickle.dumps(solving.result())) == solving.result()
+
+
+def test_options_are_copied_with_what_ends_them() -> None:
+    options = irc.SolveOptions(cancel=irc.Cancellation())
+    copied, elsewhere = copy.deepcopy(options), pickle.loads(pickle.dumps(options))
+    assert options.cancel is not None
+    options.cancel.cancel()
+    assert copied.budget().is_cancelled
+    assert not elsewhere.budget().is_cancelled, "a copy in another process is not reached"
 
 
 def test_every_value_is_pickled_copied_and_compared(every: dict[str, Any]) -> None:
@@ -158,7 +178,8 @@ def exception_classes() -> set[type[BaseException]]:
 def test_all_public_exceptions_have_one_base() -> None:
     found = exception_classes()
     assert len(found) > 25
-    assert [c.__name__ for c in found if not issubclass(c, irc.IrcError)] == []
+    # (A signal ends a command: that is no error, and nothing may catch it on its way.)
+    assert [c.__name__ for c in found if not issubclass(c, irc.IrcError)] == ["Interrupted"]
 
 
 @pytest.mark.parametrize(
@@ -205,6 +226,7 @@ def task_number(k: int) -> dict[str, Any]:
     return document
 
 
+@pytest.mark.slow
 def test_500_tasks_in_other_processes_with_faulty_and_infeasible_ones() -> None:
     documents = [task_number(k) for k in range(TASKS)]
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
@@ -215,14 +237,14 @@ def test_500_tasks_in_other_processes_with_faulty_and_infeasible_ones() -> None:
     kinds = ["solved", "shape", "infeasible", "cycle", "solved"]
     for k, (error, future) in enumerate(outcomes):
         kind = kinds[k % 5]
-        if kind in ("shape", "cycle"):
+        if kind == "shape":
             assert isinstance(error, irc.InputError)
             assert str(error) == str(error_of(lambda k=k: irc.solve(documents[k])))
             continue
         assert error is None
         schedule = future.result()
         assert schedule.status is (
-            irc.Status.INFEASIBLE if kind == "infeasible" else irc.Status.OPTIMAL
+            irc.Status.OPTIMAL if kind == "solved" else irc.Status.INFEASIBLE
         )
         if kind == "solved":
             assert irc.validate(documents[k], schedule).valid

@@ -142,7 +142,7 @@ def test_options_have_the_same_names_everywhere() -> None:
     shown = {"target", "engine", "time_limit", "memory_limit", "seed", "workers", "stability"}
     for command in (replan, simulate, run):
         assert names & set(signature(command).parameters) == shown
-    assert names - shown == {"shortcut", "on_progress"}
+    assert names - shown == {"shortcut", "on_progress", "cancel"}
 
 
 @pytest.mark.parametrize(

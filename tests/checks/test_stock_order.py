@@ -98,6 +98,7 @@ def random_stock(seed: int) -> Task:
     return Task.model_validate({"resources": resources, "actions": actions})
 
 
+@pytest.mark.slow
 def test_nothing_that_brute_force_finds_possible_is_ruled_out() -> None:
     found = beyond_check = 0
     for seed in range(400):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from itertools import permutations
 from typing import Any
 
@@ -15,10 +16,10 @@ from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.schedule import ObjectiveValue, Schedule, Status
 from irc.targets import Budget, SolveOptions
-from irc_cpsat.encoding.builder import Builder
+from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.deepening import DeepeningSearch
-from irc_cpsat.solving.levels import solve_levels
+from irc_cpsat.solving.levels import LevelResult, solve_levels
 from oracles.state_brute_force import optimum
 from oracles.state_generators import reward_task
 
@@ -95,10 +96,12 @@ class _Stops:
         self.level, self.bound, self.calls = level, bound, 0
         self.seconds: list[float] = []
 
-    def __call__(self, model: cp_model.CpModel, objective: str, budget: Budget) -> Any:
+    def __call__(
+        self, built: Model, objective: str, earlier: Sequence[LevelResult], budget: Budget
+    ) -> Any:
         solver = cp_model.CpSolver()
         solver.parameters.num_workers = 1
-        status = solver.solve(model)
+        status = solver.solve(built.model)
         self.seconds.append(budget.left)
         self.calls += 1
         if self.calls <= self.level:

@@ -378,7 +378,9 @@ def test_other_commands_tell_the_same_of_a_bad_file(
     file.write_bytes(row.content)
     result = run_irc(*command, file, "--format", "json")
     assert result.exit_code == 1
-    assert places(json.loads(result.stdout)["diagnostics"]) == list(row.errors)
+    document = json.loads(result.stdout)
+    assert places(document["outcome"]["diagnostics"]) == list(row.errors)
+    assert document.get("diagnostics", document["outcome"]["diagnostics"])
 
 
 def test_the_caret_stands_under_the_fault(tmp_path: Path) -> None:

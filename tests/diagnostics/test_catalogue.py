@@ -22,7 +22,17 @@ from runs import Told, run_command, run_irc
 CATALOGUE = ROOT / "irc" / "diagnostics" / "catalogue"
 ENTRIES = list(load_catalogue().values())
 
-NOT_IN_A_TEXT = (Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED, Code.NO_CONTINUATION)
+NOT_IN_A_TEXT = (
+    Code.NO_SCHEDULE,
+    Code.DAMAGED,
+    Code.NO_ANSWER,
+    Code.OTHER_JOURNAL,
+    Code.CHANGED_TASK,
+    Code.CARRIED,
+    Code.NO_CONTINUATION,
+    *(Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED, Code.NO_CONTINUATION),
+    Code.NOT_AS_PLANNED,
+)
 
 runs_planners = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="the planner is a shell script"

@@ -34,6 +34,7 @@ def write_pages(folder: Path) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
 def test_mypy_accepts_the_python_of_all_pages(tmp_path: Path) -> None:
     pages = write_pages(tmp_path)
@@ -68,6 +69,7 @@ def pyright() -> str | None:
     return command if tried.returncode == 0 else None
 
 
+@pytest.mark.slow
 def test_pyright_accepts_the_python_of_all_pages(tmp_path: Path) -> None:
     command = pyright()
     if command is None:

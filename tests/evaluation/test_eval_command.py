@@ -103,6 +103,7 @@ def test_rules_choose_the_tables(data: Path, rules: str, there: str, absent: str
     assert absent not in tables
 
 
+@pytest.mark.slow
 def test_each_layout_has_the_figures(data: Path, tmp_path: Path) -> None:
     picture = tmp_path / "accuracy.svg"
     text = run_irc("eval", "reproduce", "--data", data, "--figure", picture).stdout

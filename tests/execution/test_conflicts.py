@@ -26,7 +26,7 @@ def test_a_free_member_of_a_pool_can_be_taken_though_another_is_overloaded() -> 
         *(action(n, d, "r1|r2") for n, d in (("a", 4), ("b", 8), ("c", 8))), resources=ROBOTS
     )
     old = plan(entry("a", 0, 4, "r1"), entry("b", 4, 12, "r1"), entry("c", 4, 12, "r2"))
-    step = repaired(pool, old, 2, seen("b", 2))
+    step = repaired(pool, old, 2, seen("a", 0), seen("b", 2))
     assert starts(step.schedule) == {"a": 0, "b": 2, "c": 2}
     assert carried(step) == [
         "2 of 'r1' are in use at 2 s, its capacity then is 1 (used by 'a', 'b')"
@@ -41,7 +41,7 @@ def test_more_can_run_in_a_pool_than_it_has_if_history_says_so() -> None:
         entry("b", 4, 8, "r1"),
         entry("d", 4, 8, "r2"),
     )
-    step = repaired(pool, old, 2, seen("b", 2))
+    step = repaired(pool, old, 2, seen("a", 0), seen("b", 2))
     assert step.schedule.status is Status.OPTIMAL
     assert starts(step.schedule) == {"a": 0, "c": 0, "b": 2, "d": 4}
 

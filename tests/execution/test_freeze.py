@@ -212,6 +212,7 @@ def test_the_past_is_in_the_initial_stock_state_and_calendars() -> None:
     assert [(w.start, w.end, w.capacity) for w in oven.windows] == [(0, 7, 2)]
 
 
+@pytest.mark.slow
 def test_what_ended_at_an_instant_comes_before_what_an_event_changes_then() -> None:
     """`lit` ends at 2 and lights the lamp, then it is put out: nobody lights it for `read`."""
     lamp = task_of(

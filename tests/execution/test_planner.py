@@ -91,10 +91,11 @@ def test_where_the_planner_finds_nothing_it_is_proven_that_there_is_nothing() ->
     whole = task_of(
         action("wash", 2, effects=[{"at": "end", "var": "clean"}]),
         action("cook", 2, effects=[{"at": "end", "var": "clean", "value": False}]),
-        action("dry", 2, release=4, conditions=[{"at": "start", "var": "clean"}]),
+        action("rinse", 5, effects=[{"at": "end", "var": "clean"}]),
+        action("dry", 2, release=4, deadline=9, conditions=[{"at": "start", "var": "clean"}]),
         state=[{"id": "clean"}],
     )
-    old = plan(entry("wash", 0, 2), entry("dry", 4, 6), entry("cook", 4, 6))
+    old = plan(entry("wash", 0, 2), entry("dry", 4, 6), entry("cook", 6, 8), entry("rinse", 8, 13))
     dirty = {"op": "set_state", "var": "clean", "value": False}
     step = repaired(whole, old, 3, dirty, **PLANNER, time_limit=1, workers=1)
     assert step.schedule.status is Status.INFEASIBLE

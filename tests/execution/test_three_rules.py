@@ -45,6 +45,7 @@ CHANGEOVER = Task.model_validate(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_is_freed_at_a_rank_is_taken_at_no_earlier_one(target: str) -> None:
     schedule = irc.solve(CHANGEOVER, target=target, time_limit=6)
@@ -115,6 +116,7 @@ def moves(name: str, source: str, target: str) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_change_of_the_world_comes_behind_what_ended_and_binds_what_starts(target: str) -> None:
     task = Task.model_validate(
@@ -135,6 +137,7 @@ def test_a_change_of_the_world_comes_behind_what_ended_and_binds_what_starts(tar
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_nobody_walks_through_a_door_that_shut_at_that_instant(target: str) -> None:
     opens = fact("start", "open")
@@ -259,6 +262,7 @@ def late_light(**weld: Any) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 def test_who_ends_with_a_resource_cannot_wait_for_who_takes_it() -> None:
     """The lamp starts before the weld ends, and takes what the weld frees: there is no plan."""
     task = Task.model_validate(late_light(uses=[{"resource": "r"}]))
@@ -286,6 +290,7 @@ def test_a_plan_made_before_that_was_a_rule_keeps_its_ranks(target: str) -> None
     assert [v.rule for v in verdict.carried] == ["state"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_ended_at_a_rank_keeps_it_without_an_event_and_with_one(target: str) -> None:
     """Without the resource there is a plan, in which the weld ends at rank 1 of instant 4.
@@ -389,6 +394,7 @@ def test_amounts_that_pass_each_other_need_room(room: int, makespan: int | None)
     assert (schedule.makespan if schedule.answered else None) == makespan
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("state", [False, True])
 @pytest.mark.parametrize(("helped", "status"), [(True, "optimal"), (False, "infeasible")])

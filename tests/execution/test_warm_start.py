@@ -58,7 +58,7 @@ PLAN = Schedule(
 
 def places(task: Task, schedule: Schedule, at: int, **ends: int) -> dict[str, Placed]:
     """What is found, by action; `ends` are later than planned."""
-    history = History.of(schedule)
+    history = History.of(schedule, at)
     for name, end in ends.items():
         history.entries[name, 1] = replace(history.entries[name, 1], end=end)
     problem = lower(task, [at])

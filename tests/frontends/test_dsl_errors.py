@@ -255,7 +255,7 @@ def test_a_byte_order_mark_is_noted(tmp_path: Path) -> None:
     assert [(d.code.id, d.line, d.column) for d in report.located()] == [("IRC007", 1, 1)]
 
 
-LONG = 1_000_000
+LONG = 300_000
 
 
 @pytest.mark.slow
@@ -281,10 +281,10 @@ LONG = 1_000_000
     ],
     ids=lambda line: line[:14],
 )
-def test_a_line_of_a_megabyte_is_read_or_refused_in_seconds(tmp_path: Path, line: str) -> None:
+def test_a_very_long_line_is_read_or_refused_in_seconds(tmp_path: Path, line: str) -> None:
     began = time.process_time()
     report = checked(tmp_path, f"{line}\nlast 1 onn x\n")
-    assert time.process_time() - began < 20
+    assert time.process_time() - began < 8
     assert ("IRC010", 2, 8) in errors(report)
 
 
@@ -347,7 +347,7 @@ def limited(statements: int, parts: int) -> Callable[[document_parts.ExpansionLi
     """An `__init__` with other limits."""
 
     def init(limit: document_parts.ExpansionLimit) -> None:
-        limit.statements, limit.parts = statements, parts
+        limit.statements, limit.parts, limit.text = statements, parts, 10_000
 
     return init
 

@@ -37,7 +37,7 @@ benchmark = load_benchmark()
 @pytest.mark.slow
 @pytest.mark.shared_data
 def test_asyncplan_texts_give_the_gold_edges_and_durations(shared_data: Path) -> None:
-    for instance in list(benchmark.planned(shared_data))[::5]:
+    for instance in list(benchmark.planned(shared_data))[::14]:
         edges, seconds = benchmark.reading(irc.loads(instance.text).ir)
         assert edges == instance.edges, instance.key
         assert seconds == instance.seconds or instance.erratum, instance.key
@@ -46,7 +46,7 @@ def test_asyncplan_texts_give_the_gold_edges_and_durations(shared_data: Path) ->
 @pytest.mark.slow
 @pytest.mark.shared_data
 def test_asynchow_makespans_lie_in_the_gold(shared_data: Path) -> None:
-    assert benchmark.judge_asynchow(shared_data) == {"in gold": 160}
+    assert benchmark.judge_asynchow(shared_data, every=4) == {"in gold": 40}
 
 
 VALID = ("must precede → precedes", "… → depends on", "must follow", "dropped", "half", "takes")
@@ -59,7 +59,7 @@ def test_a_changed_text_is_read_as_changed_or_refused(name: str, shared_data: Pa
     rng = random.Random(name)
     sound = [i for i in benchmark.planned(shared_data) if not i.erratum and i.edges]
     sound = [i for i in sound if benchmark.TIMED.search(i.text)]
-    verdicts = {benchmark.judge_mutation(name, rng.choice(sound), rng) for _ in range(6)}
+    verdicts = {benchmark.judge_mutation(name, rng.choice(sound), rng) for _ in range(3)}
     assert "WRONG" not in verdicts
     if name in VALID:
         assert verdicts == {"as meant"}

@@ -103,6 +103,7 @@ def case(request: pytest.FixtureRequest) -> tuple[Task, Schedule, Judge]:
 # --- plans of the original ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_hand_made_plan_is_valid_here_and_on_the_original_pddl(
     case: tuple[Task, Schedule, Judge], request: pytest.FixtureRequest
 ) -> None:
@@ -165,6 +166,7 @@ def numbered(schedule: Schedule) -> Schedule:
     return Schedule(tuple(entries))
 
 
+@pytest.mark.slow
 def test_both_agree_on_random_retimings(case: tuple[Task, Schedule, Judge]) -> None:
     """Times are moved a little, so that what depends on each other often still just fits."""
     task, schedule, judge = case
@@ -223,6 +225,7 @@ def planned(domain: str, problem: str) -> str | None:
     return next((str(plan) for plan in kairos.Planner().plans(parsed, **options)), None)
 
 
+@pytest.mark.slow
 def test_what_a_planner_does_about_the_original_is_a_valid_schedule() -> None:
     files = {
         name: [(EXAMPLES / name / f"{p}.pddl").read_text("utf-8") for p in ("domain", "problem")]

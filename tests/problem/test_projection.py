@@ -75,7 +75,7 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Activity: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "release", "deadline"), PLAIN),
-        **dict.fromkeys(("start", "latest_start", "origin"), PLAIN),
+        **dict.fromkeys(("start", "latest_start", "deadline_by", "origin"), PLAIN),
         "uses": "own uses",
         "open_demands": "part",
         "details": "part",
@@ -432,6 +432,7 @@ def test_with_everything_kept_it_is_the_same_problem(seed: int) -> None:
     assert restricted(problem, **everything) == (problem, way)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.integers(0, 10**6))
 def test_what_is_left_says_what_the_whole_says_of_it(seed: int) -> None:
@@ -471,6 +472,7 @@ def test_what_is_left_says_what_the_whole_says_of_it(seed: int) -> None:
         assert found[part] == expected[part], part
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(st.integers(0, 10**6))
 def test_decisions_go_there_and_places_come_back(seed: int) -> None:

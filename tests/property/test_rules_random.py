@@ -17,6 +17,7 @@ from oracles.state_brute_force import optimum
 SEEDS = {"cpsat": range(40, 60), "pddl21": range(40, 43)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("target", "seed"), [(target, seed) for target, seeds in SEEDS.items() for seed in seeds]
 )

@@ -166,6 +166,7 @@ def test_more_capacity_makes_nothing_later(seed: int) -> None:
     assert makespan(document) <= makespan(task)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds)
 def test_without_resources_a_makespan_is_a_longest_path(seed: int) -> None:

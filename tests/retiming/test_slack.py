@@ -269,6 +269,7 @@ def test_an_order_that_contradicts_the_lags_is_refused() -> None:
         slacks(problem, Schedule(entries))
 
 
+@pytest.mark.slow
 def test_ranks_decide_nothing_where_there_is_neither_state_nor_stock() -> None:
     """Each schedule that is valid with its ranks is valid without, and has the same slack."""
     rng = random.Random("ranks of plain schedules")

@@ -19,6 +19,7 @@ from irc.schedule import Schedule
 from irc.service.journal import Journal
 from irc.service.protocol import MAX_LINE
 from irc.service.session import Session
+from irc.service.snapshot import SnapshotError, from_snapshot, to_snapshot
 from irc.targets import EngineFailed, SolveOptions
 from oracles.online_random import play
 from runs import run_irc
@@ -127,7 +128,7 @@ def test_what_was_observed_is_planned_around_when_it_is_asked_for() -> None:
         ('{"do": ["stop"]}', "IRC103", "/do"),
         ('{"do": "advance"}', "IRC101", ""),
         ('{"do": "advance", "to": "soon"}', "IRC104", "/to"),
-        ('{"do": "advance", "to": null}', "IRC104", "/to"),
+        ('{"do": "advance", "to": null}', "IRC101", ""),
         ('{"do": "advance", "to": -1}', "IRC104", "/to"),
         ('{"do": "advance", "to": "2026-03-01T08:00:00Z"}', "IRC104", "/to"),
         ('{"do": "advance", "to": 1}', "IRC705", "/to"),
@@ -233,11 +234,29 @@ def test_a_journal_of_another_task_or_schedule_is_refused(file: Path) -> None:
     code, answers, errors = run(file, journal=True, schedule=str(schedule))
     assert (code, answers) == (1, [])
     assert "another schedule" in errors
-    file.write_text(json.dumps({**VAN, "deadline": 90}))
+    file.write_text(json.dumps({**VAN, "name": "lorry"}))
     code, answers, errors = run(file, journal=True)
     assert (code, answers) == (1, [])
-    assert "IRC605" in errors
-    assert "another task" in errors
+    assert "IRC607" in errors
+    assert "the journal belongs to another task (van), not to this one (lorry)" in errors
+
+
+def test_a_task_that_has_changed_is_told_from_another_one(file: Path) -> None:
+    run(file, '{"do": "advance", "to": 2}', journal=True)
+    text = file.read_text()
+    ann = {**VAN["actions"][0], "duration": 11}
+    cem = {"id": "cem", "duration": 1}
+    changed = {**VAN, "actions": [ann, VAN["actions"][1], cem], "deadline": 90}
+    file.write_text(json.dumps(changed))
+    code, answers, errors = run(file, journal=True)
+    assert (code, answers) == (1, [])
+    assert "IRC608" in errors
+    assert "'ann' of 'actions', 'cem' of 'actions' (new), 'deadline'" in errors
+    unnamed = {key: value for key, value in changed.items() if key != "name"}
+    file.write_text(json.dumps(unnamed))
+    assert "IRC607" in run(file, journal=True)[2]
+    file.write_text(text)
+    assert run(file, journal=True)[1][0]["now"] == 2, "nothing was lost by trying"
 
 
 def test_where_the_journal_cannot_be_written_nothing_is_acknowledged(
@@ -314,6 +333,9 @@ def test_killed_at_random_points_it_forgets_nothing_that_it_acknowledged(tmp_pat
     process = kitchen.start()
     kitchen.check(kitchen.read(process))
     assert kitchen.acknowledged
+    kitchen.look()
+    kitchen.damage(60)
+    assert kitchen.damaged["refused"] > 0
     process.send_signal(signal.SIGTERM)
     assert process.wait(30) == 0, "being told to end is an orderly end"
     process.communicate()
@@ -331,3 +353,92 @@ def test_a_second_process_cannot_have_the_journal(file: Path) -> None:
         assert "in use by another process" in errors
         process.communicate()
     assert process.returncode == 0
+
+
+# --- snapshots ----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_a_snapshot_gives_back_the_execution_at_every_step(seed: int) -> None:
+    options = SolveOptions(time_limit=20.0, workers=1)
+    first, *more = play(seed, None, lambda t, s, at, e: replan(t, s, at, e, options=options))
+    execution = Execution(first.task, first.schedule, options=options)
+    for event in (event for played in (first, *more) for event in played.events):
+        execution.apply(event)
+        for _ in range(2):
+            written = json.dumps(to_snapshot(execution), allow_nan=False)
+            again = from_snapshot(json.loads(written), options)
+            assert again == execution
+            assert again.state() == execution.state()
+            execution.replan()
+
+
+def test_a_restart_needs_only_the_requests_since_the_last_snapshot(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests = [f'{{"do": "advance", "to": "{k}/200", "id": {k}}}' for k in range(1, 351)]
+    run(file, *requests[:250], JAM, journal=True)
+    _, answers, _ = run(file, *requests[250:], '{"do": "advance", "to": 4.5}', journal=True)
+    assert answers[0]["recovered"] == 251
+    calls: list[object] = []
+    replay = Session._replay
+    monkeypatch.setattr(Session, "_replay", lambda self, e: (calls.append(e), replay(self, e)))
+    _, (greeting,), _ = run(file, journal=True)
+    assert (greeting["recovered"], greeting["now"], greeting["last_id"]) == (252, 4.5, None)
+    assert len(calls) == 52
+    assert greeting["state"]["schedule"]["makespan"] == 22
+
+
+def test_where_no_snapshot_can_be_read_all_requests_are_replayed(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests = [f'{{"do": "advance", "to": "{k}/200", "id": {k}}}' for k in range(1, 121)]
+    run(file, *requests, journal=True)
+
+    def unknown(*_: object) -> Execution:
+        raise SnapshotError("of another version")
+
+    monkeypatch.setattr("irc.service.session.from_snapshot", unknown)
+    _, (greeting,), _ = run(file, journal=True)
+    assert (greeting["recovered"], greeting["now"], greeting["last_id"]) == (120, 0.6, 120)
+    journal = file.with_name("run.journal")
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join([lines[0], *lines[101:]]))  # as a long journal is shortened
+    code, answers, errors = run(file, journal=True)
+    assert (code, answers) == (1, [])
+    assert "IRC609" in errors
+    assert f"irc {irc.__version__} wrote it" in errors
+
+
+def test_a_disk_too_full_for_a_snapshot_is_said_and_ends_nothing(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Journal, "save", full)
+    requests = [f'{{"do": "advance", "to": "{k}/200", "id": {k}}}' for k in range(1, 121)]
+    code, answers, errors = run(file, *requests, journal=True)
+    assert (code, {answer["ok"] for answer in answers}, len(answers)) == (0, {True}, 121)
+    assert errors == "note: no snapshot could be added to the journal: No space left on device\n"
+    assert run(file, journal=True)[1][0]["recovered"] == 120
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        {},
+        [],
+        {"state": {}, "task_sha256": ""},
+        {"state": {"task": {"$": "Path", "of": "x"}}, "task_sha256": ""},
+        {"state": {"task": {"$": "Task", "of": '{"actions": [{}]}'}}, "task_sha256": ""},
+        {"state": {"task": {"$": "Task", "of": '{"actions": []}'}}, "task_sha256": "0"},
+        {"state": {"task": {"$": "Entry"}}, "task_sha256": "0"},
+        {"state": {"task": {"$": "Fraction", "of": "1/0"}}, "task_sha256": "0"},
+        {"state": {"task": {"$": "dict", "of": [[{"$": "set", "of": []}, 1]]}}},
+    ],
+)
+def test_a_snapshot_that_is_none_is_refused(document: Any) -> None:
+    with pytest.raises(SnapshotError):
+        from_snapshot(document, SolveOptions())

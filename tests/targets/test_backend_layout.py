@@ -44,6 +44,7 @@ def circles(arrows: Iterator[tuple[str, str]]) -> list[set[str]]:
     return [found for found in nx.strongly_connected_components(graph) if len(found) > 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", BACKENDS)
 def test_no_modules_and_no_subpackages_import_each_other(package: str) -> None:
     def part(module: str) -> str:
@@ -55,6 +56,7 @@ def test_no_modules_and_no_subpackages_import_each_other(package: str) -> None:
     assert circles((part(a), part(b)) for a, b in arrows) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", BACKENDS)
 def test_the_builder_imports_no_module_that_adds_an_element(package: str) -> None:
     imported = {b for a, b in imports(package) if a == f"{package}.encoding.builder"}
@@ -91,6 +93,7 @@ def test_both_backends_are_furnished_alike() -> None:
         assert names & {"solving", "search"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", ["irc_cpsat", "irc_cpsat.engines", "irc_cpsat.decode"])
 def test_ortools_is_not_loaded_before_a_model_is_built(module: str) -> None:
     code = f"import sys, {module}; sys.exit('ortools' in sys.modules)"

@@ -174,6 +174,7 @@ def test_a_line_is_shown_while_the_child_runs_and_can_stop_it(fake) -> None:
     assert result.stdout.endswith("; Plan found with metric 11.000\n0.000: (gri")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("patience")
 def test_a_stop_at_a_line_that_comes_after_the_exit_is_still_a_stop(fake) -> None:
     result = run(fake("lingers.py"), UNLIMITED, on_line=lambda line: "(grill)" in line)
@@ -189,6 +190,7 @@ def test_an_error_in_on_line_ends_the_child_and_reaches_the_caller(fake) -> None
         run(fake("ignore_sigterm.py"), UNLIMITED, on_line=fail)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("patience")
 def test_an_error_in_on_line_during_the_grace_still_ends_the_child(fake) -> None:
     def fail(line: str) -> bool:
@@ -342,6 +344,7 @@ def test_the_number_of_a_group_that_has_ended_is_not_used_again(fake, monkeypatc
     assert refused == [signal.SIGTERM]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("patience")
 def test_what_a_grandchild_prints_just_after_the_exit_is_kept(fake) -> None:
     result = run(fake("lingers.py"), UNLIMITED)
@@ -439,6 +442,7 @@ def test_a_child_that_closes_its_output_keeps_its_time_limit(fake) -> None:
     assert 0.6 <= seconds < 0.6 + SLACK
 
 
+@pytest.mark.slow
 @either_pipes
 def test_input_and_output_larger_than_pipes_do_not_block_each_other() -> None:
     lines = [f"(at {number} händler)\n" for number in range(100_000)]
@@ -485,6 +489,7 @@ def test_no_thread_is_left_when_nobody_listens_any_more(fake) -> None:
     assert comes_true(lambda: threading.active_count() <= before)
 
 
+@pytest.mark.slow
 @needs_proc
 def test_no_file_descriptor_is_left_open(fake) -> None:
     before = os.listdir("/proc/self/fd")

@@ -61,6 +61,7 @@ def disagreements(cases: Iterable[Case]) -> list[int]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_planted_instant_is_judged_as_the_naive_check_does(
     kind: Callable[[], list[Case]],
@@ -97,11 +98,13 @@ def test_they_tell_if_levels_allow_every_order(monkeypatch: pytest.MonkeyPatch) 
     assert len(disagreements(without_ranks())) >= ENOUGH
 
 
+@pytest.mark.slow
 def test_they_tell_if_no_order_is_asked_of_one_rank(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stock, "_check_order", lambda *_: None)
     assert len(disagreements(without_ranks() + with_ranks())) >= ENOUGH
 
 
+@pytest.mark.slow
 def test_they_tell_if_the_past_need_not_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ranks, "past_first_pairs", lambda _: iter(()))
     assert len(disagreements(without_ranks())) >= ENOUGH

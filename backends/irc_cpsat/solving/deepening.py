@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,12 +13,14 @@ from irc.diagnostics import Code, Diagnostic
 from irc.passes.unroll import unroll
 from irc.problem import Problem
 from irc.schedule import Status
-from irc.targets import Budget, EngineFailed, OnProgress, Outcome, Progress, SolveOptions
+from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.solving.asking import asked
 from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
-from irc_cpsat.solving.levels import LexicographicResult, solve_levels
+from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
+from irc_cpsat.solving.reporting import Reporter, tell_hint
 
 _DEPTH_SHARE = 0.4
 """The part of the time left that a depth may take before a greater one is tried."""
@@ -68,6 +71,8 @@ class DeepeningSearch:
         budget = self.budget.share(share)
         unrolled = unroll(problem, depth)
         built = write_model(Builder(unrolled, self.bounds, self.hints))
+        if built.hint is not None and self.options.on_progress is not None:
+            tell_hint(self.engine, built, self.budget, self.options.on_progress)
         try:
             result = solve_levels(built, self._solve, budget)
         except ValueError as error:
@@ -98,36 +103,28 @@ class DeepeningSearch:
         return best if complete else _unproven(best, depth)
 
     def _solve(
-        self, model: cp_model.CpModel, objective: str, budget: Budget
+        self, built: Model, objective: str, earlier: Sequence[LevelResult], budget: Budget
     ) -> tuple[Any, cp_model.CpSolver]:
         solver = cp_model.CpSolver()
         parameters, options = solver.parameters, self.options
         parameters.random_seed = options.seed
-        if budget.is_limited:
-            parameters.max_time_in_seconds = max(self._least, budget.left)
         if options.memory_limit is not None:
             parameters.max_memory_in_mb = options.memory_limit
         if options.workers is not None:
             parameters.num_workers = options.workers
         elif self.problem.variables:
             parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
-        if options.on_progress is None or objective != "makespan":
-            return solver.solve(model), solver
-        reporter = _ProgressReporter(self.engine, options.on_progress)
-        return solver.solve(model, reporter), solver
-
-
-class _ProgressReporter(cp_model.CpSolverSolutionCallback):
-    """Passes each new solution's makespan and bound on."""
-
-    def __init__(self, engine: str, on_progress: OnProgress) -> None:
-        super().__init__()
-        self._engine, self._on_progress = engine, on_progress
-
-    def on_solution_callback(self) -> None:
-        """Called by CP-SAT for each solution."""
-        makespan, bound = int(self.objective_value), int(self.best_objective_bound)
-        self._on_progress(Progress(self.wall_time, makespan, bound, self._engine))
+        if budget.is_cancelled:
+            return cp_model.UNKNOWN, solver
+        budget = budget.at_least(self._least)
+        if options.on_progress is None:
+            return asked(solver, built.model, budget), solver
+        reporter = Reporter(
+            self.engine, built, objective, earlier, self.budget, options.on_progress
+        )
+        # (Of actions that repeat a model holds some occurrences; more might do better.)
+        reporter.proves = all(a.details.repeats is None for a in self.problem.activities)
+        return reporter.asked(solver, budget), solver
 
 
 def _unproven(best: Outcome, depth: int) -> Outcome:

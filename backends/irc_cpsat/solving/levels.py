@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -25,9 +25,6 @@ TIE_BREAK_SHARE = 0.05
 _TOLERANCE = 1e-6
 """Bounds are whole numbers; this only undoes their way through a double."""
 
-Solve = Callable[[cp_model.CpModel, str, Budget], tuple[Any, cp_model.CpSolver]]
-"""(model, objective, budget) → status, solver."""
-
 
 @dataclass(frozen=True, slots=True)
 class LevelResult:
@@ -37,6 +34,10 @@ class LevelResult:
     value: int
     bound: int
     proven: bool
+
+
+Solve = Callable[[Model, str, Sequence[LevelResult], Budget], tuple[Any, cp_model.CpSolver]]
+"""(model, objective, the levels before it, budget) → status, solver."""
 
 
 @dataclass
@@ -61,7 +62,7 @@ def solve_levels(built: Model, solve: Solve, budget: Budget) -> LexicographicRes
         if k and budget.is_over:
             break
         part = budget if k < len(objectives) else budget.at_most(_tie_break_seconds(budget))
-        status, solver = solve(built.model, name, part)
+        status, solver = solve(built, name, result.levels, part)
         if status == cp_model.MODEL_INVALID:
             raise ValueError(built.model.validate())
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
@@ -125,7 +126,11 @@ def _level(name: str, value: Any, status: Any, solver: cp_model.CpSolver) -> Lev
     reached = value if isinstance(value, int) else solver.value(value)
     if status == cp_model.OPTIMAL or isinstance(value, int):
         return LevelResult(name, reached, reached, True)
-    bound = solver.best_objective_bound
+    return LevelResult(name, reached, bound_of(name, solver.best_objective_bound), False)
+
+
+def bound_of(name: str, bound: float) -> int:
+    """The bound on an objective, as a whole number."""
     if name == "reward":
-        return LevelResult(name, reached, int((bound + _TOLERANCE) // 1), False)
-    return LevelResult(name, reached, int(-(-(bound - _TOLERANCE) // 1)), False)
+        return int((bound + _TOLERANCE) // 1)
+    return int(-(-(bound - _TOLERANCE) // 1))

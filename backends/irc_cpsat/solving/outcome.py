@@ -7,13 +7,13 @@ from dataclasses import replace
 from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import in_units, schedule_values
+from irc.retiming.listed import listed_schedule
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule, Status
 from irc.targets import ObjectiveLevel, Outcome
 from irc_cpsat.encoding.builder import Model
 from irc_cpsat.solving.levels import LexicographicResult
-from irc_cpsat.solving.solution import hinted_schedule
 
 
 def outcome_of(engine: str, problem: Problem, built: Model, result: LexicographicResult) -> Outcome:
@@ -49,7 +49,7 @@ def better(shallow: Outcome, deep: Outcome) -> Outcome:
 def _known_schedule(problem: Problem, built: Model) -> Schedule | None:
     """The schedule that was given as a hint, if there was one."""
     if built.hint is not None:
-        return hinted_schedule(problem, built.hint)
+        return listed_schedule(problem, built.hint)
     return (
         schedule_of(problem, problem.previous.warm_start) if problem.previous.warm_start else None
     )

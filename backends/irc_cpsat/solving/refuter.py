@@ -21,6 +21,7 @@ from irc.targets import Budget, EngineFailed
 from irc.targets.refuter import Assumptions
 from irc_cpsat.encoding.builder import Builder
 from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.solving.asking import asked
 from irc_cpsat.solving.solution import schedule_from
 
 _DECISION_WORK = 20.0
@@ -45,8 +46,8 @@ class CpSatRefuter:
         """
         builder = _AssumptionBuilder(assumptions)
         model = builder.assumed()
-        solver = _solver(budget, _CORE_WORK)
-        if solver.solve(model) != cp_model.INFEASIBLE:
+        solver = _solver(_CORE_WORK)
+        if asked(solver, model, budget.at_least(_LEAST_SECONDS)) != cp_model.INFEASIBLE:
             return None
         found = solver.sufficient_assumptions_for_infeasibility()
         by_index = {literal.index: statement for statement, literal in builder.literals.items()}
@@ -56,8 +57,8 @@ class CpSatRefuter:
         """Solves for any schedule, and re-times the one that is found."""
         builder = Builder(problem, bounds=False, hints=False, horizon=horizon)
         built = write_model(builder, objective=False)
-        solver = _solver(budget, _DECISION_WORK)
-        status = solver.solve(built.model)
+        solver = _solver(_DECISION_WORK)
+        status = asked(solver, built.model, budget.at_least(_LEAST_SECONDS))
         if status == cp_model.INFEASIBLE:
             return Status.INFEASIBLE
         if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):
@@ -69,11 +70,10 @@ class CpSatRefuter:
         return Status.UNKNOWN
 
 
-def _solver(budget: Budget, work: float) -> cp_model.CpSolver:
+def _solver(work: float) -> cp_model.CpSolver:
     solver = cp_model.CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = 0
-    solver.parameters.max_time_in_seconds = max(_LEAST_SECONDS, budget.left)
     solver.parameters.max_deterministic_time = work
     return solver
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import Any, Protocol
 
-from ortools.sat.python import cp_model
+from ortools.sat.python import cp_model_helper
 
 from irc.problem import Problem
 from irc.problem.choices import members_taken
@@ -12,30 +12,38 @@ from irc.problem.decisions import ABSENT, Decision
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
-from irc_cpsat.encoding.builder import Hint, Model
+from irc_cpsat.encoding.builder import Model
 
 
-def decisions_of(built: Model, solver: cp_model.CpSolver) -> list[Decision]:
+class Values(Protocol):
+    """The values of a model's variables: those of a solver, or of a solution that it found."""
+
+    def value(self, expression: Any) -> int:
+        """The value of a variable, a literal or a linear expression."""
+
+
+class FoundSolution:
+    """A solution that a solver found on its way, apart from that solver."""
+
+    def __init__(self, response: Any) -> None:
+        self._response = response
+
+    def value(self, expression: Any) -> int:
+        """The value of a variable, a literal or a linear expression."""
+        return int(cp_model_helper.ResponseHelper.value(self._response, expression))
+
+
+def decisions_of(built: Model, solver: Values) -> list[Decision]:
     """The decision of a solution about each activity."""
     return [_decision(built, solver, i) for i in range(len(built.problem.activities))]
 
 
-def schedule_from(problem: Problem, built: Model, solver: cp_model.CpSolver) -> Schedule:
+def schedule_from(problem: Problem, built: Model, solver: Values) -> Schedule:
     """The exact schedule behind the values a solver gave to a model's variables."""
     return schedule_of(problem, retime(problem, decisions_of(built, solver)))
 
 
-def hinted_schedule(problem: Problem, hint: Hint) -> Schedule:
-    """The list schedule that the model was given as a hint."""
-    decisions, choices = hint
-    chosen = [
-        replace(decision, chosen=members_taken(problem, problem.activities[i], choices[i]))
-        for i, decision in enumerate(decisions)
-    ]
-    return schedule_of(problem, retime(problem, chosen))
-
-
-def _decision(built: Model, solver: cp_model.CpSolver, i: int) -> Decision:
+def _decision(built: Model, solver: Values, i: int) -> Decision:
     problem, activity = built.problem, built.problem.activities[i]
     present = built.present[i]
     if present is not None and not solver.value(present):

@@ -53,8 +53,7 @@ class Operator:
         return [*self.at_start, *self.over_all, *self.at_end]
 
 
-@dataclass
-class TimedLiteral:
+class TimedLiteral(NamedTuple):
     """At `time` (planner time) the fact becomes true or false by itself."""
 
     time: int

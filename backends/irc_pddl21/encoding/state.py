@@ -7,17 +7,26 @@ others.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 
 from irc.problem import Activity, Effect, Problem, TimedChange
+from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.names import NameTable
 from irc_pddl21.encoding.pddl import TimedLiteral
 
+MOST_CHANGES = 200_000
+"""The most facts that all effects together may add and delete."""
+
 
 def add_state(builder: Builder) -> StateFacts:
-    """Declares the facts of all variables, and their timed changes as timed initial literals."""
+    """Declares the facts of all variables, and their timed changes as timed initial literals.
+
+    Raises `Refusal` where the effects would change more than `MOST_CHANGES` facts.
+    """
     state = StateFacts(builder.problem, builder.names)
+    _refuse_many_changes(builder.problem, state)
     builder.encoding.facts += [name for facts in state.facts.values() for name in facts]
     builder.encoding.initial += state.initial
     builder.grounded.state.update(state.meanings)
@@ -25,6 +34,24 @@ def add_state(builder: Builder) -> StateFacts:
         for change in variable.changes:
             state.add_change(builder, v, change)
     return state
+
+
+def _refuse_many_changes(problem: Problem, state: StateFacts) -> None:
+    changes: Counter[int] = Counter()
+    for activity in problem.activities:
+        ways = max(1, len(activity.details.modes))
+        for effect in activity.details.effects:
+            changes[effect.var] += ways * state.values_asked(effect.var)
+    if changes.total() > MOST_CHANGES:
+        largest, _ = changes.most_common(1)[0]
+        variable = problem.variables[largest]
+        raise Refusal(
+            f"the effects on {variable.id!r}, with its {state.values_asked(largest):,} values, and "
+            f"on other variables change {changes.total():,} facts, more than the "
+            f"{MOST_CHANGES:,} that target 'pddl21' writes out",
+            variable.origin,
+            "use fewer values, or target 'cpsat'",
+        )
 
 
 class StateFacts:
@@ -72,6 +99,10 @@ class StateFacts:
                 late = time + builder.scale.slack
                 builder.encoding.timed.append(TimedLiteral(time, start, False))
                 builder.encoding.timed.append(TimedLiteral(late, still, False))
+
+    def values_asked(self, variable: int) -> int:
+        """The number of values of a variable that conditions and goals name."""
+        return len(self._of_variable.get(variable, ()))
 
     def conditions(self, activity: Activity, at: str) -> list[str]:
         """The facts of an activity's conditions at "start", "all" or "end"."""

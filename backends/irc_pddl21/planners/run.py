@@ -15,11 +15,13 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic
 from irc.problem.decisions import AnswerError
+from irc.problem.objective_values import schedule_values
 from irc.schedule import Schedule, Status
 from irc.targets import (
     Budget,
     EngineFailed,
     EngineMissing,
+    ObjectiveLevel,
     Outcome,
     Program,
     Progress,
@@ -47,11 +49,14 @@ def run_planner(
     options: SolveOptions,
     budget: Budget,
 ) -> Outcome:
-    """The outcome of one run, which gets `LEAST_SECONDS` even where the budget is over.
+    """The outcome of one run, which gets `LEAST_SECONDS` even where the budget is over, unless it
+    was cancelled.
 
     Raises `EngineFailed` where the planner breaks down without any plan, `Refusal` where it cannot
     hold the problem's numbers.
     """
+    if budget.is_cancelled:
+        return Outcome(Status.UNKNOWN, planner.name)
     domain, problem_text, names = _texts(planner, program, request)
     planner.refuse(program.problem, names["planner_units_per_tick"])
     with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
@@ -83,7 +88,14 @@ def _run(
     limits = ProcessLimits(seconds=given.seconds, memory_mb=memory)
     command, environment = planner.command(given), planner.environment(given)
     try:
-        return run(command, limits, cwd=folder, env=environment, on_line=watcher)
+        return run(
+            command,
+            limits,
+            cwd=folder,
+            env=environment,
+            on_line=watcher,
+            cancel=watcher.budget.cancel,
+        )
     except CommandNotFound as error:
         raise EngineMissing(str(error)) from None
 
@@ -117,11 +129,22 @@ class _OutputWatcher:
         if not _is_better(self.given.program, schedule, self.best):
             return False
         self.best = schedule
-        ticks = problem.whole_ticks(schedule.makespan)
-        on_progress, bound = self.given.options.on_progress, problem.bounds.makespan.value
-        if on_progress is not None:
-            on_progress(Progress(self.budget.elapsed, ticks, bound, self.engine))
-        return ticks <= self.given.request.enough
+        self._tell(schedule)
+        return problem.whole_ticks(schedule.makespan) <= self.given.request.enough
+
+    def _tell(self, schedule: Schedule) -> None:
+        """Passes on a better plan, in the objectives of the program."""
+        problem, on_progress = self.given.program.problem, self.given.options.on_progress
+        if on_progress is None:
+            return
+        values = schedule_values(problem, schedule)
+        least = problem.to_units(problem.bounds.makespan.value)
+        first = problem.objectives[0]
+        levels = tuple(
+            ObjectiveLevel(name, values[name], least if name == first == "makespan" else None)
+            for name in problem.levels
+        )
+        on_progress(Progress(self.budget.elapsed, self.engine, first, levels, lambda: schedule))
 
 
 def accepted_by(program: Program) -> Accept | None:
@@ -153,7 +176,13 @@ def _outcome(
     result: ProcessResult,
     seconds: float,
 ) -> Outcome:
-    """The best schedule seen while the planner ran, or in its whole output."""
+    """The best schedule seen while the planner ran, or in its whole output.
+
+    (The last plan may have been cut short, and so not seen. A call that was cancelled does without
+    it: to read the whole output again takes too long.)
+    """
+    if seen is not None and result.ended is Ended.CANCELLED:
+        return Outcome(Status.FEASIBLE, engine, seen, 0, seconds)
     log = read_plans(result.stdout)
     notes = _damage_notes(engine, log)
     schedule, reason = seen, ""
@@ -195,6 +224,8 @@ def _last_line(text: str) -> str:
 
 
 def _why(result: ProcessResult, reason: str) -> str:
+    if result.ended is Ended.CANCELLED:
+        return f"no usable plan when it was ended, after {result.seconds:.1f} s"
     if result.ended is Ended.TIMEOUT:
         return f"no usable plan within {result.seconds:.1f} s"
     if result.ended is Ended.OUTPUT_LIMIT:

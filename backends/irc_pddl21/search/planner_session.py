@@ -63,8 +63,11 @@ class PlannerSession:
 
     @property
     def is_over(self) -> bool:
-        """Whether there is no time for another run; the first one always gets some."""
-        return self.runs > 0 and self.left < LEAST_SECONDS
+        """Whether there is no time for another run; the first one gets some in any case, unless
+        the call was cancelled or there is an answer already.
+        """
+        begun = self.runs > 0 or self.best is not None
+        return self.budget.is_cancelled or (begun and self.left < LEAST_SECONDS)
 
     def ask(
         self,

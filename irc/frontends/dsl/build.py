@@ -253,6 +253,10 @@ class Builder:
         key, said = clause.children
         self.put_field(element, kind(key).lower(), nodes.text(said), at, key)
 
+    def _on_failure(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, "on_failure", name(said), at, key)
+
     # --- order ---
 
     def order(self, tree: Any, sink: Sink, *, plain: bool = False) -> None:
@@ -535,6 +539,7 @@ def _word(field: str) -> str:
         "occurs": "occurs",
         "start": "starts at",
         "latest_start": "starts by",
+        "on_failure": "when broken",
     }.get(field, field)
 
 
@@ -551,6 +556,7 @@ _ACTION_CLAUSES: dict[str, _Clause] = {
     "sets": Builder._facts,
     "point": Builder._point,
     "number": Builder._number,
+    "on_failure": Builder._on_failure,
     "label": Builder._text,
     "describe": Builder._text,
 }

@@ -172,11 +172,47 @@ def _objective(builder: Builder, tree: Any, at: Pointer) -> Element:
 def _observe(builder: Builder, tree: Any, at: Pointer) -> Element:
     element: Element = {"op": "observe"}
     _field(builder, element, "action", name(part(tree, "name")), at)
-    said = tree.children[2:]
-    for key, node in zip(said[::2], said[1::2], strict=True):
-        found = nodes.integer(node) if kind(key) == "OCCURRENCE" else nodes.time(node)
-        _field(builder, element, kind(key).lower(), found, at, key)
+    for clause in tree.children[2:]:
+        key, node = clause.children
+        field, read = _OBSERVED[str(clause.data)]
+        found = read(node)
+        _field(builder, element, field, found, at, key)
+        for i, taken in enumerate(names(node) if field == "resources" else ()):
+            builder.mark((*at, field, i), taken.start, taken.end)
     return element
+
+
+def _retry(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "retry_action"}
+    said = [child for child in tree.children[1:] if child is not None]
+    _field(builder, element, "action", name(said[0]), at)
+    for key, node in zip(said[1::2], said[2::2], strict=True):
+        field = {"ARROW": "id", "ALREADY_DONE": "done", "MODE": "mode"}[kind(key)]
+        found = nodes.time(node) if field == "done" else name(node)
+        _field(builder, element, field, found, at, key)
+    return element
+
+
+def _status(tree: Any) -> Placed:
+    """A status in words, `not begun`, as it is in the document."""
+    found = name(tree)
+    return Placed(found.value.replace(" ", "_"), found.start, found.end)
+
+
+def _all_names(tree: Any) -> Placed:
+    return Placed([found.value for found in names(tree)], *span(tree))
+
+
+_OBSERVED: dict[str, tuple[str, Callable[[Any], Placed]]] = {
+    "occurrence": ("occurrence", nodes.integer),
+    "status": ("status", _status),
+    "started": ("started", nodes.time),
+    "finished": ("finished", nodes.time),
+    "expected_end": ("expected_end", nodes.time),
+    "mode_taken": ("mode", name),
+    "resources_taken": ("resources", _all_names),
+}
+"""For each clause of an observation its field, and how that is read."""
 
 
 _CHANGES: dict[str, Callable[[Builder, Any, Pointer], Element]] = {
@@ -192,5 +228,6 @@ _CHANGES: dict[str, Callable[[Builder, Any, Pointer], Element]] = {
     "set_goals": _goals,
     "set_state": _state,
     "set_objective": _objective,
+    "retry": _retry,
     "observe": _observe,
 }

@@ -1,0 +1,55 @@
+"""Runs CP-SAT so that it can be ended at any moment, and no signal has to wait for it."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, wait
+from threading import Thread
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from irc.targets import Budget
+
+_LOOK_SECONDS = 0.03
+"""Between two looks of the waiting thread at its budget."""
+
+
+def asked(
+    solver: cp_model.CpSolver,
+    model: cp_model.CpModel,
+    budget: Budget,
+    callback: cp_model.CpSolverSolutionCallback | None = None,
+) -> Any:
+    """The status of a search, which ends with the budget or as soon as that is cancelled.
+
+    CP-SAT runs in a thread of its own while this one waits in Python, where signals are handled.
+    What is raised meanwhile (`KeyboardInterrupt`) ends the search before it goes on its way.
+    """
+    # (CP-SAT would take ^C for itself, and nobody else would learn of it.)
+    solver.parameters.catch_sigint_signal = False
+    if budget.is_limited:
+        solver.parameters.max_time_in_seconds = budget.left
+    search: Future[Any] = Future()
+    # (A pool would make the whole program wait for it at its end.)
+    work = (search, solver, model, callback)
+    Thread(target=_search, args=work, name="irc-cpsat", daemon=True).start()
+    try:
+        while not wait((search,), _LOOK_SECONDS).done:
+            if budget.is_over:
+                solver.stop_search()
+    finally:
+        while not wait((search,), _LOOK_SECONDS).done:
+            solver.stop_search()
+    return search.result()
+
+
+def _search(
+    search: Future[Any],
+    solver: cp_model.CpSolver,
+    model: cp_model.CpModel,
+    callback: cp_model.CpSolverSolutionCallback | None,
+) -> None:
+    try:
+        search.set_result(solver.solve(model, callback))
+    except BaseException as error:  # noqa: BLE001 - it is raised where the call waits
+        search.set_exception(error)

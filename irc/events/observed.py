@@ -1,0 +1,77 @@
+"""Writes what was observed of actions into their task: starts, durations, failures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+from irc.model import Action, DurationRange
+from irc.model.quantities import Number
+from irc.model.times import Clock
+
+
+class Outcome(NamedTuple):
+    """The known facts about an action that occurs at most once, in the task's unit.
+
+    `started` is an observed start. `length` is how long it took, or takes as far as is known;
+    `at_least`: how long it takes at least. `failed` is when it failed.
+    """
+
+    action: str
+    started: Number | None = None
+    length: Number | None = None
+    at_least: Number | None = None
+    failed: Number | None = None
+
+
+def with_start(action: Action, started: Number, clock: Clock) -> Action:
+    """The action with an observed start, and without the limits that this start breaks."""
+    fields: dict[str, Any] = {"start": started}
+    if clock.number(action.release) > started:  # It started before its release.
+        fields["release"] = started
+    latest = action.latest_start
+    if latest is not None and clock.number(latest) < started:
+        fields["latest_start"] = started
+    return action.model_copy(update=fields)
+
+
+def with_length(action: Action, length: Number) -> Action:
+    """The action with an exact duration, in every mode."""
+    return _with_durations(action, lambda _: length)
+
+
+def lasting(action: Action, at_least: Number, clock: Clock) -> Action:
+    """The action with no shorter duration than this, in every mode."""
+
+    def longer(duration: Any) -> Any:
+        if not isinstance(duration, DurationRange):
+            return max(at_least, clock.number(duration))
+        least, most = clock.number(duration.min), clock.number(duration.max)
+        if most <= at_least:
+            return at_least
+        return duration if least >= at_least else DurationRange(min=at_least, max=duration.max)
+
+    return _with_durations(action, longer)
+
+
+def _with_durations(action: Action, change: Callable[[Any], Any]) -> Action:
+    if action.modes:
+        modes = tuple(m.model_copy(update={"duration": change(m.duration)}) for m in action.modes)
+        return action.model_copy(update={"modes": modes})
+    return action.model_copy(update={"duration": change(action.duration)})
+
+
+def written(action: Action, outcome: Outcome, clock: Clock) -> Action:
+    """The action as it was observed; that it failed is not written here."""
+    if outcome.started is not None:
+        action = with_start(action, outcome.started, clock)
+    if outcome.length is not None:
+        action = with_length(action, outcome.length)
+    if outcome.at_least is not None:
+        action = lasting(action, outcome.at_least, clock)
+    return action
+
+
+def failures(outcomes: Iterable[Outcome]) -> dict[str, Number]:
+    """When each action that failed did."""
+    return {o.action: o.failed for o in outcomes if o.failed is not None}
