@@ -53,7 +53,7 @@ class Atom(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """What a condition asks of a number: at least `least`, or more than that."""
+    """The least value that a condition asks of a number, or one that it must exceed."""
 
     least: Fraction
     strict: bool
