@@ -52,8 +52,13 @@ def run_checks(
     problem = lower(task)
     # If the part that every schedule contains is infeasible, so is the whole task.
     core, _ = mandatory_part(problem)
-    required, _ = mandatory_part(decide_presence(problem))
+    decided = decide_presence(problem)
+    required, _ = mandatory_part(decided)
     check_temporal(required, findings)
+    if decided.has_calendars:
+        from irc.checks.open_times import check_open_times
+
+        check_open_times(decided, findings)
     if complete and core is not problem:
         _check_choices(task, problem, findings)
     if lint:
