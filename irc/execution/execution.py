@@ -204,15 +204,15 @@ class Execution:
         notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
-        told = without_observations(_with_own(self._told, given, event), event)
-        taken = as_of(history, told, now)
-        told, passed = without_the_past(self._told, told, taken.state(now))
-        task = self._in_force(told, taken, now)
+        revised = without_observations(_with_own(self._told, given, event), event)
+        taken = as_of(history, revised, now)
+        revised, passed = without_the_past(self._told, revised, taken.state(now))
+        task = self._in_force(revised, taken, now)
         self._plannable = self._after(task, event, history, source)
         if task.lapsed != self.task.lapsed:
             ended = {entry.id for entry in taken.state(now).completed}
             notes = [*notes, *lapses(self.task, task, event, ended), *passed]
-        self._told, self.task, self._history, self.now = told, task, history, now
+        self._told, self.task, self._history, self.now = revised, task, history, now
         self._rounding = rounding
         self._events.append(event)
         return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
@@ -245,9 +245,9 @@ class Execution:
         times = (t for entry in history.entries.values() for t in (entry.start, entry.end))
         return self._plannable.after(task, event, times, source)
 
-    def _in_force(self, told: Task, history: History, now: Number) -> Task:
+    def _in_force(self, revised: Task, history: History, now: Number) -> Task:
         """The task with all that is taken to have happened by now."""
-        return with_observations(told, outcomes(history, told, now))
+        return with_observations(revised, outcomes(history, revised, now))
 
     def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.

@@ -42,8 +42,8 @@ from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 
 RUN_VERSION = "1"
 
-MOST_REQUESTS, FEWEST_REQUESTS, ACTIONS_REPLAYED = 100, 20, 50_000
-"""A snapshot follows each such number of requests, fewer of them for a task with many actions."""
+MOST_REQUESTS, FEWEST_REQUESTS, ACTIONS_REPLAYED = 50, 10, 10_000
+"""A snapshot follows 50 requests, or fewer for a task of more than 200 actions, down to 10."""
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,11 @@ class Session:
         except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
             return Reply(_with_id(name, self._refused(str(error), error.outcome)))
-        self._record(source.text, step)
+        try:
+            self._record(source.text, step)
+        except JournalError:
+            self.execution = before
+            raise
         self.last_id = name
         return Reply(_with_id(name, document))
 
