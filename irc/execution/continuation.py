@@ -217,6 +217,8 @@ class Repair:
         except AnswerError as error:
             raise EngineFailed(f"the answer does not continue the history: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
+        if self.budget.is_over:
+            return outcome
         kept = stabilised(
             whole,
             merged,

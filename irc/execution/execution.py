@@ -74,8 +74,10 @@ class Execution:
             raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
         self._notes: tuple[Diagnostic, ...] = ()
         self._rounding = Rounding.of(self.task)
-        schedule = self._take(self._rounding.schedule(schedule))
-        self.now: Number = self._take(self._rounding.moment(at, "the present, ", ("at",)))
+        schedule = self._take(self._rounding.schedule(self.task, schedule))
+        now = self.task.clock.exact(parse_instant(at))
+        moment = self._rounding.moment(self.task, now, "the present, ", ("at",))
+        self.now: Number = self._take(moment)
         self.options = SolveOptions.of(options, more)
         self._plannable = Plannable(self.options.target)
         self._told = self.task
@@ -136,7 +138,7 @@ class Execution:
         with which the target cannot plan.
         """
         exact = self.task.clock.exact(parse_instant(to))
-        time, rounding, notes = self._rounding.moment(exact, "the present, ", ("to",))
+        time, rounding, notes = self._rounding.moment(self.task, exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
                 "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
@@ -188,7 +190,7 @@ class Execution:
         was read from. The plan is repaired only by `replan`.
         """
         given = event_of(event)
-        event, rounding, rounded = self._rounding.event(given)
+        event, rounding, rounded = self._rounding.event(self.task, given)
         report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
@@ -202,15 +204,15 @@ class Execution:
         notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
-        told = without_observations(_with_own(self._told, given, event), event)
-        taken = as_of(history, told, now)
-        told, passed = without_the_past(self._told, told, taken.state(now))
-        task = self._in_force(told, taken, now)
+        revised = without_observations(_with_own(self._told, given, event), event)
+        taken = as_of(history, revised, now)
+        revised, passed = without_the_past(self._told, revised, taken.state(now))
+        task = self._in_force(revised, taken, now)
         self._plannable = self._after(task, event, history, source)
         if task.lapsed != self.task.lapsed:
             ended = {entry.id for entry in taken.state(now).completed}
             notes = [*notes, *lapses(self.task, task, event, ended), *passed]
-        self._told, self.task, self._history, self.now = told, task, history, now
+        self._told, self.task, self._history, self.now = revised, task, history, now
         self._rounding = rounding
         self._events.append(event)
         return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
@@ -243,9 +245,9 @@ class Execution:
         times = (t for entry in history.entries.values() for t in (entry.start, entry.end))
         return self._plannable.after(task, event, times, source)
 
-    def _in_force(self, told: Task, history: History, now: Number) -> Task:
+    def _in_force(self, revised: Task, history: History, now: Number) -> Task:
         """The task with all that is taken to have happened by now."""
-        return with_observations(told, outcomes(history, told, now))
+        return with_observations(revised, outcomes(history, revised, now))
 
     def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.

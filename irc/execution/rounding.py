@@ -38,7 +38,6 @@ class Rounding:
     `reported` says whether a rounding was.
     """
 
-    task: Task
     resolution: Number
     own_tick: Fraction | None
     reported: bool = False
@@ -48,7 +47,7 @@ class Rounding:
         """The rounding of a task that begins to run."""
         clock = task.clock
         own = None if clock.resolution is not None else _own_tick(task)
-        return cls(task, running_resolution(task, clock), own)
+        return cls(running_resolution(task, clock), own)
 
     def time(self, value: Number) -> Number:
         """The time as a multiple of the resolution, or of the task's own unit."""
@@ -59,16 +58,18 @@ class Rounding:
             return value
         return rounded(value, self.resolution)
 
-    def moment(self, value: Number, what: str, at: Pointer) -> tuple[Number, Rounding, Notes]:
+    def moment(
+        self, task: Task, value: Number, what: str, at: Pointer
+    ) -> tuple[Number, Rounding, Notes]:
         """(a time that came in, the rounding from then on, a note if it is the first one)."""
         near = self.time(value)
-        return near, *self._after([(at, value, near)] if near != value else [], what)
+        return near, *self._after(task, [(at, value, near)] if near != value else [], what)
 
-    def event(self, event: Event) -> tuple[Event, Rounding, Notes]:
+    def event(self, task: Task, event: Event) -> tuple[Event, Rounding, Notes]:
         """(an event with all of its times rounded, the rounding from then on, a note)."""
-        rounding = self._fine_enough_for(event)
+        rounding = self._fine_enough_for(task, event)
         changed: list[tuple[Pointer, Instant, Number]] = []
-        clock = self.task.clock
+        clock = task.clock
 
         def near(value: Instant, place: Pointer) -> Instant:
             with suppress(TimeError):  # The check of the event reports it.
@@ -82,9 +83,9 @@ class Rounding:
 
         event = with_times(event, near)
         changed.sort(key=lambda found: tuple(map(str, found[0])))
-        return event, *rounding._after(changed, "")
+        return event, *rounding._after(task, changed, "")
 
-    def schedule(self, schedule: Schedule) -> tuple[Schedule, Rounding, Notes]:
+    def schedule(self, task: Task, schedule: Schedule) -> tuple[Schedule, Rounding, Notes]:
         """(a schedule with its times rounded, the rounding from then on, a note)."""
         entries = []
         changed: list[tuple[Pointer, Instant, Number]] = []
@@ -98,11 +99,11 @@ class Rounding:
             entries.append(entry if same else replace(entry, start=start, end=end))
         if not changed:
             return schedule, self, ()
-        return replace(schedule, entries=tuple(entries)), *self._after(changed, "the plan's ")
+        return replace(schedule, entries=tuple(entries)), *self._after(task, changed, "the plan's ")
 
-    def _fine_enough_for(self, event: Event) -> Rounding:
+    def _fine_enough_for(self, task: Task, event: Event) -> Rounding:
         """The rounding with a resolution that is fine enough for new durations, too."""
-        if self.task.resolution is not None:
+        if task.resolution is not None:
             return self
         lengths: list[Instant] = []
         for change in event.changes:
@@ -112,22 +113,22 @@ class Rounding:
                 lengths += [value for place, value in times_of(change)]
         if not lengths:
             return self
-        finer = min(self.resolution, fine_enough(lengths, self.task.clock))
+        finer = min(self.resolution, fine_enough(lengths, task.clock))
         return self if finer == self.resolution else replace(self, resolution=finer)
 
     def _after(
-        self, changed: list[tuple[Pointer, Instant, Number]], what: str
+        self, task: Task, changed: list[tuple[Pointer, Instant, Number]], what: str
     ) -> tuple[Rounding, Notes]:
         if not changed or self.reported:
             return self, ()
         place, value, time = changed[0]
-        unit = self.task.time_unit
+        unit = task.time_unit
         name = next((part for part in reversed(place) if isinstance(part, str)), "a time")
         note = Diagnostic(
             Code.ROUNDED,
             f"{what}'{name}' {write_time(value)} is taken as {format_number(time)} {unit}: times "
             "that come in while the task runs are rounded to its resolution, "
-            f"{in_words(self.resolution, self.task.clock)}",
+            f"{in_words(self.resolution, task.clock)}",
             place,
             'a "resolution" of the task chooses another one; later roundings are not reported',
         )

@@ -115,7 +115,9 @@ def simulate(
         if len(steps) == 1 and steps[0].schedule.status is Status.UNKNOWN:
             lost(cancel)
         planned = schedule is None or len(steps) > 1
-        done = len(steps) > len({task.number(event.at) for event in task.events})
+        rounding = Rounding.of(task)
+        instants = {rounding.time(task.number(event.at)) for event in task.events}
+        done = len(steps) > len(instants)
         ended = cancel is not None and cancel.is_cancelled
         partial = not done or (planned and steps[-1].schedule.interrupted)
         return Simulation(task.name, tuple(steps), ended and partial)

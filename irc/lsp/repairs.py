@@ -27,7 +27,7 @@ def repairs(analysis: Analysis, names: Names, found: Sequence[Diagnostic]) -> li
     """The repairs of some of a report's findings."""
     offered = []
     for d in found:
-        if d.fix and analysis.source is not None:
+        if (d.fix or d.edits) and analysis.source is not None:
             edits = _moved(text_edits([d], analysis.source), analysis.lead)
             if edits:
                 offered.append(Repair(f"repair: {d.message}", edits, True, d))

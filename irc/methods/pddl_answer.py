@@ -39,7 +39,10 @@ EXPECTED = '{"domain": "(define (domain …", "problem": "(define (problem …"}
 
 
 def read_pddl_task(text: str) -> Answer:
-    """The task of the domain and problem that a model wrote, with what the importer finds."""
+    """The task of the domain and problem that a model wrote, with what the importer finds.
+
+    Habits that PDDL does not allow are read, each with a warning.
+    """
     if find_object(text) is None:
         return unreadable(text, EXPECTED)
     written = read_pddl_answer(text)
@@ -50,14 +53,15 @@ def read_pddl_task(text: str) -> Answer:
         findings.add(Code.MISSING_FIELD, message, offset=0, hint=f"expected {EXPECTED}")
         report = Report(tuple(findings.items), Source("answer", text))
         return Answer(AnswerState.INVALID, text, report=report)
-    from irc.frontends.importers.pddl import import_pddl
+    from irc.frontends.importers.pddl import read_pddl
     from irc.model.canonical import written_task
 
+    sources = (written.domain, "domain"), (written.problem, "problem")
     try:
-        task = import_pddl((written.domain, "domain"), (written.problem, "problem"))
+        task, warnings = read_pddl(*sources, lenient=True)
     except InputError as error:
         return Answer(AnswerState.INVALID, text, report=error.report)
-    return Answer(AnswerState.OK, text, document=written_task(task))
+    return Answer(AnswerState.OK, text, document=written_task(task), report=warnings)
 
 
 def _first_response(content: dict[str, Any]) -> dict[str, Any]:

@@ -22,7 +22,10 @@ _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goa
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
-    "uses one_of modes consumes produces conditions effects values availability changes".split()  # noqa: SIM905
+    [
+        *("uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"),
+        *("availability", "timed_changes"),
+    ]
 )
 """Arrays whose order does not matter but where a repetition counts again."""
 
@@ -102,7 +105,9 @@ def _object(node: Any, clock: Clock) -> dict[str, Any]:
         value, default = getattr(node, name), fields[name].default
         if value == default or value == {}:
             continue
-        written = _value(name, value, clock)
+        # The changes of an event come in an order, those of a state variable have times.
+        is_timed = name == "changes" and "initial" in fields
+        written = _value("timed_changes" if is_timed else name, value, clock)
         default = list(default) if isinstance(default, tuple) else default
         if written != default or isinstance(written, bool) != isinstance(default, bool):
             shown[fields[name].alias or name] = written

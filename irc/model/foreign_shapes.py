@@ -255,6 +255,8 @@ def foreign_value(pointer: Pointer, value: Any, raw: Any) -> Meant | None:
         return _entry_meant(pointer, last, value)
     if last == "uses":
         return _written(pointer, uses_meant(value))
+    if pointer in (("precedence",), ("dependencies",)):
+        return Meant('write a list of pairs, the earlier action first: [["…", "…"]]')
     if pointer in (("resources",), ("actions",)):
         field = "capacity" if last == "resources" else "duration"
         return _written(pointer, elements_meant(value, field))

@@ -86,7 +86,7 @@ class Session:
                     "presume": execution.presume,
                 }
             )
-        return cls(execution, journal)
+        return cls(execution, journal, execution.take_notes())
 
     @classmethod
     def resume(
@@ -115,7 +115,7 @@ class Session:
         """
         for start in found.starts():
             if start.snapshot is None:
-                return cls(first, None, found.notes), start.requests
+                return cls(first, None, (*found.notes, *first.take_notes())), start.requests
             try:
                 saved, _ = read_value(start.snapshot, "<journal>")
                 saved = saved["snapshot"]

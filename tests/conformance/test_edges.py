@@ -166,6 +166,52 @@ def test_more_occurrences_than_a_model_holds_are_refused_by_name(tmp_path: Path)
     assert "'a' must occur at least 1,000,000,000 times" in said.stdout
 
 
+def many_values() -> Document:
+    count = 500
+    effects = [[{"at": "end", "var": "x", "value": f"v{i + 1}"}] for i in range(count)]
+    conditions = [[{"at": "start", "var": "x", "value": f"v{i}"}] for i in range(count)]
+    return {
+        "state": [{"id": "x", "values": [f"v{i}" for i in range(count + 1)], "initial": "v0"}],
+        "actions": [
+            action(f"a{i}", occurs="optional", conditions=conditions[i], effects=effects[i])
+            for i in range(count)
+        ],
+    }
+
+
+def busy_shelf() -> Document:
+    gives, takes = ({key: [{"resource": "s"}]} for key in ("produces", "consumes"))
+    actions = [action(f"a{i}", **(gives if i % 2 else takes)) for i in range(900)]
+    return {"resources": [{"id": "s", "kind": "reservoir", "initial": 5}], "actions": actions}
+
+
+@pytest.mark.parametrize(
+    ("document", "target", "says"),
+    [
+        (many_values(), "pddl21", "the effects on 'x', with its 500 values"),
+        (busy_shelf(), "cpsat", "reservoir 's' is changed 900 times"),
+    ],
+    ids=["values", "changes"],
+)
+def test_what_is_too_large_for_a_target_is_refused_by_name(
+    document: Document, target: str, says: str
+) -> None:
+    with pytest.raises(irc.InputError, match=says):
+        irc.compile(document, target)
+
+
+def test_a_conflict_of_thousands_is_shown_in_part(tmp_path: Path) -> None:
+    count = 1000
+    cycle = [[f"a{i}", f"a{(i + 1) % count}"] for i in range(count)]
+    file = tmp_path / "task.json"
+    file.write_text(
+        json.dumps({"actions": [action(f"a{i}") for i in range(count)], "precedence": cycle})
+    )
+    said = run_irc("explain", file, "--time-limit", 1).stdout
+    assert "more; `--format json` shows all of them" in said
+    assert said.count("^") == 60
+
+
 # --- without an answer ---------------------------------------------------------------------------
 
 

@@ -66,11 +66,8 @@ def test_a_damaged_task_is_checked(seeds: Iterator[int], language: str, tmp_path
 
 
 def test_a_damaged_pddl_file_is_converted(seeds: Iterator[int], tmp_path: Path) -> None:
-    folders = [d.parent for d in sorted(EXAMPLES.glob("pddl/**/domain.pddl"))]
-    pairs = [(f / "domain.pddl", p) for f in folders for p in sorted(f.glob("p*.pddl"))]
-    if not pairs:
-        files = sorted(EXAMPLES.glob("pddl/**/*.pddl"))
-        pairs = [(a, b) for a in files for b in files if a != b]
+    folders = [domain.parent for domain in sorted(EXAMPLES.glob("pddl/*/domain.pddl"))]
+    pairs = [(f / "domain.pddl", f / "problem.pddl") for f in folders]
     for seed in seeds:
         rng = random.Random(f"pddl {seed}")
         domain, problem = rng.choice(pairs)
@@ -80,7 +77,10 @@ def test_a_damaged_pddl_file_is_converted(seeds: Iterator[int], tmp_path: Path) 
         texts[which] = mutated(rng, texts[which])
         for file, text in zip(given, texts, strict=True):
             file.write_bytes(text)
-        said = run_irc("convert", given[0], "--from", "pddl", "--problem", given[1])
+        said = run_irc(
+            *("convert", given[0], "--from", "pddl", "--problem", given[1]),
+            *("--output", tmp_path / "task.json"),
+        )
         assert said.exit_code < 4
 
 
@@ -96,5 +96,8 @@ def test_a_damaged_event_is_refused_or_taken(seeds: Iterator[int], tmp_path: Pat
         rng = random.Random(f"event {seed}")
         file = tmp_path / "event.json"
         file.write_bytes(mutated(rng, event))
-        said = run_irc("replan", task, "--schedule", plan, "--event", file, "--time-limit", 5)
+        said = run_irc(
+            *("replan", task, "--schedule", plan, "--event", file),
+            *("--at", rng.choice((0, 5, 7)), "--time-limit", 5),
+        )
         assert said.exit_code < 4

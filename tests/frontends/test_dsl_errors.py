@@ -343,6 +343,11 @@ def test_arrows_and_pools_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     assert errors(report)[0] == ("IRC017", 1, 10)
 
 
+def test_the_text_that_a_for_repeats_is_bounded() -> None:
+    braces = " ".join("{i}" for _ in range(200))
+    assert errors(told(f"for i in 1 .. 90000:\n  a {braces} 1")) == [("IRC017", 1, 1)]
+
+
 def limited(statements: int, parts: int) -> Callable[[document_parts.ExpansionLimit], None]:
     """An `__init__` with other limits."""
 

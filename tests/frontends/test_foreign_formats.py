@@ -177,6 +177,13 @@ def test_numbers_as_names_become_texts_everywhere() -> None:
     assert same(text, {"actions": actions, "precedence": order})
 
 
+@pytest.mark.parametrize("field", ["precedence", "dependencies"])
+def test_an_order_by_name_may_mean_two_things(field: str) -> None:
+    text = json.dumps({"actions": [{"id": "a", "duration": 5}], field: {"a": ["b"]}})
+    assert "the earlier action first" in hint_of(text, field)
+    assert repair_text(text, "t")[0] == text
+
+
 def test_of_two_fields_with_one_meaning_neither_is_chosen() -> None:
     text = '{"actions": [{"id": "a", "duration": 5}], "tasks": [{"id": "b", "duration": 5}]}'
     assert hint_of(text, "tasks") == "`actions` means the same; keep one of the two"

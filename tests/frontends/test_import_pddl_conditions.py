@@ -255,10 +255,22 @@ def test_an_action_that_adds_to_a_number_has_a_variant_for_each_value() -> None:
     assert {use.resource for a in fills for use in a.uses} == {"(fill)"}
 
 
+def test_a_number_without_limits_has_the_values_that_are_asked_for() -> None:
+    problem = """(define (problem p) (:domain tank)
+      (:init (calm) (= (level) 3) (= (size) 12) (= (work) 0)) (:goal (made)))"""
+    domain = TANK.replace("(< (level) (size))", "(calm)")
+    task, report = read_pddl((domain, "d.pddl"), (problem, "p.pddl"))
+    known = {v.id for v in task.state}
+    assert "(= (level) 8)" in known
+    assert "(= (level) 13)" not in known
+    assert [d.code for d in report] == [Code.LENIENT]
+    assert "only its values from 0 to 12" in report.diagnostics[0].message
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message", "line"),
     [
-        ("(< (level) (size))", "(calm)", "may have more than 200 values", 7),
+        ("(increase (level) 5)", "(increase (level) 0.01)", "more than 200 values", 5),
         ("(>= (level) 7)", "(>= (level) (work))", "compares several numbers that change", 7),
         ("(increase (level) 5)", "(increase (level) (work))", "depends on (work)", 5),
         ("(increase (level) 5)", "(increase (level) (* #t 5))", "continuous effects", 5),

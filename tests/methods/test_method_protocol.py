@@ -433,6 +433,44 @@ def test_so_do_those_of_the_other_readers(name: str, seed: int) -> None:
     assert named in words_of(answer.report)
 
 
+DOMAIN = """(define (domain d) (:requirements :durative-actions)
+ (:predicates (mixed) (baked))
+ (:durative-action mix :parameters () :duration (= ?duration 2)
+  :condition (at start (not (mixed))) :effect (at end (mixed)))
+ (:durative-action bake :parameters () :duration (= ?duration 9)
+  :condition (at start (mixed)) :effect (at end (baked))))"""
+PROBLEM = "(define (problem p) (:domain d) (:init) (:goal (baked)))"
+
+
+def pddl_answer(domain: str, problem: str) -> Any:
+    text = json.dumps({"domain": domain, "problem": problem})
+    return METHODS["pddl21-formalizer"].read(text, step_instance(STEPS))
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "named"),
+    [
+        ("(:goal (baked))", "(:goal (cooled))", "cooled"),
+        ("at start (mixed)) :effect", "at start (stirred)) :effect", "stirred"),
+        ("(:domain d) (:init)", "(:domain d) (:init (iced))", "iced"),
+        ("(= ?duration 9)", "(= ?duration nine)", "nine"),
+    ],
+)
+def test_so_do_those_of_pddl(right: str, wrong: str, named: str) -> None:
+    answer = pddl_answer(DOMAIN.replace(right, wrong), PROBLEM.replace(right, wrong))
+    assert answer.state is AnswerState.INVALID
+    assert named in words_of(answer.report)
+    assert named in rewrite(answer)["content"]
+
+
+def test_a_habit_of_models_in_pddl_is_a_warning_and_no_fault() -> None:
+    answer = pddl_answer(DOMAIN.replace(" :parameters ()", ""), PROBLEM)
+    assert answer.state is AnswerState.OK, answer.report.render()
+    assert answer.report.diagnostics
+    assert answer.task is not None
+    assert irc.solve(answer.task).makespan == 11
+
+
 def words_of(report: Report) -> str:
     """The messages and hints alone, without the text that is shown below them."""
     return "\n".join(f"{d.message} {d.hint}" for d in report.errors)

@@ -37,6 +37,12 @@ Selection = frozenset[int]
 """The items (by index) that are present."""
 
 
+LIMITED_ITEMS = 400
+"""With more items the limits of resources are left out, since each asks for a look at all."""
+
+MOST_ITEMS = 2_000
+"""At most this many items are further occurrences."""
+
 MOST_FURTHER = 32
 """At most this many further occurrences of one action are items of their own."""
 
@@ -99,6 +105,8 @@ def optional_items(problem: Problem, names: tuple[str, ...]) -> OptionalItems:
             most = _most_further(problem, i)
             all_there = all_there and most is not None and most <= MOST_FURTHER
             count = MOST_FURTHER if most is None else min(most, MOST_FURTHER)
+            all_there = all_there and len(sets) + count <= MOST_ITEMS
+            count = max(0, min(count, MOST_ITEMS - len(sets)))
             sets += [Item((i,), 0, further=True)] * count
     totals = {
         name: [_value(problem, item.members, item.value, name) for item in sets] for name in names
@@ -250,7 +258,7 @@ def _with_occurrences(problem: Problem, further: Mapping[int, int]) -> tuple[Pro
 def _energy_limits(space: SelectionSpace, is_over: Callable[[], bool]) -> list[Limit]:
     """The limits on the work of a resource after some head and before some tail."""
     deadline, items = space.problem.deadline, space.items
-    if deadline is None or not items:
+    if deadline is None or not items or len(items) > LIMITED_ITEMS:
         return []
     everything, _ = mandatory_part(space.projected(frozenset(range(len(items)))))
     heads: dict[str, int] = {}

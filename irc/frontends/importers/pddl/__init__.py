@@ -71,6 +71,8 @@ def _task(lifted: Lifted, sources: tuple[Source, Source], found: tuple[Findings,
     else:
         try:
             objective = objective_of(lifted, grounded.actions)
+            for message, offset in grounded.cut:
+                found[0].add(Code.LENIENT, message, offset=offset)
             if objective.mixed and lifted.metric is not None:
                 found[1].add(Code.LENIENT, _MIXED, offset=lifted.metric.offset)
             grounded, equal = without_symmetry(lifted, grounded)

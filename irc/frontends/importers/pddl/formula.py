@@ -53,7 +53,7 @@ class Atom(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """What a condition asks of a number: at least `least`, or more than that."""
+    """The least value that a condition asks of a number, or one that it must exceed."""
 
     least: Fraction
     strict: bool
@@ -143,6 +143,8 @@ def ways(formula: Formula, offset: int = 0) -> list[Way]:
         return [()] if formula else []
     if isinstance(formula, Atom):
         return [(formula,)]
+    if isinstance(formula, All) and all(isinstance(part, Atom) for part in formula.parts):
+        return [tuple(part for part in formula.parts if isinstance(part, Atom))]
     if isinstance(formula, Any):
         found = [way for part in formula.parts for way in ways(part, offset)]
     else:

@@ -54,7 +54,7 @@ from irc.frontends.importers.pddl.lifted import (
 from irc.frontends.importers.pddl.numbers import Numbers
 from irc.frontends.importers.pddl.reached import reachable
 
-MOST_ACTIONS = 20_000
+MOST_ACTIONS = 50_000
 """Problems with more ground actions are refused."""
 
 TimedWay = tuple[TimedTest, ...]
@@ -80,6 +80,8 @@ class Grounded:
     goal: tuple[Test, ...]
     initial: frozenset[Fact]
     derived: frozenset[Fact] = frozenset()
+    cut: tuple[tuple[str, int], ...] = ()
+    """Warnings about numbers of which only some values count, with places in the domain."""
 
 
 def ground(lifted: Lifted) -> Grounded:
@@ -107,7 +109,9 @@ def ground(lifted: Lifted) -> Grounded:
     }
     actions = reachable(actions, initial, lifted.timed)
     actions = _with_length(actions)
-    return Grounded(actions, goal, frozenset(initial), frozenset(grounder.derived))
+    return Grounded(
+        actions, goal, frozenset(initial), frozenset(grounder.derived), tuple(numbers.cut)
+    )
 
 
 def _with_length(actions: list[Ground]) -> list[Ground]:

@@ -52,6 +52,13 @@ class _Rule:
     allowed: dict[str, frozenset[str]]
     fired: dict[tuple[str, ...], None] = field(default_factory=dict)
 
+    def has_fired(self, binding: dict[str, str]) -> bool:
+        """Whether all that matters of a binding is known, and was found before."""
+        if len(binding) < len(self.parameters):
+            return False
+        key = tuple(map(binding.get, self.parameters))
+        return key in self.fired
+
 
 class Relations:
     """Facts by predicate, and by predicate, place and object."""
@@ -138,6 +145,8 @@ class Join:
                 " many combinations of objects"
             )
         if not all(_may_hold(equality, binding) for equality in rule.equalities):
+            return
+        if rule.has_fired(binding):
             return
         if not literals:
             for whole in self._completed(rule, binding):

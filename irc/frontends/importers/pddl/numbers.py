@@ -31,6 +31,8 @@ class Numbers:
         self.limits = limits
         self.lifted = lifted
         self.values: dict[Fact, list[Fraction]] = {}
+        self.cut: list[tuple[str, int]] = []
+        """Numbers of which only some values count: a message, and the place of a limit."""
         changers: dict[Fact, list[Ground]] = {}
         for action in actions:
             for _, fact, _, _ in _changes(action):
@@ -70,7 +72,7 @@ class Numbers:
     def _ways(
         self, action: Ground, at: str, fact: Fact, changes: list[tuple[bool, Fraction]]
     ) -> list[tuple[list[tuple[str, Atom]], list[tuple[str, Atom]]]]:
-        """What each value asks for and gives at a time."""
+        """The conditions and effects of each value at a time."""
         given = [amount for add, amount in changes if not add]
         added = sum((amount for add, amount in changes if add), Fraction(0))
         if given:
@@ -117,25 +119,54 @@ class Numbers:
         }
         found = [] if first is None else [first]
         found += sorted({amount for add, amount, _ in changes if not add} - set(found))
-        known = set(found)
-        waiting = list(found)
-        while waiting:
-            value = waiting.pop()
-            for add, amount, asked in changes:
-                suits = all(self.limits[fact][t.fact].holds(value) == t.value for _, t in asked)
-                if not add or not suits or value + amount in known:
-                    continue
-                known.add(value + amount)
-                found.append(value + amount)
-                waiting.append(value + amount)
-                if len(found) > MOST_VALUES:
-                    name = " ".join(fact)
-                    raise NotSupportedError(
-                        f"the number ({name}) may have more than {MOST_VALUES} values; limit it by"
-                        " conditions of the actions that change it",
-                        next(iter(self.limits[fact].values())).offset,
-                    )
-        return sorted(found)
+        steps = [(amount, asked) for add, amount, asked in changes if add]
+        limits = self.limits[fact]
+        values = _closure(found, steps, limits, None)
+        if values is None:
+            ends = [Fraction(0), *found, *(limit.least for limit in limits.values())]
+            # (One step beyond a limit is a way to reach it.)
+            ends.append(max(ends) + max((amount for amount, _ in steps), default=Fraction(0)))
+            values = _closure(found, steps, limits, (min(ends), max(ends)))
+            name, offset = " ".join(fact), next(iter(limits.values())).offset
+            if values is None:
+                raise NotSupportedError(
+                    f"the number ({name}) may have more than {MOST_VALUES} values; limit it by"
+                    " conditions of the actions that change it",
+                    offset,
+                )
+            message = (
+                f"the number ({name}) has no limits; only its values from {_number_text(min(ends))}"
+                f" to {_number_text(max(ends))} are considered"
+            )
+            self.cut.append((message, offset))
+        return values
+
+
+_Step = tuple[Fraction, tuple[tuple[str, Atom], ...]]
+"""An amount that is added, and what its action asks of the number."""
+
+
+def _closure(
+    first: Sequence[Fraction],
+    steps: Sequence[_Step],
+    limits: Mapping[Fact, Limit],
+    ends: tuple[Fraction, Fraction] | None,
+) -> list[Fraction] | None:
+    """The values that steps reach from the first ones, within the ends; None if too many."""
+    known = set(first)
+    waiting = list(first)
+    while waiting:
+        value = waiting.pop()
+        for amount, asked in steps:
+            new = value + amount
+            suits = all(limits[test.fact].holds(value) == test.value for _, test in asked)
+            if not suits or new in known or (ends and not ends[0] <= new <= ends[1]):
+                continue
+            known.add(new)
+            waiting.append(new)
+            if len(known) > MOST_VALUES:
+                return None
+    return sorted(known)
 
 
 def _equal(fact: Fact, value: Fraction) -> Fact:

@@ -81,7 +81,7 @@ def _used_up(item: str, users: Sequence[Ground], lifted: Lifted, grounded: Groun
 
 
 def _signature(item: str, users: Sequence[Ground], lifted: Lifted, grounded: Grounded) -> object:
-    """Everything that is said about an object, with its name left open."""
+    """All facts, goals and actions that name an object, with its name left open."""
 
     def open_name(fact: Fact) -> Fact:
         return tuple(ANY if part == item else part for part in fact)
