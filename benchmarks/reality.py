@@ -35,7 +35,7 @@ def main() -> int:
     for seed in range(options.first, options.first + options.sessions):
         try:
             found = play(seed, means)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is a fault
             traceback.print_exc()
             found = Session(faults=[f"{type(error).__name__}: {error}"])
         for name in ("steps", "accepted", "refused", "corrected", "unanswered", "left_out"):

@@ -62,13 +62,13 @@ class Execution:
         `"assume"` the plan is taken to happen unless something else is observed. Raises
         `InputError` where the schedule names what the task lacks.
         """
-        self.task = task_of(task)
-        _require_known(self.task, schedule)
+        self._told = task_of(task)
+        _require_known(self._told, schedule)
         if presume not in (known := get_args(Presume)):
             raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
         self.now: Number = at
         self.options = SolveOptions.of(options, more)
-        self._told = self.task
+        self._task: Task | None = self._told
         self._schedule = schedule
         self._history = History.of(schedule, at, assumes=presume == "assume")
         self._events: list[Event] = []
@@ -85,7 +85,22 @@ class Execution:
 
     def __eq__(self, other: object) -> bool:
         """Whether both are at the same point of the same task, with the same options."""
-        return self.__dict__ == other.__dict__ if isinstance(other, Execution) else NotImplemented
+        if not isinstance(other, Execution):
+            return NotImplemented
+        # (The task in force follows from the rest.)
+        return {**self.__dict__, "_task": None} == {**other.__dict__, "_task": None}
+
+    @property
+    def task(self) -> Task:
+        """The task in force: as the events have revised it, with all that was observed."""
+        if self._task is None:
+            self._task = self._in_force(as_of(self._history, self._told, self.now))
+        return self._task
+
+    @property
+    def unobserved(self) -> Task:
+        """The task as the events have revised it, without what was observed."""
+        return self._told
 
     @property
     def schedule(self) -> Schedule:
@@ -97,7 +112,7 @@ class Execution:
             return self._schedule
         taken = as_of(self._history, self._told, self.now).entries.values()
         entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
-        return Schedule(tuple(entries), task=self.task.name)
+        return Schedule(tuple(entries), task=self._told.name)
 
     @property
     def pending(self) -> tuple[Event, ...]:
@@ -123,12 +138,13 @@ class Execution:
 
     def advance(self, to: Instant) -> None:
         """Advances the time. Raises `InputError` for a time that has passed already."""
-        time = self.task.number(parse_instant(to))
+        time = self._told.number(parse_instant(to))
         if time < self.now:
             raise _in_the_past(
-                "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
+                "the time to advance to is", time, self.now, self._told.time_unit, ("to",), None
             )
-        self.now = time
+        if time > self.now:
+            self.now, self._task = time, None
 
     def observe(
         self,
@@ -173,22 +189,21 @@ class Execution:
         was read from. The plan is repaired only by `replan`.
         """
         event = event_of(event)
-        report = check_event(self.task, event, source=source)
+        only_seen = is_observation(event)
+        task = self._told if only_seen else self.task
+        report = check_event(task, event, source=source)
         if not report.ok:
             raise InputError(report)
-        at = self.task.number(event.at)
-        if at < self.now and not is_observation(event):
-            raise _in_the_past(
-                "the event is at", at, self.now, self.task.time_unit, ("at",), source
-            )
+        at = self._told.number(event.at)
+        if at < self.now and not only_seen:
+            raise _in_the_past("the event is at", at, self.now, task.time_unit, ("at",), source)
         history, findings, now = self._history.copy(), Findings(), max(self.now, at)
         notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
         self._told = without_observations(self._told, event)
-        self._history, self.now = history, now
+        self._history, self.now, self._task = history, now, None
         self._events.append(event)
-        self.task = self._in_force(as_of(history, self._told, now))
         return Report((*report.diagnostics, *notes), source)
 
     def _in_force(self, history: History) -> Task:
@@ -228,7 +243,7 @@ class Execution:
         """A step whose schedule is the one in force from now on, if there is one."""
         notes = [self._late(entry) for entry in not_as_planned(history, self.now)]
         step = replace(step, notes=(*notes, *step.notes))
-        self.task = step.task
+        self._task = step.task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:
@@ -236,7 +251,7 @@ class Execution:
         return step
 
     def _late(self, entry: Entry) -> Diagnostic:
-        start = f"{format_number(entry.start)} {self.task.time_unit}"
+        start = f"{format_number(entry.start)} {self._told.time_unit}"
         return Diagnostic(
             Code.NOT_AS_PLANNED,
             f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
@@ -246,7 +261,7 @@ class Execution:
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
-        _require_known(self.task, schedule)
+        _require_known(self._told, schedule)
         adopt(self._history, schedule, self._told, self.now)
         self._schedule = schedule
         self._events.clear()
