@@ -80,6 +80,8 @@ def without_observations(task: Task, event: Event) -> Task:
 
     The event must fit the task (`irc.checks.events.check_event`).
     """
+    if event not in task.events and all(isinstance(c, Observe) for c in event.changes):
+        return task
     editor = _TaskEditor(task, task.number(event.at), _UNKNOWN)
     for change in event.changes:
         if not isinstance(change, Observe):

@@ -68,19 +68,19 @@ class Execution:
         `"assume"` the plan is taken to happen unless something else is observed. Raises
         `InputError` where the schedule names what the task lacks.
         """
-        self.task = task_of(task)
-        _require_known(self.task, schedule)
+        self._told = task_of(task)
+        _require_known(self._told, schedule)
         if presume not in (known := get_args(Presume)):
             raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
         self._notes: tuple[Diagnostic, ...] = ()
-        self._rounding = Rounding.of(self.task)
-        schedule = self._take(self._rounding.schedule(self.task, schedule))
-        now = self.task.clock.exact(parse_instant(at))
-        moment = self._rounding.moment(self.task, now, "the present, ", ("at",))
+        self._rounding = Rounding.of(self._told)
+        schedule = self._take(self._rounding.schedule(self._told, schedule))
+        now = self._told.clock.exact(parse_instant(at))
+        moment = self._rounding.moment(self._told, now, "the present, ", ("at",))
         self.now: Number = self._take(moment)
         self.options = SolveOptions.of(options, more)
         self._plannable = Plannable(self.options.target)
-        self._told = self.task
+        self._task: Task | None = self._told
         self._schedule = schedule
         self._history = History.of(schedule, self.now, assumes=presume == "assume")
         self._events: list[Event] = []
@@ -97,7 +97,23 @@ class Execution:
 
     def __eq__(self, other: object) -> bool:
         """Whether both are at the same point of the same task, with the same options."""
-        return self.__dict__ == other.__dict__ if isinstance(other, Execution) else NotImplemented
+        if not isinstance(other, Execution):
+            return NotImplemented
+        # (The task in force follows from the rest.)
+        return {**self.__dict__, "_task": None} == {**other.__dict__, "_task": None}
+
+    @property
+    def task(self) -> Task:
+        """The task in force: as the events have revised it, with all that was observed."""
+        if self._task is None:
+            history = as_of(self._history, self._told, self.now)
+            self._task = self._in_force(self._told, history, self.now)
+        return self._task
+
+    @property
+    def unobserved(self) -> Task:
+        """The task as the events have revised it, without what was observed."""
+        return self._told
 
     @property
     def schedule(self) -> Schedule:
@@ -109,7 +125,7 @@ class Execution:
             return self._schedule
         taken = as_of(self._history, self._told, self.now).entries.values()
         entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
-        return Schedule(tuple(entries), task=self.task.name)
+        return Schedule(tuple(entries), task=self._told.name)
 
     @property
     def pending(self) -> tuple[Event, ...]:
@@ -137,14 +153,16 @@ class Execution:
         """Advances the time. Raises `InputError` for a time that has passed already, and for one
         with which the target cannot plan.
         """
-        exact = self.task.clock.exact(parse_instant(to))
-        time, rounding, notes = self._rounding.moment(self.task, exact, "the present, ", ("to",))
+        exact = self._told.clock.exact(parse_instant(to))
+        time, rounding, notes = self._rounding.moment(self._told, exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
-                "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
+                "the time to advance to is", time, self.now, self._told.time_unit, ("to",), None
             )
-        self._plannable = self._after(self.task, Event(at=time), self._history, None)
-        self.now, self._rounding = time, rounding
+        self._plannable = self._after(self._told, Event(at=time), self._history, None)
+        if time > self.now:
+            self.now, self._task = time, None
+        self._rounding = rounding
         self._notes += notes
 
     def observe(
@@ -190,14 +208,16 @@ class Execution:
         was read from. The plan is repaired only by `replan`.
         """
         given = event_of(event)
-        event, rounding, rounded = self._rounding.event(self.task, given)
-        report = check_event(self.task, event, source=source)
+        event, rounding, rounded = self._rounding.event(self._told, given)
+        only_seen = is_observation(event)
+        # (What was observed before changes nothing for a further observation: it is not looked up.)
+        report = check_event(self._told if only_seen else self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
-        at = self.task.number(event.at)
-        if at < self.now and not is_observation(event):
+        at = self._told.number(event.at)
+        if at < self.now and not only_seen:
             raise _in_the_past(
-                "the event is at", at, self.now, self.task.time_unit, ("at",), source
+                "the event is at", at, self.now, self._told.time_unit, ("at",), source
             )
         event = self._with_repetitions(event)
         history, findings, now = self._history.copy(), Findings(), max(self.now, at)
@@ -205,14 +225,18 @@ class Execution:
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
         revised = without_observations(_with_own(self._told, given, event), event)
-        taken = as_of(history, revised, now)
-        revised, passed = without_the_past(self._told, revised, taken.state(now))
-        task = self._in_force(revised, taken, now)
-        self._plannable = self._after(task, event, history, source)
-        if task.lapsed != self.task.lapsed:
-            ended = {entry.id for entry in taken.state(now).completed}
-            notes = [*notes, *lapses(self.task, task, event, ended), *passed]
-        self._told, self.task, self._history, self.now = revised, task, history, now
+        task: Task | None = None
+        if only_seen and not _reports_failure(event):
+            self._plannable = self._after(revised, event, history, source)
+        else:
+            taken = as_of(history, revised, now)
+            revised, passed = without_the_past(self._told, revised, taken.state(now))
+            task = self._in_force(revised, taken, now)
+            self._plannable = self._after(task, event, history, source)
+            if task.lapsed != self.task.lapsed:
+                ended = {entry.id for entry in taken.state(now).completed}
+                notes = [*notes, *lapses(self.task, task, event, ended), *passed]
+        self._told, self._task, self._history, self.now = revised, task, history, now
         self._rounding = rounding
         self._events.append(event)
         return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
@@ -223,7 +247,7 @@ class Execution:
             return event
         if all(action.on_failure is None for action in self._told.actions):
             return event
-        at = self.task.number(event.at)
+        at = self._told.number(event.at)
         state = as_of(self._history, self._told, at).state(at)
         return with_repetitions(event, self.task, state.running)
 
@@ -286,7 +310,7 @@ class Execution:
         task, history = present
         late = [self._late(entry) for entry in not_as_planned(history, self.now)]
         step = replace(step, notes=(*late, *step.notes))
-        self.task = task
+        self._task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:
@@ -294,7 +318,7 @@ class Execution:
         return replace(step, notes=(*self.take_notes(), *step.notes))
 
     def _late(self, entry: Entry) -> Diagnostic:
-        start = f"{format_number(entry.start)} {self.task.time_unit}"
+        start = f"{format_number(entry.start)} {self._told.time_unit}"
         return Diagnostic(
             Code.NOT_AS_PLANNED,
             f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
@@ -304,7 +328,7 @@ class Execution:
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
-        _require_known(self.task, schedule)
+        _require_known(self._told, schedule)
         adopt(self._history, schedule, self._told, self.now)
         self._schedule = schedule
         self._events.clear()
@@ -331,6 +355,11 @@ def replan(
     noted = [note for event in events for note in execution.apply(event)]
     step = execution.replan()
     return replace(step, notes=(*noted, *step.notes))
+
+
+def _reports_failure(event: Event) -> bool:
+    """Whether an action is observed to have failed, so that something may lapse."""
+    return any(getattr(change, "status", None) == "failed" for change in event.changes)
 
 
 def _with_own(task: Task, given: Event, rounded: Event) -> Task:

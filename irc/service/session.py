@@ -131,7 +131,7 @@ class Session:
 
         Returns why it could not be written, if it could not: nothing is lost by that.
         """
-        size = len(self.execution.task.actions)
+        size = len(self.execution.unobserved.actions)
         every = max(FEWEST_REQUESTS, min(MOST_REQUESTS, ACTIONS_REPLAYED // (size + 1)))
         if self.journal is None or self._since_snapshot < every:
             return None
@@ -239,7 +239,7 @@ class Session:
         return () if change is None else change(self, request)
 
     def _advance(self, request: Request) -> tuple[Diagnostic, ...]:
-        to = time_of(request, "to", self.execution.task)
+        to = time_of(request, "to", self.execution.unobserved)
         try:
             self.execution.advance(to)
         except InputError as error:
@@ -249,7 +249,7 @@ class Session:
     def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
         execution = self.execution
         try:
-            report = execution.apply(observation_of(request, execution.task, execution.now))
+            report = execution.apply(observation_of(request, execution.unobserved, execution.now))
         except InputError as error:
             raise InputError(_placed(error.report, request)) from None
         return tuple(_placed(report, request).located())

@@ -53,7 +53,7 @@ def from_snapshot(document: Any, options: SolveOptions) -> Execution:
     execution = object.__new__(Execution)
     try:
         state = {key: _read(value) for key, value in document["state"].items()}
-        if not isinstance(state.get("task"), Task) or state.keys() & {_OPTIONS, _NOTES}:
+        if not isinstance(state.get("_told"), Task) or state.keys() & {_OPTIONS, _NOTES}:
             raise SnapshotError("the snapshot has no task")
         vars(execution).update(state, **{_OPTIONS: options, _NOTES: ()})
         same = task_sha256(execution.task) == document["task_sha256"]
