@@ -30,7 +30,6 @@ def main() -> None:
     given = parser.parse_args()
     counts: Counter[str] = Counter()
     end = time.monotonic() + given.seconds
-    seed = given.first
     for seed in range(given.first, given.first + given.count):
         if time.monotonic() > end:
             break
@@ -39,7 +38,8 @@ def main() -> None:
         if is_fault(said):
             least = smallest(combined_document(seed), given.target, given.limit)
             print(seed, features_of(seed), said, json.dumps(least), flush=True)
-    print(f"seeds {given.first} to {seed}: {sum(counts.values())} tasks")
+    judged = sum(counts.values())
+    print(f"seeds {given.first} to {given.first + judged - 1}: {judged} tasks")
     for said, count in counts.most_common():
         print(f"{count:8} {said}")
 

@@ -29,7 +29,7 @@ def verdict(document: dict[str, Any], target: str, seconds: float) -> str:
         best = optimum(task, max_situations=MOST_SITUATIONS)
     except TooLargeError:
         return "not judged: too large"
-    except (ValidationError, ValueError):
+    except (ValidationError, ValueError, LookupError):
         return "not judged: no task for the oracle"
     try:
         options = SolveOptions(target, time_limit=seconds, workers=1)
