@@ -35,7 +35,7 @@ def main() -> int:
     for seed in range(options.first, options.first + options.sessions):
         try:
             found = play(seed, means)
-        except Exception as error:  # noqa: BLE001 - whatever it is, it is a fault
+        except Exception as error:  # noqa: BLE001 - reported as a fault of its session
             traceback.print_exc()
             found = Session(faults=[f"{type(error).__name__}: {error}"])
         for name in ("steps", "accepted", "refused", "corrected", "unanswered", "left_out"):

@@ -57,7 +57,7 @@ class Files:
             "task": document,
             "impossible": {**document, "deadline": least},
             "eventful": {**document, "events": [event]},
-            "plan": plan.to_dict(),
+            "plan": {**plan.to_dict(), "task_sha256": None},
         }
         paths = {name: folder / f"{name}_{size}.json" for name in cases}
         for name, path in paths.items():

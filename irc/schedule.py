@@ -13,6 +13,7 @@ from typing import Any
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
 from irc.errors import NameNotFound
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
 from irc.outcome import INTERRUPTED, Outcome
@@ -328,9 +329,9 @@ _SCHEDULE_FIELDS = frozenset(
         "engine",
         "seconds",
         "time_unit",
-        "left_out",
         "outcome",
         "interrupted",
+        "left_out",
     ]
 )
 _ENTRY_FIELDS = frozenset(
@@ -344,10 +345,14 @@ def schedule_from_json(raw: Mapping[str, Any], source: Source | None = None) -> 
     Raises `InputError` with every fault. The stated makespan must be that of the entries.
     """
     reader = _ScheduleReader(Findings())
-    schedule = reader.schedule(raw)
+    schedule = reader.schedule(without_nulls(raw))
     if reader.findings.items:
         raise InputError(Report(tuple(reader.findings.items), source))
     return schedule
+
+
+_MOST_SECONDS = 1e300
+"""Limit on seconds: more does not fit into a float."""
 
 
 class _ScheduleReader:
@@ -447,6 +452,9 @@ class _ScheduleReader:
         value = raw.get("seconds")
         if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, type(None))):
             self._fault("'seconds' must be a number", ("seconds",))
+            return None
+        if value is not None and not -_MOST_SECONDS < value < _MOST_SECONDS:
+            self._fault("'seconds' is out of range", ("seconds",))
             return None
         return None if value is None else float(value)
 

@@ -47,6 +47,7 @@ class CpSat(Backend):
             Feature.CALENDARS,
             Feature.RESERVOIRS,
             Feature.STATE,
+            Feature.TIMED_CHANGES,
             Feature.CONDITIONS,
             Feature.EFFECTS,
             Feature.GROUPS,
@@ -79,6 +80,12 @@ class CpSat(Backend):
 
         engine = OrTools()
         return {"auto": engine, engine.name: engine}
+
+    def greatest_horizon(self, problem: Problem) -> int:
+        """The horizon at which sums would no longer fit 64 bits."""
+        from irc_cpsat.encoding.overflow import greatest_horizon
+
+        return greatest_horizon(problem)
 
     def refuter(self) -> Refuter:
         """CP-SAT as the judge of which statements cannot hold together."""

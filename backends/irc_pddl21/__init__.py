@@ -46,6 +46,7 @@ class Pddl21(Backend):
             Feature.CALENDARS,
             Feature.RESERVOIRS,
             Feature.STATE,
+            Feature.TIMED_CHANGES,
             Feature.CONDITIONS,
             Feature.EFFECTS,
             Feature.STATE_GOALS,
@@ -77,3 +78,10 @@ class Pddl21(Backend):
         from irc_pddl21.engines import all_engines
 
         return all_engines()
+
+    def greatest_horizon(self, problem: Problem) -> int:
+        """The horizon up to which a planner can tell the times of a plan apart."""
+        from irc_pddl21.planners.kairos import LARGEST
+
+        # (Limits are written in finer units than ticks: at least in tenths.)
+        return LARGEST // 10

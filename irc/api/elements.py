@@ -16,7 +16,7 @@ from irc.model import Action as IrAction
 from irc.model import Group as IrGroup
 from irc.model import Resource as IrResource
 from irc.model import StateVariable as IrStateVariable
-from irc.model.parts import PrecedenceType
+from irc.model.parts import OnFailure, PrecedenceType
 
 if TYPE_CHECKING:
     from irc.api.task import Task
@@ -135,11 +135,20 @@ class StateVariable(Element[IrStateVariable]):
     section = "state"
 
     def __init__(
-        self, id: str, values: Sequence[Value] | None = None, *, initial: Value | None = None
+        self,
+        id: str,
+        values: Sequence[Value] | None = None,
+        *,
+        initial: Value | None = None,
+        changes: Mapping[Any, Value] | None = None,
     ) -> None:
-        """A state variable; without `values`, a boolean that is false at first."""
+        """A state variable; without `values`, a boolean that is false at first.
+
+        `changes` are timed changes: the value that the world gives it at each time.
+        """
         listed = None if values is None else list(values)
-        super().__init__(without_none(id=id, values=listed, initial=initial))
+        timed = [{"at": at, "value": value} for at, value in (changes or {}).items()] or None
+        super().__init__(without_none(id=id, values=listed, initial=initial, changes=timed))
 
 
 def name_of(element: Element[Any] | str) -> str:
@@ -272,6 +281,10 @@ class Action(_Wanted[IrAction], _Uses):
     def latest_start(self, time: Moment) -> Self:
         """Starts no later."""
         return self._set(latest_start=self._moment(time))
+
+    def on_failure(self, how: OnFailure) -> Self:
+        """Is done again if a resource breaks that it holds: what is left ("resume"), or all."""
+        return self._set(on_failure=how)
 
     def before(
         self,

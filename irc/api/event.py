@@ -18,7 +18,7 @@ from irc.api.elements import (
     precedence_fields,
     without_none,
 )
-from irc.api.values import Duration, Length, Moment, duration, moment
+from irc.api.values import Duration, Length, Moment, duration, length, moment
 from irc.frontends.events import to_events
 from irc.model import Event as IrEvent
 from irc.model.events import ObservedStatus
@@ -82,6 +82,21 @@ class Event:
     def cancel_actions(self, *actions: Action | str) -> Self:
         """Cancels actions; running ones end at the event."""
         return self._change("cancel_actions", actions=[name_of(a) for a in actions])
+
+    def retry_action(
+        self,
+        action: Action | str,
+        *,
+        id: str | None = None,
+        done: Length = 0,
+        mode: str | None = None,
+    ) -> Self:
+        """Does an action again that failed or was cancelled, or that this breaks off.
+
+        `id` names the repetition; `done` is what need not be done again, in this `mode`.
+        """
+        more = without_none(id=id, done=None if done == 0 else length(done), mode=mode)
+        return self._change("retry_action", action=name_of(action), **more)
 
     def set_duration(self, action: Action | str, time: Duration) -> Self:
         """Sets another duration of an action."""

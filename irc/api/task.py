@@ -21,7 +21,7 @@ from irc.api.elements import (
     precedence_fields,
 )
 from irc.api.event import Event
-from irc.api.values import Duration, Length, Moment, is_time_of_day, moment, read, read_part
+from irc.api.values import Duration, Length, Moment, is_time_of_day, length, moment, read, read_part
 from irc.diagnostics import Report, did_you_mean
 from irc.errors import NameNotFound
 from irc.frontends.files import parse_task, read_task
@@ -83,6 +83,7 @@ class Task:
         objective: ObjectiveName | Sequence[ObjectiveName] | None = None,
         description: str | None = None,
         days_per_month: int | None = None,
+        resolution: Length | None = None,
         metadata: Mapping[str, Any] | None = None,
         resources: Iterable[Resource | Object] = (),
         state: Iterable[StateVariable | Object] = (),
@@ -91,6 +92,7 @@ class Task:
         groups: Iterable[Group | Object] = (),
         goals: Iterable[Goal | Object] = (),
         events: Iterable[Event | Object] = (),
+        lapsed: Iterable[Object] = (),
         irc: Literal["1"] | None = None,
         **unknown: Never,
     ) -> None:
@@ -101,9 +103,11 @@ class Task:
             "description": description,
             "time_unit": time_unit,
             "days_per_month": days_per_month,
+            "resolution": None if resolution is None else length(resolution),
             "origin": origin,
             "metadata": None if metadata is None else dict(metadata),
             "objective": objective,
+            "lapsed": list(lapsed) or None,
         }
         given: dict[str, list[Any]] = {
             "resources": list(resources),
@@ -294,10 +298,18 @@ class Task:
         return self._joined(made)
 
     def state(
-        self, id: str, values: Sequence[Value] | None = None, *, initial: Value | None = None
+        self,
+        id: str,
+        values: Sequence[Value] | None = None,
+        *,
+        initial: Value | None = None,
+        changes: Mapping[Any, Value] | None = None,
     ) -> StateVariable:
-        """A new state variable; without `values` a boolean that is false at first."""
-        return self._joined(StateVariable(id, values, initial=initial))
+        """A new state variable; without `values` a boolean that is false at first.
+
+        `changes` are timed changes: the value that the world gives it at each time.
+        """
+        return self._joined(StateVariable(id, values, initial=initial, changes=changes))
 
     def precedence(
         self,

@@ -103,10 +103,10 @@ def moment(value: Moment, task: IrTask | None) -> Any:
     return time if time >= task.origin else time + _DAY
 
 
-def read(document: Mapping[str, Any]) -> IrTask:
+def read(document: Mapping[str, Any], *, null_is_absent: bool = True) -> IrTask:
     """The typed task of a document. Raises `InputError` with every fault of shape."""
     findings = Findings()
-    task = to_task(document, findings)
+    task = to_task(document, findings, null_is_absent=null_is_absent)
     if task is None:
         raise InputError(Report(tuple(findings.items)))
     return task
@@ -135,7 +135,8 @@ def read_part(section: str, raw: Mapping[str, Any]) -> Any:
     except ValidationError:
         pass  # It is read again as a part of a task, to get the messages of its faults.
     try:
-        (part,) = getattr(read({"actions": (), section: (raw,)}), section)
+        whole = read({"actions": (), section: (raw,)}, null_is_absent=False)
+        (part,) = getattr(whole, section)
     except InputError as error:
         own = (replace(d, pointer=d.pointer[2:], fix=()) for d in error.report)
         raise InputError(Report(tuple(own))) from None

@@ -11,6 +11,7 @@ from irc.diagnostics import Code, Diagnostic, Findings, Report
 from irc.lowering.lower import lower
 from irc.model import Task
 from irc.passes.mandatory import mandatory_part
+from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 
 
@@ -38,6 +39,11 @@ def run_checks(
     findings = Findings(list(earlier))
     before = len(findings.items)
     names, times = check_structure(task, findings)
+    if task.clock.resolution is not None:
+        from irc.checks.resolution import check_resolution, rounding_note
+
+        if check_resolution(task, findings):
+            findings.items += rounding_note(task)
     if task.events:
         from irc.checks.events import check_events
 
@@ -46,7 +52,8 @@ def run_checks(
     problem = lower(task)
     # If the part that every schedule contains is infeasible, so is the whole task.
     core, _ = mandatory_part(problem)
-    check_temporal(core, findings)
+    required, _ = mandatory_part(decide_presence(problem))
+    check_temporal(required, findings)
     if complete and core is not problem:
         _check_choices(task, problem, findings)
     if lint:
@@ -76,9 +83,10 @@ _DROPS = frozenset(
 
 def _check_choices(task: Task, problem: Problem, findings: Findings) -> None:
     """Checks state, stock and occurrences; loads these checks only for tasks that have them."""
-    from irc.checks.endless import check_endless
+    from irc.checks.endless import check_endless, check_number
     from irc.checks.required import check_required, required_activities
 
+    check_number(problem, findings)
     check_endless(problem, findings)
     required = required_activities(problem)
     check_required(problem, required, findings)

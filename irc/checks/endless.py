@@ -1,9 +1,34 @@
-"""Checks for rewards without a limit: every schedule could be improved by one more."""
+"""Checks for more occurrences than can be planned, and for rewards without a limit.
+
+(Of a reward without a limit every schedule could be improved by one more.)
+"""
 
 from __future__ import annotations
 
 from irc.diagnostics import Code, Findings
+from irc.passes.unroll import MOST_OCCURRENCES
 from irc.problem import Activity, Problem
+
+
+def check_number(problem: Problem, findings: Findings) -> None:
+    """Reports repeated actions that must occur more often than any model holds."""
+    least = {
+        i: a.details.repeats[0]
+        for i, a in enumerate(problem.activities)
+        if a.details.repeats is not None
+    }
+    total = sum(least.values())
+    if total > MOST_OCCURRENCES:
+        most = max(least, key=lambda i: least[i])
+        activity = problem.activities[most]
+        findings.add(
+            Code.TOO_MANY,
+            f"action {activity.id!r} must occur at least {least[most]:,} times"
+            + (f", and all repeated actions {total:,} times" if total > least[most] else "")
+            + f"; at most {MOST_OCCURRENCES:,} occurrences of repeated actions can be planned",
+            (*activity.origin, "occurs"),
+            hint="a longer action that stands for several occurrences would do",
+        )
 
 
 def check_endless(problem: Problem, findings: Findings) -> None:

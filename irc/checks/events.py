@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from irc.checks.resolution import check_changed_durations
 from irc.checks.structure import (
     DeclaredNames,
     TimeChecks,
@@ -25,9 +27,10 @@ from irc.checks.structure import (
 )
 from irc.diagnostics import Code, Findings, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
-from irc.model import Action, Event, Group, Task
+from irc.model import Action, DurationRange, Event, Group, Task
 from irc.model.base import write_time
-from irc.model.cancellation import ended, is_over
+from irc.model.cancellation import ended, is_over, latest, repetition_id
+from irc.model.details import Lapsed
 from irc.model.events import (
     AddActions,
     AddGroups,
@@ -38,6 +41,7 @@ from irc.model.events import (
     CancelGroups,
     Observe,
     RemovePrecedence,
+    RetryAction,
     SetCapacity,
     SetDeadline,
     SetDuration,
@@ -78,11 +82,13 @@ class _Walk:
     def __init__(self, task: Task, names: DeclaredNames, times: TimeChecks) -> None:
         self.names, self.times, self.findings = names, times, names.findings
         self.at: Number | None = None
+        self.task = task
         self.edges = {(edge.before, edge.after) for edge in task.precedence}
         self.optional_group = {
             action: group for group in task.groups if not group.required for action in group.actions
         }
         self.cancelled: set[str] = set()
+        self.lapsed = {had.action: had for had in task.lapsed}
         self.members: dict[str, int] = {}
         self.groups_of: dict[str, set[str]] = {}
         for group in task.groups:
@@ -123,7 +129,9 @@ class _Walk:
             Code.OVER,
             f"action {name!r} was cancelled, or its deadline has passed",
             pointer,
-            "it can no longer happen; add it again under another id",
+            "it can no longer happen; `retry_action` does it again"
+            if name in self.lapsed
+            else "it can no longer happen; add it again under another id",
         )
         return False
 
@@ -137,6 +145,9 @@ class _Walk:
         """Cancels an action, and removes each group whose last action this was."""
         action = self.names.actions[name]
         self.cancelled.add(name)
+        if name not in self.lapsed:
+            groups = [g for g in self.names.groups.values() if name in g.actions]
+            self.lapsed[name] = Lapsed(action=name, occurs=action.occurs, groups=tuple(groups))
         if self.at is not None and not self._is_over(action):
             with suppress(TimeError):  # Reported at the place of its deadline.
                 self.names.actions[name] = ended(action, self.at, self.times.clock)
@@ -167,6 +178,7 @@ class _Walk:
 def _add_actions(walk: _Walk, change: AddActions, at: Pointer) -> None:
     walk.declare("action", "actions", change.actions, at)
     for k, action in enumerate(change.actions):
+        check_changed_durations(action, walk.task, (*at, "actions", k), walk.findings)
         check_action(action, (*at, "actions", k), walk.names, walk.times, walk.findings)
 
 
@@ -176,8 +188,112 @@ def _cancel_actions(walk: _Walk, change: CancelActions, at: Pointer) -> None:
             walk.end(name)
 
 
+def _retry_action(walk: _Walk, change: RetryAction, at: Pointer) -> None:
+    old, place = change.action, (*at, "action")
+    if not walk.names.require("action", old, place):
+        return
+    had = walk.lapsed.get(old)
+    if had is not None and had.repetition is not None:
+        walk.report(
+            Code.OVER,
+            f"action {old!r} is done again already, as {had.repetition!r}",
+            place,
+            f"to do it once more, name {latest(old, walk.lapsed)!r}",
+        )
+        return
+    if had is None and not walk.live(old, place):
+        return
+    action = walk.names.actions[old]
+    if _is_counted(action if had is None else action.model_copy(update={"occurs": had.occurs})):
+        walk.report(
+            Code.UNSUITED_CHANGE,
+            f"action {old!r} may occur more than once, and how often is bounded: what is left to "
+            "be done is not known",
+            place,
+            "add an action for each occurrence that is still needed",
+        )
+        return
+    _require_part_done(walk, change, action, at)
+    _repeat(walk, change, action, at)
+
+
+def _is_counted(action: Action) -> bool:
+    return action.may_repeat and action.occurrence_bounds != (0, None)
+
+
+def _require_part_done(walk: _Walk, change: RetryAction, action: Action, at: Pointer) -> None:
+    """Reports a part that is done which is not a part of the action."""
+    done = walk.times.span(change.done, f"what is done of {change.action!r}", (*at, "done"))
+    own = next((m for m in action.modes if m.id == change.mode), None)
+    if change.mode is not None and own is None:
+        known = ", ".join(mode.id for mode in action.modes)
+        walk.report(
+            Code.UNKNOWN_NAME,
+            f"action {change.action!r} has no mode {change.mode!r}",
+            (*at, "mode"),
+            f"its modes are {known}" if known else "leave the mode out",
+        )
+        return
+    if not done:
+        return
+    if action.modes and own is None:
+        walk.report(
+            Code.UNSUITED_CHANGE,
+            f"action {change.action!r} has modes, so it must be said in which one this part was "
+            "done",
+            (*at, "done"),
+            'add the mode: "mode": …',
+        )
+        return
+    duration = action.duration if own is None else own.duration
+    with suppress(TimeError):  # Reported where the action stands.
+        number = walk.times.clock.number
+        whole = number(duration.max if isinstance(duration, DurationRange) else duration or 0)
+        if done > whole:
+            walk.report(
+                Code.UNSUITED_CHANGE,
+                f"{format_number(done)} of {change.action!r} cannot be done: it takes "
+                f"{format_number(whole)}",
+                (*at, "done"),
+                "if all of it is done, observe that it finished",
+            )
+
+
+def _repeat(walk: _Walk, change: RetryAction, action: Action, at: Pointer) -> None:
+    """Puts the repetition in the place of an action, which ends."""
+    old, names = change.action, walk.names
+    name = change.id or repetition_id(old, names.actions, walk.lapsed.values())
+    if name in names.actions:
+        walk.report(
+            Code.TAKEN_ID,
+            f"action {name!r} is already there",
+            (*at, "id"),
+            "an id is never used again, not even after a cancellation; choose another",
+        )
+        return
+    if old not in walk.lapsed:
+        walk.end(old)
+    had = walk.lapsed[old]
+    walk.lapsed[old] = had.model_copy(update={"repetition": name})
+    fresh = {"id": name, "occurs": had.occurs, "deadline": had.deadline, "start": None}
+    names.actions[name] = action.model_copy(update=fresh)
+    for before, after in list(walk.edges):
+        if old in (before, after):
+            walk.edges.add((name, after) if before == old else (before, name))
+    for edge in had.precedence:
+        walk.edges.add((name, edge.after) if edge.before == old else (edge.before, name))
+    for group in had.groups:
+        there = names.groups.setdefault(group.id, group.model_copy(update={"actions": ()}))
+        changed = there.model_copy(update={"actions": (*there.actions, name)})
+        names.groups[group.id] = changed
+        walk.join(changed)
+        if not group.required:
+            walk.optional_group.update(dict.fromkeys(changed.actions, changed))
+
+
 def _set_duration(walk: _Walk, change: SetDuration, at: Pointer) -> None:
     walk.times.duration(change.duration, f"action {change.action!r}", (*at, "duration"))
+    check_changed_durations(change, walk.task, at, walk.findings)
     place = (*at, "action")
     if walk.live(change.action, place) and walk.names.actions[change.action].modes:
         walk.report(
@@ -302,7 +418,24 @@ def _add_groups(walk: _Walk, change: AddGroups, at: Pointer) -> None:
             place: Pointer = (*at, "groups", k, "actions", j)
             if walk.live(member, place):
                 action = walk.names.actions[member]
+                before = len(walk.findings.items)
                 check_member(group, action, place, walk.optional_group, walk.findings)
+                if len(walk.findings.items) > before:
+                    _suggest_retry(walk, member)
+
+
+def _suggest_retry(walk: _Walk, member: str) -> None:
+    """Adds to the last finding that a repetition would keep the group that an action is in."""
+    group = walk.optional_group.get(member)
+    stopped = [
+        had.action
+        for had in walk.lapsed.values()
+        if had.repetition is None and group is not None and group.id in {g.id for g in had.groups}
+    ]
+    if stopped:
+        found = walk.findings.items[-1]
+        hint = f"{found.hint}; `retry_action` of {stopped[0]!r} does it again in the same group"
+        walk.findings.items[-1] = replace(found, hint=hint)
 
 
 def _cancel_groups(walk: _Walk, change: CancelGroups, at: Pointer) -> None:
@@ -326,7 +459,7 @@ def _set_state(walk: _Walk, change: SetState, at: Pointer) -> None:
 def _add_state(walk: _Walk, change: AddState, at: Pointer) -> None:
     walk.declare("state variable", "state", change.state, at)
     for k, variable in enumerate(change.state):
-        check_variable(variable, (*at, "state", k), walk.findings)
+        check_variable(variable, (*at, "state", k), walk.times, walk.findings)
 
 
 def _observe(walk: _Walk, change: Observe, at: Pointer) -> None:
@@ -456,6 +589,7 @@ _CHECKS: Mapping[type, Callable[[_Walk, Any, Pointer], None]] = MappingProxyType
     {
         AddActions: _add_actions,
         CancelActions: _cancel_actions,
+        RetryAction: _retry_action,
         SetDuration: _set_duration,
         AddPrecedence: _add_precedence,
         RemovePrecedence: _remove_precedence,

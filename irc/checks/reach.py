@@ -54,7 +54,8 @@ def reach_of(problem: Problem) -> Reach:
             if not missing[i, to_end]:
                 ready.append((i, to_end))
     todo: deque[Fact] = deque()
-    _reached(reach, todo, ((v, variable.initial) for v, variable in enumerate(problem.variables)))
+    known = ((v, x) for v, variable in enumerate(problem.variables) for x in variable.known_values)
+    _reached(reach, todo, known)
     while ready or todo:
         while ready:
             i, to_end = ready.pop()
@@ -277,6 +278,7 @@ def _check_lost_goals(
     if not problem.goals:
         return
     given = {(e.var, e.value) for a in problem.activities for e in a.details.effects}
+    given |= {(v, c.value) for v, own in enumerate(problem.variables) for c in own.changes}
     at_first = {v.id: v for v in problem.variables}
     ended_by: dict[int, int] = {}
     for i in sorted(required, reverse=True):

@@ -57,6 +57,10 @@ class DeclaredNames:
         known = self.tables[kind]
         if guess is not None:
             hint = f"did you mean `{guess}`?"
+        elif other := next((k for k, names in self.tables.items() if name in names), None):
+            hint = f"`{name}` is {_article(other)} {other}" + self._said_of(
+                kind, other, name, pointer
+            )
         elif known:
             hint = f"declare it, or use one of: {_some(known)}"
         else:
@@ -68,6 +72,24 @@ class DeclaredNames:
             fix = replaced(pointer, guess)
         message = f"there is no {kind} {name!r}"
         self.findings.add(Code.UNKNOWN_NAME, message, pointer, hint=hint, fix=fix)
+
+    def _said_of(self, kind: str, other: str, name: str, pointer: Pointer) -> str:
+        """The end of a hint about a name of another kind; a goal about a variable needs a value."""
+        if other != "state variable" or "goals" not in pointer:
+            return f", not {_article(kind)} {kind}"
+        wanted = goal_value(self.state[name])
+        value = wanted if isinstance(wanted, str) else value_text(wanted)
+        return f": say which value it must have, such as `{name} = {value}`"
+
+
+def goal_value(variable: StateVariable) -> bool | str:
+    """The value that a goal about a variable would most likely ask for: not the one at first."""
+    others = [v for v in variable.values if v != variable.start_value]
+    return True if True in others or not others else others[0]
+
+
+def _article(kind: str) -> str:
+    return "an" if kind[0] in "aeiou" else "a"
 
 
 _HOW_TO_DECLARE = {
@@ -100,7 +122,7 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
     for i, resource in enumerate(task.resources):
         check_resource(resource, ("resources", i), times, findings)
     for i, variable in enumerate(task.state):
-        check_variable(variable, ("state", i), findings)
+        check_variable(variable, ("state", i), times, findings)
     for i, action in enumerate(task.actions):
         if not action.is_simple:
             check_action(action, ("actions", i), names, times, findings)
@@ -287,8 +309,12 @@ def _check_windows(resource: Resource, at: Pointer, times: TimeChecks, findings:
             )
 
 
-def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> None:
-    """Reports a state variable without values, and a missing or unknown initial value."""
+def check_variable(
+    variable: StateVariable, at: Pointer, times: TimeChecks, findings: Findings
+) -> None:
+    """Reports a state variable without values, a missing or unknown value, and timed changes that
+    cannot be.
+    """
     if not variable.values:
         findings.add(
             Code.EMPTY_CHOICE,
@@ -305,6 +331,27 @@ def check_variable(variable: StateVariable, at: Pointer, findings: Findings) -> 
         )
     elif not _has_value(variable, variable.start_value):
         _report_value(variable, variable.start_value, (*at, "initial"), findings)
+    _check_changes(variable, at, times, findings)
+
+
+def _check_changes(
+    variable: StateVariable, at: Pointer, times: TimeChecks, findings: Findings
+) -> None:
+    known: dict[Any, bool | str] = {}
+    for i, change in enumerate(variable.changes):
+        pointer = (*at, "changes", i)
+        if not _has_value(variable, change.value):
+            _report_value(variable, change.value, (*pointer, "value"), findings)
+        time = times.point(change.at, "at", (*pointer, "at"))
+        if time is None:
+            continue
+        if known.setdefault(time, change.value) != change.value:
+            findings.add(
+                Code.AT_ODDS,
+                f"state variable {variable.id!r} gets two values at {write_time(change.at)}",
+                pointer,
+                hint="keep one of them",
+            )
 
 
 def _has_value(variable: StateVariable, value: bool | str) -> bool:

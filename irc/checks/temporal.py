@@ -61,13 +61,18 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
         return False
     findings.add(
         Code.WINDOW,
-        f"action {activity.id!r} cannot end by its deadline of {problem.time_text(deadline)}: "
+        f"action {activity.id!r} cannot end by {_whose(activity)} {problem.time_text(deadline)}: "
         f"it starts at {problem.time_text(start)} at the earliest "
         f"and takes {problem.time_text(activity.duration_min)}",
-        (*activity.origin, "deadline"),
+        activity.deadline_origin,
         hint=f"the deadline must be at least {problem.time_text(start + activity.duration_min)}",
     )
     return True
+
+
+def _whose(activity: Activity) -> str:
+    by = activity.deadline_by
+    return "its deadline of" if by is None else f"the deadline of group {by.group!r},"
 
 
 def _step(problem: Problem, timing: TimingNetwork, edge: int) -> str:
@@ -178,10 +183,8 @@ def _check_latest(
         elif activity.deadline is not None and end > activity.deadline:
             findings.add(
                 Code.TOO_LATE,
-                f"action {activity.id!r} has the deadline {problem.time_text(activity.deadline)}, "
-                f"but cannot end before {problem.time_text(end)}"
-                + _because(problem, timing, times, points.end[i]),
-                (*activity.origin, "deadline"),
+                _too_late(problem, activity, end) + _because(problem, timing, times, points.end[i]),
+                activity.deadline_origin,
                 hint=f"the deadline must be at least {problem.time_text(end)}",
             )
     if problem.deadline is not None and latest_end > problem.deadline:
@@ -193,6 +196,19 @@ def _check_latest(
             ("deadline",),
             hint=f"the deadline must be at least {problem.time_text(latest_end)}",
         )
+
+
+def _too_late(problem: Problem, activity: Activity, end: int) -> str:
+    deadline, earliest_end = problem.time_text(activity.deadline or 0), problem.time_text(end)
+    if activity.deadline_by is None:
+        return (
+            f"action {activity.id!r} has the deadline {deadline}, "
+            f"but cannot end before {earliest_end}"
+        )
+    return (
+        f"group {activity.deadline_by.group!r} has the deadline {deadline}, "
+        f"but action {activity.id!r} cannot end before {earliest_end}"
+    )
 
 
 def _because(problem: Problem, timing: TimingNetwork, times: Times, point: int) -> str:

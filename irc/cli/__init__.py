@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from contextlib import suppress
 from typing import NoReturn
 
 from irc.cli.exit_codes import EXIT_INPUT
@@ -23,23 +24,30 @@ def main() -> None:
 
         build_app(sys.argv[1] if len(sys.argv) > 1 else None)()
     except Interrupted as interrupted:
-        _interrupted(interrupted.status)
-    except SystemExit:
-        if INTERRUPTION.status is None:
-            raise
-        sys.exit(INTERRUPTION.status)
+        _leave(_interrupted(interrupted.status))
+    except SystemExit as left:
+        _leave(left.code if INTERRUPTION.status is None else INTERRUPTION.status)
     except BrokenPipeError:
         # The reader of the output has ended (`irc … | head`): there is no more to print.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(EXIT_INPUT)
+        _leave(EXIT_INPUT)
     except Exception:
         if not INTERRUPTION.has_ended:
             raise
-        _interrupted(INTERRUPTION.status)
-    finally:
-        INTERRUPTION.end()
+        _leave(_interrupted(INTERRUPTION.status or 0))
 
 
-def _interrupted(status: int | None) -> NoReturn:
+def _interrupted(status: int) -> int:
     print("interrupted", file=sys.stderr)
-    sys.exit(status)
+    return status
+
+
+def _leave(status: object) -> NoReturn:
+    """Exits; after planning at once, since Python takes its time to take solvers apart."""
+    INTERRUPTION.end()
+    if INTERRUPTION.has_planned and isinstance(status, int):
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)
+    sys.exit(status)  # type: ignore[arg-type]

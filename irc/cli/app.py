@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +17,7 @@ from irc.cli.options import (
     FormatOption,
     MemoryLimitOption,
     OutOption,
+    ProblemOption,
     SeedOption,
     TargetOption,
     TimeLimitOption,
@@ -81,10 +83,10 @@ def _root(
     """Compile an asynchronous task for a solver, and turn its answer into a validated schedule."""
 
 
-def _read(file: str) -> Reading:
+def _read(file: str, problem: str | None = None) -> Reading:
     from irc.frontends.files import read_task
 
-    return read_task(file)
+    return read_task(file, problem)
 
 
 def check(
@@ -126,6 +128,7 @@ def explain_code(
 def compile_(
     file: FileArgument,
     target: Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")],
+    problem: ProblemOption = None,
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
@@ -136,7 +139,7 @@ def compile_(
 
     with reporting_errors(format):
         require_folder(output)
-        reading = _read(file)
+        reading = _read(file, problem)
         program = compile_task(reading.task, target)
         _print_reading_notes(reading, format)
         print_notes(program.notes)
@@ -169,6 +172,7 @@ def solve(
     file: FileArgument,
     target: TargetOption = "cpsat",
     engine: EngineOption = "auto",
+    problem: ProblemOption = None,
     time_limit: TimeLimitOption = 60.0,
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
@@ -192,7 +196,7 @@ def solve(
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         require_file(output)
-        reading = _read(file)
+        reading = _read(file, problem)
         prepare(format)
         with progress_shown(reading.task) as on_progress:
             options = SolveOptions(
@@ -220,21 +224,22 @@ def explain(
     time_limit: Annotated[
         float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for the whole explanation.")
     ] = 60.0,
+    problem: ProblemOption = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Show why a task has no schedule, or why its schedule is not shorter."""
     from irc.cli.explain import put_explanation
     from irc.cli.interruption import INTERRUPTION
-    from irc.driver.compile import later_events
+    from irc.driver.compile import notes_on
     from irc.explanation import explain_task
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
-        reading = _read(file)
+        reading = _read(file, problem)
         explanation = explain_task(
             reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
         )
         _print_reading_notes(reading, format)
-        print_notes(later_events(reading.task))
+        print_notes(notes_on(reading.task))
         put_explanation(explanation, format)
 
 
@@ -261,35 +266,35 @@ def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
 
 
 def extract(
-    manifest: Annotated[str, typer.Argument(help="The manifest.json of a compiled task.")],
+    manifest: Annotated[
+        str, typer.Argument(help="The manifest.json of a compiled task, or a PDDL domain.")
+    ],
     answer: Annotated[str, typer.Argument(help="The engine's output; '-' is standard input.")],
+    problem: ProblemOption = None,
     output: OutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Turn an engine's raw output into an exact, validated schedule of the task."""
-    from irc.driver.extract import extract_answer
+    """Turn an engine's raw output into an exact, validated schedule of the task.
+
+    With --problem the output is a plan of a PDDL domain, by whichever planner.
+    """
+    from irc.cli.plans import extracted
     from irc.driver.files import require_file
-    from irc.frontends.files import read_bytes, read_text
-    from irc.frontends.json.document import read_document
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
         require_file(output)
-        document = read_document(*read_text(manifest))
-        raw, name = read_bytes(answer)
-        extracted = extract_answer(
-            document.content,
-            raw.decode("utf-8", "replace"),
-            manifest_source=document.source,
-            answer_name=name,
-        )
-        _show_answer(extracted, output, format)
+        _show_answer(extracted(manifest, answer, problem), output, format)
 
 
 def validate(
     file: FileArgument,
-    schedule: Annotated[str, typer.Argument(help="A schedule as JSON; '-' is standard input.")],
+    schedule: Annotated[
+        str,
+        typer.Argument(help="A schedule as JSON, or a plan of a PDDL domain; '-': standard input."),
+    ],
+    problem: ProblemOption = None,
     at: Annotated[
         str | None,
         typer.Option("--at", help="Actions that began before this time are history: 5, '2 min', …"),
@@ -298,19 +303,16 @@ def validate(
 ) -> None:
     """Check a schedule against the rules of docs/semantics.md, and name every violation."""
     from irc.cli.moments import moment_of
+    from irc.cli.plans import read_schedule
     from irc.driver.judge import validate_schedule
-    from irc.frontends.files import read_text
-    from irc.frontends.json.document import read_document
-    from irc.schedule import schedule_from_json
 
     with reporting_errors(format):
         if file == schedule == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
-        reading = _read(file)
-        document = read_document(*read_text(schedule))
-        answer = schedule_from_json(document.content, document.source)
+        reading = _read(file, problem)
+        answer, source = read_schedule(schedule, reading.task)
         moment = None if at is None else moment_of(reading.task, at, format)
-        verdict = validate_schedule(reading.task, answer, document.source, at=moment)
+        verdict = validate_schedule(reading.task, answer, source, at=moment)
         if format is Format.json:
             put_json(verdict.to_dict())
         else:
@@ -328,23 +330,44 @@ def convert(
         str,
         typer.Option(
             "--from",
-            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, pddl.",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, "
+            "planner, schedule-spec, plan-lines, pddl, pddl-plan, schedule.",
         ),
     ] = "irc",
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
     ] = None,
+    instance: Annotated[
+        str | None, typer.Option("--instance", help="The kitchen of a schedule-spec.")
+    ] = None,
+    station: Annotated[
+        list[str] | None,
+        typer.Option("--station", help="A capacity for a schedule-spec, such as grill=2."),
+    ] = None,
+    domain: Annotated[
+        str | None, typer.Option("--domain", help="The domain file of a plan or a schedule.")
+    ] = None,
+    lenient: Annotated[
+        bool, typer.Option("--lenient", help="Read PDDL as language models write it.")
+    ] = False,
     format: FormatOption = Format.text,
 ) -> None:
     """Write a task as IR JSON, or in the DSL if the output file ends in .irc.
 
     An importer writes one task for each instance into a folder.
     """
-    from irc.frontends.convert import ConversionUseError, convert_file
+    from irc.frontends.convert import Beside, ConversionUseError, convert_file
 
     with reporting_errors(format):
         try:
-            written = convert_file(file, source, output, problem)
+            beside = Beside(problem, instance, tuple(station or ()), domain, lenient)
+            written = convert_file(
+                file,
+                source,
+                output,
+                beside,
+                on_report=lambda report: print_notes(report, report.source),
+            )
         except ConversionUseError as error:
             fail(EXIT_USE, str(error), format)
         if format is Format.json:
@@ -398,10 +421,25 @@ def targets(
             print_notes(later_events(reading.task))
 
 
-def schema() -> None:
+def schema(
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="For structured output of language models: closed, small."),
+    ] = False,
+    event: Annotated[
+        bool, typer.Option("--event", help="With --strict: of one event that revises a task.")
+    ] = False,
+) -> None:
     """Print the JSON Schema of the IR."""
     from irc.model import Task
 
+    if strict:
+        from irc.model.strict_schema import strict_schema
+
+        put(json.dumps(strict_schema("event" if event else "task"), separators=(",", ":")))
+        return
+    if event:
+        fail(EXIT_USE, "--event is for --strict", Format.text)
     document = Task.model_json_schema(by_alias=True)
     put_json({"$schema": "https://json-schema.org/draft/2020-12/schema", **document})
 

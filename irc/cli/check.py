@@ -17,6 +17,7 @@ from irc.cli.output import (
     summary,
 )
 from irc.diagnostics import DIAGNOSTICS_VERSION, InputError, Report
+from irc.diagnostics.fix import change_text
 
 
 def check_files(files: Sequence[str], format: CheckFormat, fix: bool) -> None:
@@ -78,6 +79,7 @@ def _print(file: str, report: Report, fixed: Report | None, *, many: bool) -> No
     if text:
         put(text)
     for d in fixed or ():
-        put(f"fixed[{d.code.id}]: {file}:{d.line}:{d.column}: {d.message}")
+        changed = change_text(d.fix, d.edits)
+        put(f"fixed[{d.code.id}]: {file}:{d.line}:{d.column}: {d.message}; {changed}")
     said = summary(report) or "no problems found"
     put(f"{file}: {said}" if many else said)

@@ -22,6 +22,7 @@ from irc.model.events import (
     CancelGroups,
     Observe,
     RemovePrecedence,
+    RetryAction,
     SetCapacity,
     SetDeadline,
     SetDuration,
@@ -131,10 +132,17 @@ _STATUSES = {
 }
 
 
+def _retry_action(change: RetryAction, unit: _Unit) -> str:
+    name = "" if change.id is None else f", as {change.id}"
+    done = f", but for {_time(change.done, unit)} that are done" if change.done != 0 else ""
+    return f"again: {change.action}{name}{done}"
+
+
 _WORDS: Mapping[type, Callable[[Any, _Unit], str]] = MappingProxyType(
     {
         AddActions: lambda change, _: f"new: {_ids(change.actions)}",
         CancelActions: lambda change, _: f"cancelled: {listed(change.actions)}",
+        RetryAction: _retry_action,
         SetDuration: lambda change, unit: (
             f"{change.action} takes {_duration(change.duration, unit)}"
         ),

@@ -16,6 +16,9 @@ from irc.model.quantities import Number
 from irc.model.times import format_number
 from irc.schedule import Status
 
+STATEMENTS_SHOWN = 60
+"""Longer conflicts end in "and N more"; JSON has all of them."""
+
 SLACK_ROWS = 60
 """Longer lists of slacks end in "and N more"; JSON has all of them."""
 
@@ -75,10 +78,13 @@ def _infeasible(explanation: Explanation) -> Iterator[str]:
         proven = f"{ended} before irc could prove that each of them is needed"
     yield f"these {count} statements cannot hold together; {proven}:"
     yield ""
-    if explanation.source is not None and all(t.offset is not None for t in explanation.conflict):
-        yield from _snippet(explanation.source, explanation.conflict)
+    shown = explanation.conflict[:STATEMENTS_SHOWN]
+    if explanation.source is not None and all(t.offset is not None for t in shown):
+        yield from _snippet(explanation.source, shown)
     else:
-        yield from (_listed(statement) for statement in explanation.conflict)
+        yield from (_listed(statement) for statement in shown)
+    if count > len(shown):
+        yield f"and {count - len(shown):,} more; `--format json` shows all of them"
     if explanation.reason is not None:
         yield ""
         yield f"because {explanation.reason}"

@@ -17,8 +17,12 @@ from typing import TYPE_CHECKING, NoReturn
 if TYPE_CHECKING:
     from irc.targets import Cancellation
 
-PATIENCE_SECONDS = 0.7
+PATIENCE_SECONDS = 0.6
 """Planning that has not noticed by then that it is to end has no answer yet, and ends without."""
+
+
+AGAIN_SECONDS = 0.5
+"""A command that still has not ended by then is ended once more."""
 
 
 class Interrupted(BaseException):
@@ -36,6 +40,7 @@ class Interruption:
         self.number: int | None = None
         self.usual: int | None = None
         self.has_ended = False
+        self.has_planned = False
         self.cancellation: Cancellation | None = None
         self._is_installed = False
         self._is_planning = False
@@ -49,9 +54,15 @@ class Interruption:
             signal.signal(signal.SIGALRM, self._waited)
 
     def end(self) -> None:
-        """Nothing is left to interrupt: the next signal finds Python on its way out."""
-        if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, 0)
+        """Nothing is left to interrupt: a signal that comes now must not change how it ended."""
+        if self._is_installed:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
+        self._wait(0)
+
+    def _wait(self, seconds: float) -> None:
+        if hasattr(signal, "setitimer") and self._is_installed:
+            signal.setitimer(signal.ITIMER_REAL, seconds)
 
     @property
     def status(self) -> int | None:
@@ -75,7 +86,7 @@ class Interruption:
         from irc.targets import Cancellation
 
         self.cancellation = cancellation or Cancellation()
-        self._is_planning = True
+        self._is_planning = self.has_planned = True
         try:
             yield self.cancellation
         finally:
@@ -86,17 +97,19 @@ class Interruption:
         if not (first and self._is_planning) or self.cancellation is None:
             self._end_here()
         self.cancellation.cancel()
-        if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, PATIENCE_SECONDS)
+        self._wait(PATIENCE_SECONDS)
 
     def _waited(self, _number: int, _frame: FrameType | None) -> None:
         cancellation = self.cancellation
-        if self._is_planning and cancellation is not None and not cancellation.is_worth_waiting:
+        noticed = self._is_planning and cancellation is not None and cancellation.will_answer
+        if self.has_ended or not noticed:
             self._end_here()
 
     def _end_here(self) -> NoReturn:
-        # (A library that is being loaded may turn this into an error of its own.)
+        # (Code that Python runs on its own account swallows what is raised in it, and a library
+        # that is being loaded may turn it into another error: so it is raised until it arrives.)
         self.has_ended = True
+        self._wait(AGAIN_SECONDS)
         raise Interrupted(self.status or 0)
 
 

@@ -13,6 +13,9 @@ from irc.cli.output import Format
 FileArgument = Annotated[
     str, typer.Argument(help="A task: JSON, the DSL, or English; '-' is standard input.")
 ]
+ProblemOption = Annotated[
+    str | None, typer.Option("--problem", help="The problem file; FILE is a PDDL domain then.")
+]
 FormatOption = Annotated[Format, typer.Option("--format", help="The format of the output.")]
 OutOption = Annotated[
     Path | None, typer.Option("-o", "--output", help="The file or folder to write.")

@@ -29,7 +29,7 @@ def progress_shown(task: Task) -> Iterator[OnProgress | None]:
 
 
 class ProgressLine:
-    """What is known at the moment: drawn again and again, so that the seconds go on."""
+    """The line: drawn again and again, so that the seconds go on."""
 
     def __init__(self, name: str, unit: str) -> None:
         from irc.targets import Budget

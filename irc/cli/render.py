@@ -400,12 +400,12 @@ class _Row:
         spans = [(bar, axis.cells(bar)) for bar in lane]
         taken = Counter(cell for _, span in spans for cell in span)
         self.crowds = [cell for cell, bars in taken.items() if bars > 1]
-        self.kinds = {(bar.critical, bar.start == bar.end) for bar in lane}
+        self.marks: dict[int, str] = {}
         # Critical bars come last, so that a shared cell has their colour.
         for bar, span in sorted(spans, key=lambda item: bool(item[0].critical)):
             self._bar(bar, span)
         for cell in self.crowds:
-            self.shown[cell] = page.glyphs.crowd
+            self._put(cell, page.glyphs.crowd, self.styles[cell], mark=True)
         for bar, span in spans:
             if len(span) > 1 or taken[span.start] == 1:
                 self._label(bar, span)
@@ -424,9 +424,10 @@ class _Row:
         """Draws a bar, or the mark of a milestone."""
         kind = self._kind(bar)
         for cell in span:
-            self._put(cell, kind.fill if cell > span.start else kind.edge, kind.style)
-        if len(span) == 1:
-            self.shown[span.start] = kind.milestone if bar.start == bar.end else kind.short
+            glyph = kind.fill if cell > span.start else kind.edge
+            if len(span) == 1:
+                glyph = kind.milestone if bar.start == bar.end else kind.short
+            self._put(cell, glyph, kind.style, mark=True)
 
     def _kind(self, bar: _Bar) -> Kind:
         return self.page.glyphs.critical if bar.critical else self.page.glyphs.slack
@@ -458,9 +459,12 @@ class _Row:
         end = first + length
         return first >= 0 and end <= self.width and self.used.isdisjoint(range(first - 1, end + 1))
 
-    def _put(self, cell: int, shown: str, style: str) -> None:
+    def _put(self, cell: int, shown: str, style: str, *, mark: bool = False) -> None:
         self.shown[cell], self.styles[cell] = shown, style
         self.used.add(cell)
+        self.marks.pop(cell, None)
+        if mark:
+            self.marks[cell] = shown
 
     def _write(self, first: int, text: str, style: str) -> None:
         """Writes a text into its first cell; its other cells become empty."""
@@ -473,20 +477,23 @@ class _Row:
 
 
 def _legend(page: Page, rows: list[_Row]) -> Text:
-    """The legend of the marks that the rows use."""
-    kinds = {kind for row in rows for kind in row.kinds}
+    """The legend: every mark that the rows show, with its meaning."""
+    seen = {mark for row in rows for mark in row.marks.values()}
     critical, slack = page.glyphs.critical, page.glyphs.slack
     marks = (
-        ((True, False) in kinds, critical.fill, "critical", critical.style),
-        ((False, False) in kinds, slack.fill, "has slack", slack.style),
-        ((True, True) in kinds, critical.milestone, "critical milestone", critical.style),
-        ((False, True) in kinds, slack.milestone, "milestone", slack.style),
-        (any(row.crowds for row in rows), page.glyphs.crowd, "several actions", ""),
+        (critical.edge + critical.fill, "critical", critical.style),
+        (slack.edge + slack.fill, "has slack", slack.style),
+        (critical.short, "critical, short", critical.style),
+        (slack.short, "has slack, short", slack.style),
+        (critical.milestone, "critical milestone", critical.style),
+        (slack.milestone, "milestone", slack.style),
+        (page.glyphs.crowd, "several actions", ""),
     )
     legend = Text()
-    for used, glyph, meaning, style in marks:
-        if used:
-            legend.append(glyph, style).append(f" {meaning}   ", "dim")
+    for glyphs, meaning, style in marks:
+        if shown := "".join(glyph for glyph in glyphs if glyph in seen):
+            legend.append(shown, style).append(f" {meaning}   ", "dim")
+            seen -= set(shown)
     return legend
 
 

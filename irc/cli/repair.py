@@ -48,7 +48,8 @@ def repair_text(text: str, name: str) -> tuple[str, Report, Report]:
     for _ in range(MOST_ROUNDS):
         if report.source is None or not text_edits(report, report.source):
             break
-        fixed += [d for d in report if d.fix]
+        in_text = any(d.edits for d in report)
+        fixed += [d for d in report if (d.edits if in_text else d.fix)]
         # Keep a byte-order mark, which is not part of the source.
         lead = text[: len(text) - len(report.source.text)]
         text = lead + apply_fixes(report, report.source)

@@ -65,9 +65,9 @@ def replan_file(
         with progress_shown(task) as on_progress:
             options = replace(options, on_progress=on_progress)
             running = _running(task, before, source, moment, options)
-            notes = _apply(running, events)
+            noted = _apply(running, events)
             step = running.replan(options.budget(INTERRUPTION.spent(file, schedule, *named)))
-            step = replace(step, notes=(*notes, *step.notes))
+            step = replace(step, notes=(*noted, *step.notes))
         _write(step, output, task_output)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from irc.diagnostics.source import Pointer, Source, pointer_text
 
 if TYPE_CHECKING:
-    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.fix import Fix, TextEdit
 
 
 DIAGNOSTICS_VERSION = "1"
@@ -73,6 +73,9 @@ class Code(Enum):
     NEGATIVE_TIME = ("IRC105", Severity.ERROR, "a negative duration or point in time")
     EMPTY_RANGE = ("IRC106", Severity.ERROR, "a range whose minimum is above its maximum")
     NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
+    ROUNDED = ("IRC108", Severity.NOTE, "a time that is rounded to the resolution")
+    COARSE_RESOLUTION = ("IRC109", Severity.ERROR, "a resolution coarser than a duration")
+    LENIENT = ("IRC110", Severity.WARNING, "PDDL that is read differently from what it says")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")
@@ -91,6 +94,7 @@ class Code(Enum):
     INCOMPLETE = ("IRC211", Severity.ERROR, "a declaration that lacks what it needs")
     WITHOUT_EFFECT = ("IRC212", Severity.WARNING, "a field that has no meaning here")
     OVERLAP = ("IRC213", Severity.ERROR, "windows that overlap")
+    TOO_MANY = ("IRC214", Severity.ERROR, "more occurrences than irc can plan")
 
     CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
     WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")
@@ -132,6 +136,7 @@ class Code(Enum):
     NO_CONTINUATION = ("IRC710", Severity.ERROR, "a history that no schedule continues")
     NOT_AS_PLANNED = ("IRC711", Severity.WARNING, "an action that cannot have begun as planned")
     CORRECTED = ("IRC712", Severity.WARNING, "an observation that another one corrects")
+    LAPSED = ("IRC713", Severity.WARNING, "what lapses with an action that is cancelled")
 
     def __init__(self, id: str, severity: Severity, summary: str) -> None:
         self.id = id
@@ -149,7 +154,8 @@ class Diagnostic:
     """One finding. `offset` is its place in the text, if no element of the document gives one.
 
     `within` is its text, if that is not the report's own: a file that the task includes. `fix` is
-    a certain repair as JSON patch operations; it is empty if there is none.
+    a certain repair as JSON patch operations; it is empty if there is none. `edits` are a certain
+    repair of the text itself, where it is not JSON and patches do not apply.
     """
 
     code: Code
@@ -162,6 +168,7 @@ class Diagnostic:
     column: int | None = None
     within: Source | None = None
     fix: Fix = ()
+    edits: tuple[TextEdit, ...] = ()
     end: int | None = None
     """The offset at which the faulty text ends, if it is known and on the same line."""
 
@@ -182,6 +189,8 @@ class Diagnostic:
             "hint": self.hint,
             "fix": [operation.to_dict() for operation in self.fix] or None,
         }
+        if self.edits:
+            found["edits"] = [edit._asdict() for edit in self.edits]
         return found if self.within is None else {**found, "file": self.within.name}
 
 

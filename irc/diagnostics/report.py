@@ -11,7 +11,7 @@ from irc.errors import IrcError
 from irc.outcome import FAULTY, FEASIBLE, INFEASIBLE, REFUSED, Outcome
 
 if TYPE_CHECKING:
-    from irc.diagnostics.fix import Fix
+    from irc.diagnostics.fix import Fix, TextEdit
     from irc.diagnostics.source import Range
 from irc.diagnostics.finding import DIAGNOSTICS_VERSION, Code, Diagnostic, Severity, _row
 
@@ -159,6 +159,11 @@ class Findings:
 
     items: list[Diagnostic] = field(default_factory=list)
 
+    @property
+    def has_errors(self) -> bool:
+        """Whether one of them stops a compilation."""
+        return any(d.severity is Severity.ERROR for d in self.items)
+
     def add(
         self,
         code: Code,
@@ -169,6 +174,9 @@ class Findings:
         at_key: bool = False,
         offset: int | None = None,
         fix: Fix = (),
+        edits: tuple[TextEdit, ...] = (),
     ) -> None:
         """Records one finding."""
-        self.items.append(Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix))
+        self.items.append(
+            Diagnostic(code, message, pointer, hint, at_key, offset, fix=fix, edits=edits)
+        )

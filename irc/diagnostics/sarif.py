@@ -14,7 +14,8 @@ from urllib.parse import quote
 from irc._version import __version__
 from irc.diagnostics.catalogue import CatalogueEntry, load_catalogue
 from irc.diagnostics.finding import Code, Diagnostic, Severity
-from irc.diagnostics.patching import TextEdit, text_edits
+from irc.diagnostics.fix import TextEdit
+from irc.diagnostics.patching import text_edits
 from irc.diagnostics.report import Report
 from irc.diagnostics.source import Source, pointer_text
 

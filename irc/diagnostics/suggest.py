@@ -40,6 +40,7 @@ def closest(name: str, known: Iterable[str]) -> str | None:
     )
 
 
+@lru_cache(maxsize=4096)
 def normal_form(name: str) -> str:
     """A name without its case, spaces, underscores and hyphens, which people vary freely."""
     folded = unicodedata.normalize("NFKC", name).casefold()

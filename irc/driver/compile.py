@@ -20,14 +20,13 @@ def check_task(task: Task, earlier: Iterable[Diagnostic] = ()) -> Report:
 
 
 HURRIED_SHARE = 0.3
-"""Of the time limit: once it is spent, passes that only prove bounds are left out."""
+"""Of the time limit: once it is spent, only the quick bounds on the makespan are sought."""
 
 
 def lower_for(task: Task, backend: Backend) -> Problem:
     """Checks a task against itself and a backend's ledger, lowers it and runs the passes.
 
-    Passes that only bound the makespan are left out if much of the budget is spent. Raises
-    `InputError` if the task is faulty or the target does not support it.
+    Raises `InputError` if the task is faulty or the target does not support it.
     """
     return lower_checked(run_checks(task, lint=False), backend)
 
@@ -35,18 +34,19 @@ def lower_for(task: Task, backend: Backend) -> Problem:
 def lower_checked(checked: Checked, backend: Backend, budget: Budget | None = None) -> Problem:
     """The same for a task that has been checked.
 
-    Passes that only bound the makespan are left out if much of the budget is spent.
+    If much of the budget is spent, only quick bounds on the makespan are sought.
     """
     if not checked.report.ok:
         raise InputError(checked.report)
     require_support(checked.task, backend)
+    return run_passes(checked.problem, hurried=lambda: is_hurried(budget))
 
-    def hurried() -> bool:
-        if budget is None:
-            return False
-        return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
 
-    return run_passes(checked.problem, hurried=hurried)
+def is_hurried(budget: Budget | None) -> bool:
+    """Whether much of a budget is spent already."""
+    if budget is None:
+        return False
+    return budget.is_cancelled or budget.elapsed > HURRIED_SHARE * budget.limit
 
 
 def compile_task(task: Task, target: str) -> Program:
@@ -55,10 +55,26 @@ def compile_task(task: Task, target: str) -> Program:
     Raises `InputError` (the task is faulty or refused) or `UnknownTarget`.
     """
     backend = get_backend(target)
-    program = Program(backend, task, lower_for(task, backend), later_events(task))
+    program = Program(backend, task, lower_for(task, backend), notes_on(task))
     with reporting_refusals(task):
         program.files  # noqa: B018 - encodes now, so that a refusal is raised here
     return program
+
+
+def notes_on(task: Task) -> tuple[Diagnostic, ...]:
+    """Notes on how a task is planned: its times that are rounded, its events that are not used."""
+    rounded: tuple[Diagnostic, ...] = ()
+    if task.clock.resolution is not None:
+        from irc.checks.resolution import rounding_note
+
+        rounded = tuple(placed(note, task) for note in rounding_note(task))
+    return (*rounded, *later_events(task))
+
+
+def placed(note: Diagnostic, task: Task) -> Diagnostic:
+    """The note with its own source, so that it can be shown without the report of the task."""
+    (found,) = Report((note,), task.source).located()
+    return found if found.within else replace(found, within=task.source)
 
 
 def later_events(task: Task) -> tuple[Diagnostic, ...]:
@@ -77,8 +93,7 @@ def later_events(task: Task) -> tuple[Diagnostic, ...]:
         ("events", 0),
         "`irc simulate` runs the task with its events and plans the rest again at each of them",
     )
-    (placed,) = Report((note,), task.source).located()
-    return (placed if placed.within else replace(placed, within=task.source),)
+    return (placed(note, task),)
 
 
 @contextmanager
@@ -87,4 +102,9 @@ def reporting_refusals(task: Task) -> Iterator[None]:
     try:
         yield
     except Refusal as refusal:
-        raise InputError(Report((refusal.diagnostic,), task.source)) from None
+        found = refusal.diagnostic
+        if not found.pointer:
+            from irc.checks.resolution import times_far_apart
+
+            found = times_far_apart(task, found)
+        raise InputError(Report((found,), task.source)) from None

@@ -8,7 +8,7 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
-from irc.driver.compile import later_events, lower_for
+from irc.driver.compile import lower_for, notes_on
 from irc.driver.judge import Answer, _approved, finish
 from irc.model import Task
 from irc.model.canonical import task_sha256
@@ -51,7 +51,7 @@ def extract_answer(
     schedule = finish(task, problem, outcome, target, budget.elapsed)
     try:
         approved = _approved(task, replace(schedule, engine=None))
-        return Answer(approved, problem, later_events(task))
+        return Answer(approved, problem, notes_on(task))
     except EngineFailed as error:
         raise _bad_answer(str(error), answer, answer_name) from None
 

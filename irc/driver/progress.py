@@ -1,4 +1,4 @@
-"""What a caller is told while an engine runs: only what is better, with valid schedules."""
+"""Reports of engines to the caller: only better answers and bounds, with valid schedules."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def telling(options: SolveOptions, budget: Budget, approve: Approve) -> SolveOpt
 
 
 class _Teller:
-    """Passes on what is better than anything before, from whichever engine or run."""
+    """Passes on each progress that is better than all before it, of any engine or run."""
 
     def __init__(self, tell: OnProgress, budget: Budget, approve: Approve) -> None:
         self.tell, self.budget, self.approve = tell, budget, approve

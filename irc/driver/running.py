@@ -70,7 +70,7 @@ async def awaited(
         if cancel is not None:
             cancel()
         while not waiting.done():
-            # (Whoever cancels again has to wait, too: nothing is to be left behind.)
+            # (Cancelled again it waits all the same: nothing is to be left behind.)
             with suppress(asyncio.CancelledError):
                 await asyncio.wait((waiting,))
         waiting.exception()  # (asyncio is not to report it as never retrieved.)

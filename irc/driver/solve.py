@@ -6,12 +6,13 @@ from dataclasses import replace
 
 from irc.checks import run_checks
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.compile import later_events, lower_checked, reporting_refusals
+from irc.driver.asking import asked
+from irc.driver.compile import lower_checked, notes_on, reporting_refusals
 from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
 from irc.driver.progress import telling
-from irc.driver.quick import quick_outcome
 from irc.model import Task
 from irc.problem import Problem
+from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule, Status
@@ -19,7 +20,6 @@ from irc.targets import (
     Backend,
     Budget,
     Engine,
-    EngineMissing,
     Outcome,
     Program,
     SolveOptions,
@@ -32,8 +32,6 @@ SHORTCUT_ENGINE = "critical-path"
 
 CHECKS_ENGINE = "checks"
 """The engine named where the checks of the task already prove that it has no schedule."""
-AFTERWARDS_SHARE = 0.05
-"""The part of a time limit that is kept for re-timing, the validator and the output, at most."""
 
 CHECK_ENGINE = "stock-order"
 """The engine named where stock alone rules every schedule out."""
@@ -62,7 +60,37 @@ def solve_task(
 
 def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     backend = get_backend(options.target)
-    return solve_by(task, backend, backend.engine(options.engine), options, budget)
+    engine = backend.engine(options.engine)
+    if not _may_ask_a_planner(task, options, budget):
+        return solve_by(task, backend, engine, options, budget)
+    answer = solve_by(task, backend, engine, options, budget.share(FIRST_SHARE))
+    planner = get_backend(PLANNERS)
+    if answer.schedule.status is not Status.UNKNOWN or planner.engine().missing() is not None:
+        return answer
+    note = Diagnostic(
+        Code.NO_ANSWER,
+        f"{backend.name!r} found no schedule of this task from PDDL within {budget.elapsed:.1f} s,"
+        f" so {PLANNERS!r} was asked",
+        hint="name the target with --target to ask it at once",
+    )
+    found = solve_by(task, planner, planner.engine(), options, budget)
+    return Answer(found.schedule, found.problem, (*found.notes, note))
+
+
+FIRST_SHARE = 0.5
+"""The share of the time after which a planner is asked about a task from PDDL."""
+
+PLANNERS = "pddl21"
+"""The target whose engines are planners."""
+
+
+def _may_ask_a_planner(task: Task, options: SolveOptions, budget: Budget) -> bool:
+    """Whether a task came from PDDL, and neither an engine nor endless time is asked for."""
+    return (
+        "pddl" in task.metadata
+        and (options.target, options.engine) == ("cpsat", "auto")
+        and budget.is_limited
+    )
 
 
 def solve_by(
@@ -75,8 +103,7 @@ def solve_by(
         return _answer(task, checked.problem, outcome, backend, budget)
     problem = lower_checked(checked, backend, budget)
     if options.shortcut and not problem.has_contention:
-        schedule = schedule_of(problem, earliest_schedule(problem))
-        outcome = Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
+        outcome = _by_critical_path(problem)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
         outcome = Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(_too_short(problem),))
     elif (stuck := _impossible_stock(problem)) is not None:
@@ -86,9 +113,9 @@ def solve_by(
         def approve(found: Outcome) -> Schedule:
             return _approved(task, finish(task, problem, found, backend.name, budget.elapsed))
 
-        told = telling(options, budget, approve)
+        reporting = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = _asked(Program(backend, task, problem), engine, told, budget)
+            outcome = asked(Program(backend, task, problem), engine, reporting, budget)
     return _answer(task, problem, outcome, backend, budget)
 
 
@@ -101,28 +128,22 @@ def _answer(
     )
     notes = reasons_for(task, outcome)
     schedule = explained(_approved(task, schedule), notes)
-    return Answer(schedule, problem, (*later_events(task), *notes))
+    return Answer(schedule, problem, (*notes_on(task), *notes))
 
 
-def _asked(program: Program, engine: Engine, options: SolveOptions, budget: Budget) -> Outcome:
-    """The engine's outcome; the compiler's own schedule where there was no time for an engine."""
-    reason = engine.missing()
-    if reason is not None:
-        raise EngineMissing(reason)
-    if not budget.is_cancelled:
-        import irc.validation  # noqa: F401 - now, while there is time: a search may be cut short
-    hurried = budget.is_cancelled or budget.left < engine.loading_seconds * budget.slowness
-    quick = quick_outcome(program.problem) if hurried else None
-    if quick is not None:
-        return quick
-    if budget.is_cancelled:
-        return Outcome(Status.UNKNOWN, engine.name)
-    # What follows takes about as long as what came before: reading and checking.
-    after = min(budget.elapsed, AFTERWARDS_SHARE * budget.limit)
-    outcome = engine.solve(program, options, budget.at_most(budget.left - after))
-    if outcome.status is Status.UNKNOWN and budget.is_cancelled:
-        quick = quick_outcome(program.problem)
-    return outcome if quick is None else replace(quick, notes=outcome.notes)
+def _by_critical_path(problem: Problem) -> Outcome:
+    """The outcome with all activities as early as possible; infeasible if one is too late then.
+
+    (The checks report what lags alone make too late, but not what state does.)
+    """
+    placed = earliest_schedule(problem)
+    for i, place in enumerate(placed):
+        late = too_late(problem, i, place.start, place.end)
+        if late is not None:
+            note = Diagnostic(Code.TOO_LATE, late, problem.activities[i].origin)
+            return Outcome(Status.INFEASIBLE, SHORTCUT_ENGINE, notes=(note,))
+    schedule = schedule_of(problem, placed)
+    return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 
 
 def _too_short(problem: Problem) -> Diagnostic:

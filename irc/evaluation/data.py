@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import gzip
-import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
+from irc.frontends.json.value import read_line
 
 Record = Mapping[str, Any]
 """One recorded answer: a line of a file of `recorded/answers`."""
@@ -118,8 +118,8 @@ class Data:
             return []
         try:
             with gzip.open(path, "rt", encoding="utf-8") as lines:
-                found: list[Record] = [json.loads(line) for line in lines]
-        except (OSError, EOFError, ValueError) as error:
+                found: list[Record] = [*_lines(path, lines)]
+        except (OSError, EOFError, UnicodeDecodeError) as error:
             raise unreadable(path, str(error)) from None
         _check(path, found, _fields_of(name))
         return found if self.change is None else self.change(name, found)
@@ -174,6 +174,14 @@ class Data:
         return kind[key]
 
 
+def _lines(path: Path, lines: Iterable[str]) -> Iterator[Any]:
+    for position, line in enumerate(lines, 1):
+        try:
+            yield read_line(line)
+        except ValueError as error:
+            raise unreadable(path, f"line {position}: {error}") from None
+
+
 def _fields_of(name: str) -> Mapping[str, tuple[type, ...]]:
     """The fields that the lines of a file must have."""
     benchmark, *_, method = name.split("_")
@@ -198,7 +206,7 @@ def _check(path: Path, records: list[Record], fields: Mapping[str, tuple[type, .
 
 def _json(path: Path) -> Any:
     try:
-        return json.loads(path.read_text("utf-8"))
+        return read_line(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
         raise unreadable(path, str(error)) from None
 

@@ -12,8 +12,8 @@ from fractions import Fraction
 from typing import Any
 
 from irc.errors import IrcError
+from irc.frontends.importers.plan_lines import KITCHEN_ACTIONS, STATION_OF
 from irc.methods import PlanLine
-from irc.methods.plan_lines import KITCHEN_ACTIONS, STATION_OF
 
 Item = Mapping[str, Any]
 

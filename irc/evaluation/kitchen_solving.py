@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
 from irc.diagnostics import InputError
 from irc.evaluation.kitchen import exact
+from irc.frontends.importers.json_answer import find_object
+from irc.frontends.importers.plan_lines import KITCHEN_ACTIONS
+from irc.frontends.importers.schedule_spec import goals_task
 from irc.methods import Answer, PlanLine
-from irc.methods.json_answer import find_object
-from irc.methods.plan_lines import KITCHEN_ACTIONS
 from irc.model import Task
 from irc.schedule import Schedule
-
-_GOAL_FIELDS = ("candidate_goals", "inventory_limits", "deadline")
 
 
 def solved_plan(text: str, answer: Answer, kitchen: Mapping[str, Any]) -> tuple[PlanLine, ...]:
@@ -35,12 +33,7 @@ def solved_plan(text: str, answer: Answer, kitchen: Mapping[str, Any]) -> tuple[
 
 def _kitchen_task(text: str, kitchen: Mapping[str, Any]) -> Task:
     """The kitchen's task with the goals that the answer names."""
-    from irc.frontends.importers.robo import import_robo
-
-    written = find_object(text) or {}
-    goals = {name: written[name] for name in _GOAL_FIELDS if written.get(name) is not None}
-    ((_, task),) = import_robo(json.dumps({**kitchen, **goals}), "answer")
-    return task
+    return goals_task(find_object(text) or {}, kitchen)
 
 
 def plan_of(schedule: Schedule, answer: Answer, kitchen: Mapping[str, Any]) -> tuple[PlanLine, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 from irc.diagnostics import Report
@@ -27,6 +28,7 @@ from irc.evaluation.pddl_rules import pddl_answer
 from irc.evaluation.report import interval_of
 from irc.evaluation.robo import PDDL_SLACK, SLACK, judge_plan
 from irc.evaluation.row import Row, rate
+from irc.frontends.json.value import read_line
 from irc.methods import (
     Answer,
     AnswerState,
@@ -99,7 +101,7 @@ def _instances(path: Path) -> Iterator[tuple[str, StepInstance | Mapping[str, An
     files = sorted(path.glob("*.json")) if path.is_dir() else [path]
     for file in files:
         try:
-            found = json.loads(file.read_text("utf-8"))
+            found = read_line(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
             raise unreadable(file, str(error)) from None
         for position, raw in enumerate(found if isinstance(found, list) else [found]):
@@ -127,11 +129,13 @@ def _records(path: Path) -> Iterator[Record]:
         if not line.strip():
             continue
         try:
-            record = json.loads(line)
+            record = read_line(line)
         except ValueError as error:
             raise unreadable(path, f"line {position}: {error}") from None
         if not isinstance(record, dict) or "id" not in record:
             raise unreadable(path, f"line {position}: expected an object with 'id' and 'answer'")
+        if not isinstance(record.get("answer"), (str, NoneType)):
+            raise unreadable(path, f"line {position}: 'answer' is not a text")
         yield record
 
 

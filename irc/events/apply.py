@@ -11,10 +11,12 @@ from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
 from irc.events.observed import Outcome, failures, lasting, with_length, with_start, written
+from irc.events.repetition import lapsed_of, repetition_of, restored
 from irc.events.world import world_change
 from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
 from irc.model.built import Built, event_of, task_of
-from irc.model.cancellation import ended
+from irc.model.cancellation import ended, repetition_id
+from irc.model.details import Lapsed
 from irc.model.events import (
     AddActions,
     AddGroups,
@@ -25,6 +27,7 @@ from irc.model.events import (
     CancelGroups,
     Observe,
     RemovePrecedence,
+    RetryAction,
     SetCapacity,
     SetDeadline,
     SetDuration,
@@ -34,6 +37,7 @@ from irc.model.events import (
     SetState,
 )
 from irc.model.quantities import Number
+from irc.model.resolution import pinned
 
 _UNKNOWN: Mapping[str, Number] = MappingProxyType({})
 
@@ -123,13 +127,14 @@ class _TaskEditor:
     """A task that is being revised. Elements keep their order; new ones come last."""
 
     def __init__(self, task: Task, at: Number, starts: Mapping[str, Number]) -> None:
-        self.task, self.at, self.starts = task, at, starts
+        self.task, self.at, self.starts = pinned(task), at, starts
         self.clock = task.clock
         self.actions: dict[str, Action] = {a.id: a for a in task.actions}
         self.resources: dict[str, Resource] = {r.id: r for r in task.resources}
         self.state: dict[str, StateVariable] = {s.id: s for s in task.state}
         self.groups: dict[str, Group] = {g.id: g for g in task.groups}
         self.precedence: list[Precedence] = list(task.precedence)
+        self.lapsed: dict[str, Lapsed] = {had.action: had for had in task.lapsed}
         self.whole: dict[str, Any] = {}
         """Fields of the task that are replaced as a whole."""
 
@@ -141,6 +146,7 @@ class _TaskEditor:
             "state": tuple(self.state.values()),
             "groups": tuple(self.groups.values()),
             "precedence": tuple(self.precedence),
+            "lapsed": tuple(self.lapsed.values()),
             "events": self.task.events if event is None else _without(self.task.events, event),
             **self.whole,
         }
@@ -154,8 +160,14 @@ class _TaskEditor:
     def cancel(self, names: Collection[str], at: Number | None = None) -> None:
         """Cancels actions, and removes them from precedences, groups and goals."""
         gone = frozenset(names)
+        goals = self.whole.get("goals", self.task.goals)
+        for name in self.actions:
+            if name in gone and name not in self.lapsed:
+                groups = self.groups.values()
+                had = lapsed_of(self.actions[name], self.precedence, groups, goals)
+                self.lapsed[name] = had
+        when = self.at if at is None else at
         for name in gone:
-            when = self.at if at is None else at
             self.actions[name] = ended(self.actions[name], when, self.clock)
         self.precedence = [e for e in self.precedence if gone.isdisjoint((e.before, e.after))]
         for group in [g for g in self.groups.values() if not gone.isdisjoint(g.actions)]:
@@ -164,8 +176,31 @@ class _TaskEditor:
                 del self.groups[group.id]
             else:
                 self.groups[group.id] = group.model_copy(update={"actions": left})
-        goals = self.whole.get("goals", self.task.goals)
         self.whole["goals"] = tuple(g for g in goals if not isinstance(g, str) or g not in gone)
+
+    def repeat(self, change: RetryAction) -> None:
+        """Adds the repetition of an action, which is cancelled if it is not over."""
+        old = change.action
+        if old not in self.lapsed:
+            self.cancel([old])
+        had = self.lapsed[old]
+        name = change.id or repetition_id(old, self.actions, self.lapsed.values())
+        action = repetition_of(self.actions[old], had, change, name, self.at, self.clock)
+        self.lapsed[old] = had.model_copy(update={"repetition": name})
+        self.actions[name] = action
+        found = restored(had, name, self.lapsed, lambda other: other in self.lapsed)
+        self.precedence += [edge for edge in found.precedence if edge not in self.precedence]
+        for other, edges in found.waiting.items():
+            known = self.lapsed[other]
+            all_edges = (*known.precedence, *edges)
+            self.lapsed[other] = known.model_copy(update={"precedence": all_edges})
+        for group in had.groups:
+            now = self.groups.get(group.id)
+            members = () if now is None else now.actions
+            changed = (now or group).model_copy(update={"actions": (*members, name)})
+            self.groups[group.id] = changed
+        if had.goal:
+            self.whole["goals"] = (*self.whole.get("goals", self.task.goals), name)
 
 
 def _without(events: tuple[Event, ...], event: Event) -> tuple[Event, ...]:
@@ -181,6 +216,11 @@ def _add(table: dict[str, Any], elements: Iterable[Any]) -> None:
 def _cancel_groups(editor: _TaskEditor, change: CancelGroups) -> None:
     """Removes groups and cancels their members, except members of other groups."""
     taken_back = [editor.groups.pop(name) for name in dict.fromkeys(change.groups)]
+    gone = set(change.groups)
+    for name, had in editor.lapsed.items():
+        left = tuple(group for group in had.groups if group.id not in gone)
+        if len(left) < len(had.groups):
+            editor.lapsed[name] = had.model_copy(update={"groups": left})
     wanted = {action for group in editor.groups.values() for action in group.actions}
     editor.cancel({a for group in taken_back for a in group.actions} - wanted)
 
@@ -284,6 +324,7 @@ _OPERATIONS: Mapping[type, Callable[[_TaskEditor, Any], None]] = MappingProxyTyp
         SetState: _set_state,
         AddState: lambda editor, change: _add(editor.state, change.state),
         SetObjective: _replace("objective"),
+        RetryAction: lambda editor, change: editor.repeat(change),
         Observe: _observe,
     }
 )

@@ -30,11 +30,11 @@ GIVEN_UP_TRIED = 200
 def best_continuation(repair: Repair) -> Found:
     """The best continuation that gives up as few half-done groups as possible."""
     half_done = repair.frozen.half_done()
-    has_prover = not repair.backend.proves and get_backend(PROVER).engine().missing() is None
+    has_prover = not repair.backend.proves and _can_prove(repair.budget.share(PROVER_SHARE))
     if half_done and has_prover:
         return _as_proven(repair)
     outcome, problem = repair.attempt(())
-    if outcome.status is Status.UNKNOWN and has_prover and not repair.budget.is_cancelled:
+    if outcome.status is Status.UNKNOWN and has_prover and not repair.budget.is_over:
         proven, whole = _prover(repair, repair.budget).attempt(())
         if proven.status is Status.INFEASIBLE:
             return proven, whole, ()
@@ -45,6 +45,12 @@ def best_continuation(repair: Repair) -> Found:
         return min(found, key=lambda f: _value(f[1], f[0]))
     # Without a proof that the others cannot be finished, none is given up.
     return outcome if certain else replace(outcome, status=Status.UNKNOWN), problem, ()
+
+
+def _can_prove(budget: Budget) -> bool:
+    """Whether the prover is there, and can be loaded in the time."""
+    prover = get_backend(PROVER).engine()
+    return prover.missing() is None and prover.can_begin(budget)
 
 
 def _prover(repair: Repair, budget: Budget) -> Repair:

@@ -10,9 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic
+from irc.driver.asking import asked
+from irc.driver.compile import is_hurried
 from irc.driver.judge import finish
 from irc.driver.progress import telling
-from irc.driver.quick import quick_outcome
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
@@ -31,6 +32,7 @@ from irc.passes.reduction import reduce_transitively
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
 from irc.problem.objective_values import schedule_values
+from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
@@ -84,7 +86,7 @@ class Repair:
         Raises `EngineMissing` or `EngineFailed`.
         """
         frozen = order_from_state(with_groups(self.frozen, given_up))
-        whole, impossible = _passed(frozen)
+        whole, impossible = self._passed(frozen)
         if impossible is not None:
             return impossible, whole
         if not whole.has_contention and not any(whole.previous.places):
@@ -104,13 +106,16 @@ class Repair:
 
         Raises `EngineFailed` or `irc.targets.Refusal`.
         """
-        whole, impossible = _passed(problem)
+        whole, impossible = self._passed(problem)
         if impossible is not None:
             return impossible
         if not whole.has_contention:
             return _by_critical_path(whole)
         options = replace(self.options, on_progress=None)
         return self.engine.solve(Program(self.backend, self.task, whole), options, budget)
+
+    def _passed(self, problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
+        return _passed(problem, since, hurried=is_hurried(self.budget))
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
         """Marks the entries as cancelled, or as abandoned where their group is given up."""
@@ -134,20 +139,12 @@ class Repair:
         options: SolveOptions,
         judge: Judge | None = None,
     ) -> Outcome:
-        """The engine's outcome, or a schedule of the compiler where it was cancelled before."""
+        """The engine's outcome, or the compiler's own where there is no time for an engine."""
         program = Program(self.backend, self.task, problem, judge=judge)
-        outcome = Outcome(Status.UNKNOWN, self.engine.name)
-        if not self.budget.is_cancelled:
-            alone = self.backend.proves and not self.backend.begins_now
-            budget = self.budget if alone else self.budget.share(1 - AFTERWARDS_SHARE)
-            outcome = self.engine.solve(program, options, budget)
-        if outcome.status is not Status.UNKNOWN or not self.budget.is_cancelled:
-            return outcome
-        quick = quick_outcome(problem)
-        accept = judge or (lambda schedule: self.judged(schedule, given_up))
-        if quick is None or quick.schedule is None or accept(quick.schedule) is not None:
-            return outcome
-        return quick
+        fault = judge or (lambda schedule: self.judged(schedule, given_up))
+        alone = self.backend.proves and not self.backend.begins_now
+        part = 1 if alone else 1 - AFTERWARDS_SHARE
+        return asked(program, self.engine, options, self.budget, lambda s: fault(s) is None, part)
 
     def _telling(
         self,
@@ -155,7 +152,7 @@ class Repair:
         given_up: Sequence[int],
         residual: ResidualProblem | None = None,
     ) -> SolveOptions:
-        """The options with which progress, of the residual problem too, is told as of the whole."""
+        """The options that report progress, of the residual problem too, as that of the whole."""
 
         def approve(outcome: Outcome) -> Schedule:
             assert outcome.schedule is not None
@@ -200,7 +197,7 @@ class Repair:
             residual = residual_problem(frozen, self.frozen.executed, now)
         except PastError as error:
             return _impossible(str(error))
-        left, impossible = _passed(residual.problem, now)
+        left, impossible = self._passed(residual.problem, now)
         if impossible is not None:
             return impossible
         if whole.bounds.makespan.value - now > left.bounds.makespan.value:
@@ -220,6 +217,8 @@ class Repair:
         except AnswerError as error:
             raise EngineFailed(f"the answer does not continue the history: {error}") from None
         outcome = _of_whole(found, left, whole, merged, now)
+        if self.budget.is_over:
+            return outcome
         kept = stabilised(
             whole,
             merged,
@@ -248,13 +247,13 @@ class _WithHistory:
         return self.repair.judged(merged, self.given_up)
 
 
-def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
+def _passed(problem: Problem, since: int, *, hurried: bool) -> tuple[Problem, Outcome | None]:
     """The problem after the passes; an outcome where they show that it has no schedule.
 
     `since` is when its time begins, in ticks.
     """
     try:
-        problem = run_passes(problem, _PASSES)
+        problem = run_passes(problem, _PASSES, lambda: hurried)
     except ValueError:
         return problem, _impossible("the history and the lags of the task contradict each other")
     bound = problem.bounds.makespan
@@ -266,33 +265,10 @@ def _passed(problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
     ):
         if not least_occurrences(activity):
             continue
-        too_late = _too_late(problem, i, head, head + activity.duration_min, since)
-        if too_late is not None:
-            return problem, _impossible(too_late)
+        late = too_late(problem, i, head, head + activity.duration_min, since)
+        if late is not None:
+            return problem, _impossible(late)
     return problem, None
-
-
-def _too_late(problem: Problem, i: int, start: int, end: int, since: int) -> str | None:
-    """The reason why an activity cannot start or end this late; None if it can."""
-    activity, deadline = problem.activities[i], problem.effective_deadline(i)
-    if deadline is not None and end > deadline:
-        if deadline < 0:
-            return f"{activity.id!r} must have ended by now, but has not begun"
-        earliest, limit = problem.time_text(since + end), problem.time_text(since + deadline)
-        return f"{activity.id!r} must end by {limit}, but cannot end before {earliest}"
-    if activity.start is not None and start > activity.start:
-        earliest, fixed = (
-            problem.time_text(since + start),
-            problem.time_text(since + activity.start),
-        )
-        return f"{activity.id!r} must start at {fixed}, but cannot start before {earliest}"
-    if activity.latest_start is not None and start > activity.latest_start:
-        earliest, latest = (
-            problem.time_text(since + start),
-            problem.time_text(since + activity.latest_start),
-        )
-        return f"{activity.id!r} must start by {latest}, but cannot start before {earliest}"
-    return None
 
 
 def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
@@ -302,9 +278,9 @@ def _by_critical_path(problem: Problem, since: int = 0) -> Outcome:
     except AnswerError as error:
         return _impossible(str(error))
     for i, place in enumerate(placed):
-        too_late = _too_late(problem, i, place.start, place.end, since)
-        if too_late is not None:
-            return _impossible(too_late)
+        late = too_late(problem, i, place.start, place.end, since)
+        if late is not None:
+            return _impossible(late)
     schedule = schedule_of(problem, placed)
     return Outcome(Status.OPTIMAL, SHORTCUT_ENGINE, schedule, problem.bounds.makespan.value)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any, Literal, Unpack, get_args
+from typing import Any, Literal, TypeVar, Unpack, get_args
 
 from irc.checks.events import check_event
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
@@ -13,17 +13,22 @@ from irc.errors import OptionError
 from irc.events.apply import with_observations, without_observations
 from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
+from irc.execution.interruption import lapses, with_repetitions, without_the_past
+from irc.execution.plannable import Plannable
 from irc.execution.presumed import adopt, as_of, not_as_planned, outcomes
 from irc.execution.replanning import solve_step
+from irc.execution.rounding import Rounding
 from irc.execution.state import ExecutionState
 from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
-from irc.model.events import ObservedStatus
+from irc.model.events import ObservedStatus, SetCapacity
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Entry, Schedule
 from irc.targets import Budget, Cancellation, SolveKeywords, SolveOptions
+
+_T = TypeVar("_T")
 
 Presume = Literal["assume", "confirm"]
 """The facts of a running task: the plan as well, or only observations."""
@@ -32,8 +37,9 @@ Presume = Literal["assume", "confirm"]
 class Execution:
     """A task in force, the schedule that is being carried out, and the time.
 
-    The options are those of `irc.SolveOptions`, for each replanning. Not for several threads at
-    once.
+    The options are those of `irc.SolveOptions`, for each replanning. Times that come in are rounded
+    to the task's resolution; the first report or step after that says so. Not for several threads
+    at once.
 
     >>> import irc
     >>> task = irc.Task()
@@ -62,15 +68,21 @@ class Execution:
         `"assume"` the plan is taken to happen unless something else is observed. Raises
         `InputError` where the schedule names what the task lacks.
         """
-        self._told = task_of(task)
-        _require_known(self._told, schedule)
+        self.task = task_of(task)
+        _require_known(self.task, schedule)
         if presume not in (known := get_args(Presume)):
             raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
-        self.now: Number = at
+        self._notes: tuple[Diagnostic, ...] = ()
+        self._rounding = Rounding.of(self.task)
+        schedule = self._take(self._rounding.schedule(self.task, schedule))
+        now = self.task.clock.exact(parse_instant(at))
+        moment = self._rounding.moment(self.task, now, "the present, ", ("at",))
+        self.now: Number = self._take(moment)
         self.options = SolveOptions.of(options, more)
-        self._task: Task | None = self._told
+        self._plannable = Plannable(self.options.target)
+        self._told = self.task
         self._schedule = schedule
-        self._history = History.of(schedule, at, assumes=presume == "assume")
+        self._history = History.of(schedule, self.now, assumes=presume == "assume")
         self._events: list[Event] = []
 
     def copy(self) -> Execution:
@@ -85,22 +97,7 @@ class Execution:
 
     def __eq__(self, other: object) -> bool:
         """Whether both are at the same point of the same task, with the same options."""
-        if not isinstance(other, Execution):
-            return NotImplemented
-        # (The task in force follows from the rest.)
-        return {**self.__dict__, "_task": None} == {**other.__dict__, "_task": None}
-
-    @property
-    def task(self) -> Task:
-        """The task in force: as the events have revised it, with all that was observed."""
-        if self._task is None:
-            self._task = self._in_force(as_of(self._history, self._told, self.now))
-        return self._task
-
-    @property
-    def unobserved(self) -> Task:
-        """The task as the events have revised it, without what was observed."""
-        return self._told
+        return self.__dict__ == other.__dict__ if isinstance(other, Execution) else NotImplemented
 
     @property
     def schedule(self) -> Schedule:
@@ -112,12 +109,17 @@ class Execution:
             return self._schedule
         taken = as_of(self._history, self._told, self.now).entries.values()
         entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
-        return Schedule(tuple(entries), task=self._told.name)
+        return Schedule(tuple(entries), task=self.task.name)
 
     @property
     def pending(self) -> tuple[Event, ...]:
         """The events since the last plan."""
         return tuple(self._events)
+
+    @property
+    def unobserved(self) -> Task:
+        """The task as the events have revised it, without what was observed."""
+        return self._told
 
     @property
     def presume(self) -> Presume:
@@ -137,14 +139,18 @@ class Execution:
         return as_of(self._history, self._told, self.now).state(self.now)
 
     def advance(self, to: Instant) -> None:
-        """Advances the time. Raises `InputError` for a time that has passed already."""
-        time = self._told.number(parse_instant(to))
+        """Advances the time. Raises `InputError` for a time that has passed already, and for one
+        with which the target cannot plan.
+        """
+        exact = self.task.clock.exact(parse_instant(to))
+        time, rounding, notes = self._rounding.moment(self.task, exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
-                "the time to advance to is", time, self.now, self._told.time_unit, ("to",), None
+                "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
             )
-        if time > self.now:
-            self.now, self._task = time, None
+        self._plannable = self._after(self.task, Event(at=time), self._history, None)
+        self.now, self._rounding = time, rounding
+        self._notes += notes
 
     def observe(
         self,
@@ -188,27 +194,65 @@ class Execution:
         where the event has a fault, and then applies nothing of it; `source` is the text that it
         was read from. The plan is repaired only by `replan`.
         """
-        event = event_of(event)
-        only_seen = is_observation(event)
-        task = self._told if only_seen else self.task
-        report = check_event(task, event, source=source)
+        given = event_of(event)
+        event, rounding, rounded = self._rounding.event(self.task, given)
+        report = check_event(self.task, event, source=source)
         if not report.ok:
             raise InputError(report)
-        at = self._told.number(event.at)
-        if at < self.now and not only_seen:
-            raise _in_the_past("the event is at", at, self.now, task.time_unit, ("at",), source)
+        at = self.task.number(event.at)
+        if at < self.now and not is_observation(event):
+            raise _in_the_past(
+                "the event is at", at, self.now, self.task.time_unit, ("at",), source
+            )
+        event = self._with_repetitions(event)
         history, findings, now = self._history.copy(), Findings(), max(self.now, at)
         notes = follow(history, self._told, event, findings, now)
         if findings.items:
             raise InputError(Report(tuple(findings.items), source))
-        self._told = without_observations(self._told, event)
-        self._history, self.now, self._task = history, now, None
+        revised = without_observations(_with_own(self._told, given, event), event)
+        taken = as_of(history, revised, now)
+        revised, passed = without_the_past(self._told, revised, taken.state(now))
+        task = self._in_force(revised, taken, now)
+        self._plannable = self._after(task, event, history, source)
+        if task.lapsed != self.task.lapsed:
+            ended = {entry.id for entry in taken.state(now).completed}
+            notes = [*notes, *lapses(self.task, task, event, ended), *passed]
+        self._told, self.task, self._history, self.now = revised, task, history, now
+        self._rounding = rounding
         self._events.append(event)
-        return Report((*report.diagnostics, *notes), source)
+        return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
 
-    def _in_force(self, history: History) -> Task:
+    def _with_repetitions(self, event: Event) -> Event:
+        """The event, with what runs on a resource that it breaks done again."""
+        if not any(isinstance(change, SetCapacity) for change in event.changes):
+            return event
+        if all(action.on_failure is None for action in self._told.actions):
+            return event
+        at = self.task.number(event.at)
+        state = as_of(self._history, self._told, at).state(at)
+        return with_repetitions(event, self.task, state.running)
+
+    def take_notes(self) -> tuple[Diagnostic, ...]:
+        """The notes on what came in since the last report or step; each is given once."""
+        notes, self._notes = self._notes, ()
+        return notes
+
+    def _take(self, taken: tuple[_T, Rounding, tuple[Diagnostic, ...]]) -> _T:
+        """Returns a value after rounding, and keeps the note on it."""
+        value, self._rounding, notes = taken
+        self._notes += notes
+        return value
+
+    def _after(
+        self, task: Task, event: Event, history: History, source: Source | None
+    ) -> Plannable:
+        """Raises `InputError` where the target could not plan with the task, after an event."""
+        times = (t for entry in history.entries.values() for t in (entry.start, entry.end))
+        return self._plannable.after(task, event, times, source)
+
+    def _in_force(self, revised: Task, history: History, now: Number) -> Task:
         """The task with all that is taken to have happened by now."""
-        return with_observations(self._told, outcomes(history, self._told, self.now))
+        return with_observations(revised, outcomes(history, revised, now))
 
     def replan(self, budget: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
@@ -218,11 +262,9 @@ class Execution:
         Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and
         `KeyboardInterrupt` where ^C comes before there is any answer.
         """
-        history, events = as_of(self._history, self._told, self.now), tuple(self._events)
-        task = self._in_force(history)
-        return self._taken(
-            solve_step(task, history, self.now, self.options, events, budget), history
-        )
+        present = task, history = self._present()
+        step = solve_step(task, history, self.now, self.options, tuple(self._events), budget)
+        return self._taken(present, step)
 
     async def areplan(self) -> Step:
         """`replan` for `async` code: the execution must not be changed meanwhile.
@@ -231,27 +273,33 @@ class Execution:
         """
         from irc.driver.running import awaited
 
-        history, events = as_of(self._history, self._told, self.now), tuple(self._events)
-        task, at = self._in_force(history), self.now
+        present = task, history = self._present()
+        at, events = self.now, tuple(self._events)
 
         def call(cancel: Cancellation) -> Step:
             return solve_step(task, history, at, replace(self.options, cancel=cancel), events)
 
-        return self._taken(await awaited(call, self.options.cancel), history)
+        return self._taken(present, await awaited(call, self.options.cancel))
 
-    def _taken(self, step: Step, history: History) -> Step:
-        """A step whose schedule is the one in force from now on, if there is one."""
-        notes = [self._late(entry) for entry in not_as_planned(history, self.now)]
-        step = replace(step, notes=(*notes, *step.notes))
-        self._task = step.task
+    def _present(self) -> tuple[Task, History]:
+        """The task and the history with all that is taken to have happened by now."""
+        history = as_of(self._history, self._told, self.now)
+        return self._in_force(self._told, history, self.now), history
+
+    def _taken(self, present: tuple[Task, History], step: Step) -> Step:
+        """The step, after it has changed the execution: its plan is adopted or rejected."""
+        task, history = present
+        late = [self._late(entry) for entry in not_as_planned(history, self.now)]
+        step = replace(step, notes=(*late, *step.notes))
+        self.task = task
         if step.schedule.answered:
             self.adopt(step.schedule)
         else:
             self.reject()
-        return step
+        return replace(step, notes=(*self.take_notes(), *step.notes))
 
     def _late(self, entry: Entry) -> Diagnostic:
-        start = f"{format_number(entry.start)} {self._told.time_unit}"
+        start = f"{format_number(entry.start)} {self.task.time_unit}"
         return Diagnostic(
             Code.NOT_AS_PLANNED,
             f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
@@ -261,7 +309,7 @@ class Execution:
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
-        _require_known(self._told, schedule)
+        _require_known(self.task, schedule)
         adopt(self._history, schedule, self._told, self.now)
         self._schedule = schedule
         self._events.clear()
@@ -288,6 +336,15 @@ def replan(
     noted = [note for event in events for note in execution.apply(event)]
     step = execution.replan()
     return replace(step, notes=(*noted, *step.notes))
+
+
+def _with_own(task: Task, given: Event, rounded: Event) -> Task:
+    """The task in which its own event `given` is the rounded one that is applied."""
+    if rounded is given or given not in task.events:
+        return task
+    place = task.events.index(given)
+    events = (*task.events[:place], rounded, *task.events[place + 1 :])
+    return task.model_copy(update={"events": events})
 
 
 def _require_known(task: Task, schedule: Schedule) -> None:

@@ -24,6 +24,7 @@ from irc.model.events import (
     CancelActions,
     CancelGroups,
     Observe,
+    RetryAction,
     SetDuration,
     SetGoals,
 )
@@ -120,6 +121,33 @@ def _end(step: EventStep, names: Iterable[str]) -> None:
                 step.remove(key_of(entry))
 
 
+def _retry_action(step: EventStep, change: RetryAction, at: Pointer) -> None:
+    """Interrupts an action that runs; reports one that has nothing to be done again."""
+    name, place = change.action, (*at, "action")
+    found = step.occurrences(name)
+    stopped = name in step.history.cancelled or any(e.status == CANCELLED for e in found)
+    stopped = stopped or any(had.action == name for had in step.task.lapsed)
+    running = [e for e in found if step.is_running(e)]
+    done = [e for e in found if step.is_frozen(e) and e not in running and e.status is None]
+    action = step.action(name)
+    if done and not running and not stopped and not (action is not None and action.may_repeat):
+        step.add_finding(
+            Code.ALREADY_DONE,
+            f"action {name!r} ended at {step.text(done[-1].end)}, so there is nothing to do again",
+            place,
+            'if it failed, observe that first ("status": "failed"); to do it twice, add an action',
+        )
+    elif not running and not stopped:
+        step.add_finding(
+            Code.UNSUITED_CHANGE,
+            f"action {name!r} has not begun, so there is nothing to do again",
+            place,
+            "leave this out; it is still planned",
+        )
+    else:
+        _end(step, [name])
+
+
 def _set_duration(step: EventStep, change: SetDuration, at: Pointer) -> None:
     action = step.action(change.action)
     if action is not None:
@@ -187,6 +215,7 @@ _FOLLOWED: Mapping[type, Callable[[EventStep, Any, Pointer], None]] = MappingPro
         AddGroups: _add_groups,
         CancelActions: _cancel_actions,
         CancelGroups: _cancel_groups,
+        RetryAction: _retry_action,
         SetDuration: _set_duration,
         Observe: observe,
         SetGoals: _set_goals,

@@ -43,7 +43,7 @@ def what_is_in_the_way(repair: Repair) -> tuple[Diagnostic, ...]:
     helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
     backend = get_backend(PROVER)
     prover = replace(repair, backend=backend, engine=backend.engine())
-    if prover.engine.missing() is not None:
+    if prover.engine.missing() is not None or not prover.engine.can_begin(budget):
         return ()
     search = _LimitSearch(problem, helpers.union(frozen.executed), prover, budget)
     for sort in _SORTS:

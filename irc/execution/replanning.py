@@ -95,7 +95,8 @@ def _step(
     if schedule.answered:
         schedule = replace(schedule, left_out=left_out)
         gone = moved(history.state(at).open, schedule, history)
-    notes = (*in_words(stuck), *step.notes)
+    stopped = [had.action for had in task.lapsed if had.repetition is None]
+    notes = (*in_words(stuck, stopped), *step.notes)
     return replace(step, task=task, schedule=schedule, notes=notes, moved=gone)
 
 
@@ -144,13 +145,9 @@ def _continued(
     if outcome.schedule is not None:
         marked = repair.with_status(outcome.schedule, given_up)
         outcome = replace(outcome, schedule=marked)
+    budget = means.budget
     schedule = finish(
-        task,
-        whole,
-        outcome,
-        means.backend.name,
-        means.budget.elapsed,
-        cancelled=means.budget.is_cancelled,
+        task, whole, outcome, means.backend.name, budget.elapsed, cancelled=budget.is_cancelled
     )
     notes = reasons_for(task, outcome)
     schedule = explained(schedule, notes)

@@ -29,6 +29,7 @@ from irc.problem import (
     Problem,
     Renewable,
     Reservoir,
+    TimedChange,
     Variable,
     Window,
 )
@@ -298,16 +299,28 @@ def _state_now(
 ) -> tuple[Variable, ...]:
     """The variables with the values that the history leaves."""
     values = [v.initial for v in problem.variables]
-    writes: list[tuple[int, int, bool, int, int]] = []
+    writes: list[tuple[int, int, int, int, int]] = []
     for i, past in executed.items():
         for effect in problem.activities[i].details.effects:
             if not _is_over(past, effect.at_end, now, i in places):
                 continue
             time, rank = (past.end, past.end_rank) if effect.at_end else (past.start, past.rank)
-            # (Ends at an instant come before world changes at it.)
-            writes.append((time, rank, past.start == time, effect.var, effect.value))
+            # (Ends at an instant come before changes of the world at it, and starts after them.)
+            stage = 0 if past.start < time else 2
+            writes.append((time, rank, stage, effect.var, effect.value))
+    for var, variable in enumerate(problem.variables):
+        for at, value in variable.changes:
+            ended = [r for t, r, stage, v, _ in writes if (t, stage, v) == (at, 0, var)]
+            if at <= now:
+                writes.append((at, max(ended, default=-1), 1, var, value))
     for _, _, _, var, value in sorted(writes):
         values[var] = value
     return tuple(
-        replace(v, initial=value) for v, value in zip(problem.variables, values, strict=True)
+        replace(v, initial=value, changes=_changes_later(v, now))
+        for v, value in zip(problem.variables, values, strict=True)
     )
+
+
+def _changes_later(variable: Variable, now: int) -> tuple[TimedChange, ...]:
+    """The timed changes of a variable that are still to come, counted from now."""
+    return tuple(TimedChange(c.at - now, c.value) for c in variable.changes if c.at > now)

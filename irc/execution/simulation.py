@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Unpack
@@ -10,10 +10,12 @@ from typing import Any, Unpack
 from irc.diagnostics import Diagnostic, InputError, Report
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution
+from irc.execution.rounding import Rounding
 from irc.execution.step import Step
 from irc.frontends.events import PlacedEvent
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
+from irc.model.quantities import Number
 from irc.model.times import json_number
 from irc.outcome import Outcome
 from irc.schedule import Schedule, Status
@@ -81,14 +83,6 @@ class EventRefused(InputError):
         return type(self), (self.report, self.simulation)
 
 
-class _Refused(Exception):
-    """An event does not fit; `report` says why, and where in the task."""
-
-    def __init__(self, report: Report) -> None:
-        super().__init__()
-        self.report = report
-
-
 def simulate(
     task: Task | Built[Task],
     *,
@@ -109,31 +103,34 @@ def simulate(
     chosen, task = SolveOptions.of(options, more), task_of(task)
     with ended_by_interrupt(chosen.cancel) as cancel:
         options = replace(chosen, cancel=cancel)
-        steps = []
-        try:
-            for step in _steps(task, schedule, options, spent):
-                steps.append(step)
-                if on_step is not None:
-                    on_step(step)
-                if cancel is not None:
-                    cancel.keep()
-                    if cancel.is_cancelled:
-                        break
-        except _Refused as refused:
-            raise EventRefused(refused.report, Simulation(task.name, tuple(steps))) from None
+        steps: list[Step] = []
+        for step in _steps(task, schedule, options, spent, steps):
+            steps.append(step)
+            if on_step is not None:
+                on_step(step)
+            if cancel is not None:
+                cancel.keep()
+                if cancel.is_cancelled:
+                    break
         if len(steps) == 1 and steps[0].schedule.status is Status.UNKNOWN:
             lost(cancel)
         planned = schedule is None or len(steps) > 1
-        done = len(steps) > len({task.number(event.at) for event in task.events})
+        rounding = Rounding.of(task)
+        instants = {rounding.time(task.number(event.at)) for event in task.events}
+        done = len(steps) > len(instants)
         ended = cancel is not None and cancel.is_cancelled
         partial = not done or (planned and steps[-1].schedule.interrupted)
         return Simulation(task.name, tuple(steps), ended and partial)
 
 
 def _steps(
-    task: Task, schedule: Schedule | None, options: SolveOptions, spent: float
+    task: Task,
+    schedule: Schedule | None,
+    options: SolveOptions,
+    spent: float,
+    before: Sequence[Step],
 ) -> Iterator[Step]:
-    """The first plan, and the step of each instant with events if there is one."""
+    """The first plan, and the step of each instant with events; `before` are the previous ones."""
     notes: tuple[Diagnostic, ...] = ()
     if schedule is None:
         answer = solve_task(task, options, options.budget(spent))
@@ -142,13 +139,19 @@ def _steps(
     if not schedule.answered:
         return
     execution = Execution(task, schedule, options=options)
-    for _, same in groupby(in_order(task), key=lambda event: task.number(event.at)):
+    rounding = Rounding.of(task)
+
+    def moment(event: Event) -> Number:
+        return rounding.time(task.number(event.at))
+
+    for _, same in groupby(in_order(task), key=moment):
         noted: list[Diagnostic] = []
         for event in same:
             try:
                 noted += _placed(task, event).notes(execution.apply(event))
             except InputError as error:
-                raise _Refused(_placed(task, event).anchored(error.report)) from None
+                report = _placed(task, event).anchored(error.report)
+                raise EventRefused(report, Simulation(task.name, tuple(before))) from None
         step = execution.replan(options.budget(spent))
         spent = 0.0
         yield replace(step, notes=(*noted, *step.notes))

@@ -15,11 +15,16 @@ Write = tuple[int, int, int, int]
 1 a world change, 2 a start; at any other instant there is one stage."""
 
 
+_NOBODY = -1
+"""Stands for the activity of a timed change of state."""
+
+
 def without_broken_conditions(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> tuple[Problem, dict[int, ExecutedActivity]]:
     """Drops conditions of executed activities that no order of their own effects makes true."""
     staged = {now, *(f.start for f in executed.values() if f.by_itself)}
+    staged |= {change.at for variable in problem.variables for change in variable.changes}
     written = _writes(problem, executed, staged)
     open_values = {
         (e.var, e.value)
@@ -141,6 +146,9 @@ def _writes(
             if time in staged and past is not None:
                 stage = 1 if past.by_itself else 0 if past.start < time else 2
             written.setdefault(effect.var, []).append((time, stage, effect.value, i))
+    for var, variable in enumerate(problem.variables):
+        for at, value in variable.changes:
+            written.setdefault(var, []).append((at, 1, value, _NOBODY))
     for writes in written.values():
         writes.sort()
     return written

@@ -7,7 +7,7 @@ of times that are merely too short for all that is to be done.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -40,8 +40,11 @@ class Stuck:
         return bool(self.actions or self.goals)
 
 
-def in_words(stuck: Stuck) -> tuple[Diagnostic, ...]:
-    """The actions and goals that cannot go on, as diagnostics."""
+def in_words(stuck: Stuck, stopped: Sequence[str] = ()) -> tuple[Diagnostic, ...]:
+    """The actions and goals that cannot go on, as diagnostics.
+
+    `stopped` are cancelled actions that have not been done again.
+    """
     reasons = list(stuck.actions.items())
     found = [
         Diagnostic(Code.NO_CONTINUATION, why, hint=f"{name!r} is left out until that changes")
@@ -56,6 +59,9 @@ def in_words(stuck: Stuck) -> tuple[Diagnostic, ...]:
     for var, value in stuck.goals:
         what = f"the goal {var!r} = {value_text(value)} cannot be reached any more"
         hint = "it is left out; an action that brings it about, or other goals, would help"
+        if stopped:
+            names = and_more([repr(name) for name in stopped[:5]], len(stopped))
+            hint += f"; `retry_action` does again what was cancelled: {names}"
         found.append(Diagnostic(Code.NO_CONTINUATION, what, hint=hint))
     return tuple(found)
 
@@ -229,13 +235,30 @@ class _Search:
         return [_ENDLESS if r in endless else level for r, level in enumerate(levels)]
 
     def _reachable(self) -> set[Fact]:
-        """The values that variables have now, or that something may still give them."""
-        return set(self._now()) | {
-            (e.var, e.value)
-            for i, activity in enumerate(self.problem.activities)
-            for e in activity.details.effects
-            if (i in self._open_set and i not in self.why) or (e.at_end and self._runs(i))
-        }
+        """The values that variables have now, or that something may still give them.
+
+        What gives a value must first be able to happen itself: no two activities wait for each
+        other. (Values never get lost here, which makes more of them seem to be reached.)
+        """
+        values = set(self._now())
+        for i, activity in enumerate(self.problem.activities):
+            if self._runs(i):
+                values |= {(e.var, e.value) for e in activity.details.effects if e.at_end}
+        waiting = [(i, at_end) for i in self.open if i not in self.why for at_end in (False, True)]
+        while True:
+            left = [(i, at_end) for i, at_end in waiting if not self._happens(i, at_end, values)]
+            if len(left) == len(waiting):
+                return values
+            waiting = left
+
+    def _happens(self, i: int, at_end: bool, values: set[Fact]) -> bool:
+        """Whether an open activity can start, or end, with these values; then adds its own."""
+        details = self.problem.activities[i].details
+        needed = (c for c in details.conditions if at_end or c.at == "start")
+        if not all((c.var, c.value) in values for c in needed):
+            return False
+        values |= {(e.var, e.value) for e in details.effects if e.at_end == at_end}
+        return True
 
     def _runs(self, i: int) -> bool:
         past = self.frozen.executed.get(i)

@@ -38,6 +38,7 @@ _ORDER = (
     Kind.DEADLINE,
     Kind.LATEST_START,
     Kind.START,
+    Kind.GROUP_DEADLINE,
     Kind.TASK_DEADLINE,
     Kind.CAPACITY,
 )

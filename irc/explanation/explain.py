@@ -20,6 +20,7 @@ from irc.explanation.wording import in_words
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.mandatory import mandatory_part
+from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 from irc.problem.statements import (
     Kind,
@@ -76,7 +77,7 @@ def _explained(task: Task, budget: Budget) -> Explanation:
     if not checked.report.ok and not checked.report.contradicts:
         raise InputError(checked.report)
     # (If the part that every schedule contains is infeasible, so is the whole task.)
-    problem, _ = mandatory_part(checked.problem)
+    problem, _ = mandatory_part(decide_presence(checked.problem))
     if checked.report.ok:
         return _with_solver(task, problem, budget, whole=problem is checked.problem)
     explanation = _without_solver(task, problem, budget) or _by_checks(task, checked.report)
@@ -155,7 +156,10 @@ def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bo
 
 
 _OF_THE_CLOCK = frozenset(
-    (Kind.TASK_DEADLINE, Kind.DEADLINE, Kind.START, Kind.LATEST_START, Kind.RELEASE)
+    (
+        *(Kind.TASK_DEADLINE, Kind.GROUP_DEADLINE, Kind.DEADLINE),
+        *(Kind.START, Kind.LATEST_START, Kind.RELEASE),
+    )
 )
 """The statements that name an hour."""
 

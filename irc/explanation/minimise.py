@@ -14,6 +14,7 @@ from enum import Enum, auto
 
 from irc.problem import Problem
 from irc.problem.statements import KINDS, Side, Statement
+from irc.targets import Budget
 
 _PARTS = 4
 """The number of parts in which groups that cannot all be left out are tried again."""
@@ -102,26 +103,36 @@ def minimise(
     order: Sequence[Statement],
     families: Iterable[Sequence[frozenset[Statement]]] = (),
     implied: Mapping[Statement, Statement] | None = None,
+    budget: Budget | None = None,
 ) -> Conflict:
     """A minimal subset of `found`, which cannot hold together.
 
     `order` is the order of leaving out: statements that help an author least come first. Two things
     save trials: groups in `families` are left out before that, as many at a time as possible; and
-    if a statement is needed, so is the one `implied` by it.
+    if a statement is needed, so is the one `implied` by it. After the end of the budget no more is
+    tried.
     """
     deletion = _Deletion(frozenset(found), attempt, implied or {})
     for groups in families:
         deletion.leave_out_groups(groups)
     minimal = True
     for statement in order:
+        if budget is not None and budget.is_over:
+            minimal = minimal and deletion.kept <= deletion.needed
+            break
         if statement in deletion.kept and statement not in deletion.needed:
             result = deletion.leave_out(frozenset((statement,)))
             minimal = minimal and result is not Possibility.UNKNOWN
     return Conflict(tuple(s for s in order if s in deletion.kept), minimal)
 
 
-def narrow(problem: Problem, conflict: Conflict, attempt: Try) -> Conflict:
-    """The same conflict, with the side of each statement of which only one limit binds."""
+def narrow(
+    problem: Problem, conflict: Conflict, attempt: Try, budget: Budget | None = None
+) -> Conflict:
+    """The same conflict, with the side of each statement of which only one limit binds.
+
+    After the end of the budget no more is tried.
+    """
     statements = list(conflict.statements)
     two_sided = [k for k, s in enumerate(statements) if KINDS[s.kind].has_two_sides(problem, s)]
     for side in (Side.LEAST, Side.MOST):
@@ -131,6 +142,8 @@ def narrow(problem: Problem, conflict: Conflict, attempt: Try) -> Conflict:
         if attempt(frozenset(all_at_once)).result is Possibility.IMPOSSIBLE:
             return replace(conflict, statements=tuple(all_at_once))
     for k in two_sided:
+        if budget is not None and budget.is_over:
+            break
         for side in (Side.LEAST, Side.MOST):
             narrowed = [*statements[:k], statements[k]._replace(side=side), *statements[k + 1 :]]
             if attempt(frozenset(narrowed)).result is Possibility.IMPOSSIBLE:

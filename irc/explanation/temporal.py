@@ -24,11 +24,14 @@ from irc.problem.statements import (
 from irc.problem.temporal_network import Network, earliest
 from irc.targets import Budget
 
-STEPS = 6_000_000
+STEPS = 500_000
 """Limit on the constraints visited in the search for a cycle of few statements."""
 
 ROOTS = 40
 """Limit on the points of a cycle from which the search starts."""
+
+MINIMISING_SECONDS = 8.0
+"""Limit on leaving out statements that are not needed; a conflict of thousands would take hours."""
 
 
 def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
@@ -41,6 +44,7 @@ def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
     cycles = _cycles(differences)
     if not cycles:
         return None
+    budget = budget.at_most(MINIMISING_SECONDS)
     found = min(_candidates(differences, cycles), key=_Candidate.measure)
     statements = found.statements
 
@@ -56,8 +60,8 @@ def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
         conflict = Conflict(tuple(sorted(statements)), minimal=True)
     else:
         order = sorted(statements, key=lambda s: _dispensable(problem, s))
-        conflict = minimise(statements, attempt, order)
-    return _in_order(problem, narrow(problem, conflict, attempt))
+        conflict = minimise(statements, attempt, order, budget=budget)
+    return _in_order(problem, narrow(problem, conflict, attempt, budget))
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,10 +97,10 @@ def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
     """The conflict with its statements in the order of the cycle, from t = 0 if it is on it."""
     cycle = _cycles(_graph(problem, conflict.statements))[0]
     first = next((k for k, d in enumerate(cycle) if d.src == ORIGIN), 0)
-    ordered = tuple(dict.fromkeys(_stated([*cycle[first:], *cycle[:first]])))
+    ordered = dict.fromkeys(_stated([*cycle[first:], *cycle[:first]]))
     rest = tuple(s for s in conflict.statements if s not in ordered)
     excess = sum(d.weight for d in cycle)
-    return replace(conflict, statements=ordered + rest, excess=excess)
+    return replace(conflict, statements=(*ordered, *rest), excess=excess)
 
 
 def _dispensable(problem: Problem, statement: Statement) -> tuple[int, int, Statement]:

@@ -59,6 +59,12 @@ def _deadline(problem: Problem, statement: Statement) -> str:
     return f"{activity.id!r} ends by {problem.time_text(activity.deadline or 0)}"
 
 
+def _group_deadline(problem: Problem, statement: Statement) -> str:
+    activity = problem.activities[statement.of]
+    group = "" if activity.deadline_by is None else activity.deadline_by.group
+    return f"group {group!r} ends by {problem.time_text(activity.deadline or 0)}"
+
+
 def _duration(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
     low, high = activity.duration_min, activity.duration_max
@@ -81,5 +87,6 @@ _WORDS: Mapping[Kind, Callable[[Problem, Statement], str]] = {
     Kind.START: _start,
     Kind.LATEST_START: _latest_start,
     Kind.DEADLINE: _deadline,
+    Kind.GROUP_DEADLINE: _group_deadline,
     Kind.DURATION: _duration,
 }

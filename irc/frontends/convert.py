@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.files import write_folder, write_whole
 from irc.errors import IrcError
 from irc.frontends.files import read_task, read_text
+from irc.frontends.json.document import read_document
 from irc.model import Task
 from irc.model.canonical import written_task
-from irc.schedule import dump_json
+from irc.schedule import dump_json, schedule_from_json
 from irc.targets import UnknownTarget
 
 Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
@@ -27,10 +30,31 @@ IMPORTERS: Mapping[str, str] = {
 }
 """Formats with many instances in a file, and their `Importer`s, which are loaded when needed."""
 
+PLANNER = "planner"
+"""The JSON of a Planner: steps, dependencies and a makespan."""
+
+SCHEDULE_SPEC = "schedule-spec"
+"""The JSON of a CP-SAT formalizer: actions with stations and robots, dependencies."""
+
+PLAN_LINES = "plan-lines"
+"""Lines such as `0: (cut apple) [3]`; what is written is a schedule."""
+
 PDDL = "pddl"
 """The format with two files, a domain and a problem, for one task."""
 
-FORMATS = ("irc", *IMPORTERS, PDDL)
+PDDL_PLAN, SCHEDULE = "pddl-plan", "schedule"
+"""A plan of an original PDDL problem as a schedule, and the way back."""
+
+FORMATS = (
+    "irc",
+    *IMPORTERS,
+    PLANNER,
+    SCHEDULE_SPEC,
+    PLAN_LINES,
+    PDDL,
+    PDDL_PLAN,
+    SCHEDULE,
+)
 
 DSL_SUFFIX = ".irc"
 """The suffix of a file in the DSL; every other file is written as JSON."""
@@ -51,10 +75,37 @@ def written_as(output: Path, task: Task) -> str:
     return dump_json(written_task(task))
 
 
-def convert_file(file: str, source: str, output: Path, problem: str | None = None) -> list[Path]:
+@dataclass(frozen=True)
+class Beside:
+    """Files and values that some formats need beside the input.
+
+    `problem` is the file of a PDDL problem, and `domain` that of its domain where the input is a
+    plan or a schedule; `lenient` reads PDDL as models write it. `instance` is the file of the
+    kitchen, and `stations` are the capacities (`grill=2`), of a scheduling JSON.
+    """
+
+    problem: str | None = None
+    instance: str | None = None
+    stations: tuple[str, ...] = ()
+    domain: str | None = None
+    lenient: bool = False
+
+
+OnReport = Callable[[Report], None]
+
+
+def convert_file(
+    file: str,
+    source: str,
+    output: Path,
+    beside: Beside = Beside(),
+    *,
+    on_report: OnReport = lambda report: None,
+) -> list[Path]:
     """Writes the task (or one task for each instance) and returns the written files.
 
-    A task is written in the DSL if `output` ends in `.irc`, else as JSON.
+    A task is written in the DSL if `output` ends in `.irc`, else as JSON. `lenient` reads PDDL as
+    models write it; `on_report` gets the warnings about PDDL.
 
     An importer of instances also accepts a folder, whose `.json` files it reads in order of name.
     Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` if an importer needs an
@@ -62,13 +113,100 @@ def convert_file(file: str, source: str, output: Path, problem: str | None = Non
     """
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
-    if problem is not None and source != PDDL:
-        raise ConversionUseError(f"--problem is for --from {PDDL}")
+    _require_fitting(source, beside)
     if source in IMPORTERS:
         return _convert_instances(file, load_importer(source), output)
-    task = read_task(file).task if source == "irc" else _read_pddl(file, problem)
-    write_whole(output, written_as(output, task))
+    if source == PLAN_LINES:
+        from irc.frontends.importers.plan_lines import import_plan
+
+        write_whole(output, dump_json(import_plan(*read_text(file)).to_dict()))
+    elif source in (PDDL_PLAN, SCHEDULE):
+        task = _read_pddl(beside.domain, beside, on_report)
+        write_whole(output, _converted_plan(file, source, task))
+    else:
+        write_whole(output, written_as(output, _read_one(file, source, beside, on_report)))
     return [output]
+
+
+def _require_fitting(source: str, beside: Beside) -> None:
+    """Raises `ConversionUseError` where an option is for another format, or one is missing."""
+    if source in (PDDL_PLAN, SCHEDULE):
+        if beside.domain is None or beside.problem is None:
+            raise ConversionUseError(f"--from {source} needs --domain FILE and --problem FILE")
+    elif source != PDDL and (beside.problem is not None or beside.lenient):
+        option = "--lenient" if beside.problem is None else "--problem"
+        raise ConversionUseError(f"{option} is for --from {PDDL}")
+    if (beside.instance is not None or beside.stations) and source != SCHEDULE_SPEC:
+        raise ConversionUseError(f"--instance and --station are for --from {SCHEDULE_SPEC}")
+
+
+def _read_one(file: str, source: str, beside: Beside, on_report: OnReport) -> Task:
+    """The task of a format that has one in a file."""
+    if source == PLANNER:
+        from irc.frontends.importers.planner import import_planner
+
+        return import_planner(*read_text(file))
+    if source == SCHEDULE_SPEC:
+        return _read_schedule_spec(file, beside)
+    return read_task(file).task if source == "irc" else _read_pddl(file, beside, on_report)
+
+
+def _read_pddl(domain: str | None, beside: Beside, on_report: OnReport) -> Task:
+    if domain is None:
+        raise ConversionUseError("the domain is missing: --domain FILE")
+    task, report = read_pddl_files(domain, beside.problem, lenient=beside.lenient)
+    on_report(report)
+    return task
+
+
+def _converted_plan(file: str, source: str, task: Task) -> str:
+    """The text of a plan's schedule, or of a schedule's plan."""
+    from irc.frontends.importers.pddl.plan import PlanError, plan_text
+    from irc.frontends.importers.pddl.plan_reader import read_plan
+
+    text, name = read_text(file)
+    if source == PDDL_PLAN:
+        schedule = read_plan(text, name, task)
+        return dump_json(replace(schedule, task=task.name, time_unit=task.time_unit).to_dict())
+    document = read_document(text, name)
+    try:
+        return plan_text(task, schedule_from_json(document.content, document.source))
+    except PlanError as error:
+        diagnostic = Diagnostic(Code.BAD_SCHEDULE, str(error), offset=0)
+        raise InputError(Report((diagnostic,), document.source)) from None
+
+
+def _read_schedule_spec(file: str, beside: Beside) -> Task:
+    from irc.frontends.importers.instances import read_instances
+    from irc.frontends.importers.schedule_spec import import_schedule_spec
+
+    stations, kitchen = _capacities(beside.stations), None
+    if beside.instance is not None:
+        (instance, *more), faults = read_instances(*read_text(beside.instance))
+        if more:
+            faults.add(f"{beside.instance} holds more than one instance", (1,))
+            faults.raise_any()
+        kitchen = instance.value
+        if not isinstance(kitchen, Mapping):
+            instance.members()
+            faults.raise_any()
+        stations = {**_whole_amounts(kitchen.get("stations")), **stations}
+    return import_schedule_spec(*read_text(file), stations, kitchen)
+
+
+def _whole_amounts(stations: Any) -> dict[str, int]:
+    listed = stations.items() if isinstance(stations, Mapping) else ()
+    return {name: amount for name, amount in listed if type(amount) is int and amount >= 0}
+
+
+def _capacities(stations: tuple[str, ...]) -> dict[str, int]:
+    found = {}
+    for written in stations:
+        name, _, amount = written.rpartition("=")
+        if not name or not amount.isascii() or not amount.isdigit():
+            raise ConversionUseError(f"--station {written!r}: expected a capacity such as grill=2")
+        found[name] = int(amount)
+    return found
 
 
 def load_importer(source: str) -> Importer:
@@ -102,9 +240,12 @@ def _files(file: str) -> list[str]:
     return found
 
 
-def _read_pddl(domain: str, problem: str | None) -> Task:
+def read_pddl_files(
+    domain: str, problem: str | None, *, lenient: bool = False
+) -> tuple[Task, Report]:
+    """The task of a domain's and a problem's files, and the warnings about them."""
     if problem is None:
         raise ConversionUseError(f"--from {PDDL} also needs the problem: --problem FILE")
-    from irc.frontends.importers.pddl import import_pddl
+    from irc.frontends.importers.pddl import read_pddl
 
-    return import_pddl(read_text(domain), read_text(problem))
+    return read_pddl(read_text(domain), read_text(problem), lenient=lenient)

@@ -35,7 +35,7 @@ class PlacedEvent:
 
     def anchored(self, report: Report) -> Report:
         """A report on the event alone, with places in the text of the event."""
-        if report.source is not None or self.source is None:
+        if report.source is not None:
             return report
         moved = (
             replace(d, pointer=(*self.pointer, *d.pointer), fix=()) if d.offset is None else d
@@ -119,7 +119,10 @@ def to_events(
     Raises `InputError` with every fault of shape.
     """
     timed = [
-        {"at": at, **element} if isinstance(element, dict) else element for element in elements
+        {"at": at, **{k: v for k, v in element.items() if v is not None}}
+        if isinstance(element, dict)
+        else element
+        for element in elements
     ]
     findings = Findings()
     # Read them as part of a task, so that faults of shape have the usual messages.

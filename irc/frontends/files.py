@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -58,13 +59,13 @@ def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Rea
         from irc.frontends.english.reader import read_english
 
         return _typed(read_english(text, name))
-    return _typed(read_document(text, name))
+    return _typed(read_document(text, name, mend=True))
 
 
 def _typed(document: RawDocument) -> Reading:
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
-    if task is None:
+    if task is None or document.notes.has_errors:
         from irc.frontends.partial import further_findings
 
         findings.items += further_findings(document.content, findings)
@@ -72,7 +73,12 @@ def _typed(document: RawDocument) -> Reading:
     return Reading(task.with_source(document.source), tuple(findings.items))
 
 
-def read_task(path: str | Path) -> Reading:
-    """The task of a file. Raises `InputError`."""
+def read_task(path: str | Path, problem: str | None = None) -> Reading:
+    """The task of a file; with a `problem` file, of a PDDL domain. Raises `InputError`."""
     text, name = read_text(path)
+    if problem is not None:
+        from irc.frontends.importers.pddl import read_pddl
+
+        task, report = read_pddl((text, name), read_text(problem))
+        return Reading(task, tuple(replace(d, within=report.source) for d in report.located()))
     return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))

@@ -7,8 +7,11 @@ from typing import Literal
 
 Language = Literal["json", "dsl", "english"]
 
-_BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json"}
+_BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json", ".yaml": "json", ".yml": "json"}
+"""(The reader of JSON says what to write instead of YAML.)"""
+
 _KEY = r'"(?:actions|irc|precedence|resources)"\s*:'
+_LAPSED = r"(?m)^lapsed[ \t]*\{"
 _SNIFFED = 10_000
 _SNIFFED_STATEMENTS = 20
 
@@ -17,7 +20,8 @@ def language_of(text: str, name: str) -> Language:
     """The language of a text; the first rule that applies decides.
 
     1. The suffix of its name: `.irc` or `.json`.
-    2. It begins like a JSON document, or contains one: JSON.
+    2. It begins like a JSON document, or contains one: JSON. So is YAML, whose reader says what to
+       write instead.
     3. All of its first statements can be read as statements of the DSL: DSL.
     4. It is a text file (`.txt`, `.md`), or it lists steps: English.
     5. One of its first statements can be read as a statement of the DSL: DSL.
@@ -26,7 +30,10 @@ def language_of(text: str, name: str) -> Language:
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
-    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, text):
+    own = re.split(_LAPSED, text, maxsplit=1)[0]  # (Its JSON is a part of a text of the DSL.)
+    if text.lstrip("\ufeff \t\r\n")[:1] in ("{", "[") or re.search(_KEY, own):
+        return "json"
+    if _like_yaml(text):
         return "json"
     readable, lines = _like_dsl(text[:_SNIFFED])
     if readable and readable >= lines:
@@ -36,6 +43,14 @@ def language_of(text: str, name: str) -> Language:
     if is_english(text, name):
         return "english"
     return "dsl" if readable else "json"
+
+
+def _like_yaml(text: str) -> bool:
+    if "\n" not in text or ":" not in text:
+        return False
+    from irc.frontends.json.yaml_task import is_yaml
+
+    return is_yaml(text)
 
 
 def _like_dsl(text: str) -> tuple[int, int]:

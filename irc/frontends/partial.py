@@ -1,16 +1,19 @@
 """Checks the rest of a document that has faults of shape, so that one run has all findings.
 
-The faulty elements are patched, so that the rest can be typed and checked. Findings about a patched
-element, or because of it, are left out.
+What is certain is repaired, as `irc check --fix` would, and what shows then is found, too. The
+other faulty elements are patched, so that the rest can be typed and checked. Findings about a
+patched element, or because of it, are left out.
 """
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from irc.diagnostics import Code, Diagnostic, Findings
+from irc.diagnostics import Code, Diagnostic, Findings, Severity
+from irc.diagnostics.patching import apply_patches, operations_of
 from irc.diagnostics.source import Pointer
 from irc.model.from_document import to_task
 
@@ -33,11 +36,73 @@ _ELEMENT = 2
 
 def further_findings(raw: Mapping[str, Any], found: Findings) -> list[Diagnostic]:
     """Findings of the checks about the sound elements of `raw`, given its faults of shape."""
+    repaired = _Repaired(copy.deepcopy(dict(raw)))
+    faults = [d for d in found.items if d.severity is Severity.ERROR and d.offset is None]
+    more = [repaired.placed(d) for d in repaired.repair(faults)]
+    return more + [repaired.placed(d) for d in _checked(repaired.document, repaired.faults)]
+
+
+@dataclass
+class _Repaired:
+    """A document after certain repairs, and the way back to places in the original.
+
+    `moves` are pairs of a path in the document and its path before, the latest repair last.
+    """
+
+    document: Any
+    faults: list[Diagnostic] = field(default_factory=list)
+    moves: list[tuple[Pointer, Pointer]] = field(default_factory=list)
+
+    def repair(self, faults: list[Diagnostic]) -> list[Diagnostic]:
+        """Makes all certain repairs, and those of what shows then; returns what showed then."""
+        shown: list[Diagnostic] = []
+        for _ in range(_MOST_REPAIRS):
+            fixable = [d for d in faults if d.fix]
+            if not fixable:
+                break
+            self._note_moves(fixable)
+            known = {(d.code, d.message) for d in faults if not d.fix}
+            self.document = apply_patches(self.document, fixable)
+            again = Findings()
+            to_task(self.document, again)
+            faults = again.items
+            shown += [d for d in faults if (d.code, d.message) not in known]
+        self.faults = faults
+        return shown
+
+    def _note_moves(self, fixable: list[Diagnostic]) -> None:
+        lengths = {
+            name: len(listed) for name, listed in self.document.items() if isinstance(listed, list)
+        }
+        for operation in operations_of(fixable):
+            if operation.op == "move" and operation.origin is not None:
+                self.moves.append((operation.path, operation.origin))
+            elif operation.op == "add":
+                array = operation.target
+                place = lengths.get(str(array[-1]), 0)
+                lengths[str(array[-1])] = place + 1
+                self.moves.append(((*array, place), operation.because))
+
+    def placed(self, finding: Diagnostic) -> Diagnostic:
+        """A finding about the document, at its place in the original; it has no repair there."""
+        pointer = finding.pointer
+        for path, origin in reversed(self.moves):
+            if pointer[: len(path)] == path:
+                rest = () if path[-1:] and isinstance(path[-1], int) else pointer[len(path) :]
+                pointer = (*origin, *rest)
+        return replace(finding, pointer=pointer, fix=() if self.moves else finding.fix)
+
+
+_MOST_REPAIRS = 8
+"""Limit on rounds of repairs: one can reveal another fault, which the next one repairs."""
+
+
+def _checked(document: Any, faults: list[Diagnostic]) -> list[Diagnostic]:
+    """Findings of the checks about the sound elements of a document, given its faults of shape."""
     from irc.checks import run_checks
 
-    patched: Any = copy.deepcopy(dict(raw))
+    patched: Any = copy.deepcopy(document)
     faulty: set[Pointer] = set()
-    faults = list(found.items)
     for _ in range(_ROUNDS):
         for fault in faults:
             _patch(patched, fault, faulty)
@@ -88,8 +153,8 @@ def _fill(element: dict[str, Any], pointer: Pointer) -> None:
         "groups": {"id": stand_in, "actions": []},
         "precedence": {"before": f"{stand_in}<", "after": f"{stand_in}>"},
     }
-    for field, value in required.get(str(pointer[0]), {}).items():
-        element.setdefault(field, value)
+    for name, value in required.get(str(pointer[0]), {}).items():
+        element.setdefault(name, value)
 
 
 def _has_stand_in(elements: Any) -> bool:

@@ -26,11 +26,13 @@ from irc.problem import (
     Details,
     Effect,
     Group,
+    GroupDeadline,
     Mode,
     Problem,
     Requirement,
     Reservoir,
     StockChange,
+    TimedChange,
     Variable,
 )
 
@@ -73,7 +75,7 @@ class _Lowering:
         self.resource_index = {r.id: k for k, r in enumerate(problem.resources)}
         self.reservoirs = _reservoirs(task)
         self.reservoir_index = {r.id: k for k, r in enumerate(self.reservoirs)}
-        self.variables = _variables(task)
+        self.variables = _variables(task, to_ticks)
         self.variable_index = {v.id: k for k, v in enumerate(self.variables)}
         self.value_index = [
             {_key(value): k for k, value in enumerate(v.values)} for v in self.variables
@@ -84,31 +86,29 @@ class _Lowering:
         self.forced = {name for group in task.groups if group.required for name in group.actions}
         self.deadlines = self._group_deadlines()
 
-    def _group_deadlines(self) -> dict[str, int]:
-        """The earliest deadline among the groups of each action."""
-        deadlines: dict[str, int] = {}
-        for group in self.task.groups:
+    def _group_deadlines(self) -> dict[str, tuple[int, GroupDeadline]]:
+        """The earliest deadline among the groups of each action, and whose it is."""
+        deadlines: dict[str, tuple[int, GroupDeadline]] = {}
+        for g, group in enumerate(self.task.groups):
             if group.deadline is None:
                 continue
             deadline = ticks_or_none(group.deadline, self.to_ticks)
             if deadline is not None:
+                by = GroupDeadline(group.id, ("groups", g, "deadline"))
                 for name in group.actions:
-                    deadlines[name] = min(deadline, deadlines.get(name, deadline))
+                    if name not in deadlines or deadline < deadlines[name][0]:
+                        deadlines[name] = deadline, by
         return deadlines
 
     def activity(self, activity: Activity) -> Activity:
         action = self.task.actions[int(activity.origin[1])]
         details = self._details(action)
-        deadline = self.deadlines.get(action.id)
-        if deadline is not None and activity.deadline is not None:
-            deadline = min(deadline, activity.deadline)
-        activity = replace(
-            activity,
-            deadline=activity.deadline if deadline is None else deadline,
-            details=PLAIN if details == PLAIN else details,
-        )
+        activity = replace(activity, details=PLAIN if details == PLAIN else details)
+        deadline, by = self.deadlines.get(action.id, (None, None))
+        if deadline is not None and (activity.deadline is None or deadline < activity.deadline):
+            activity = replace(activity, deadline=deadline, deadline_by=by)
         if action.occurrence_bounds[1] == 0:
-            activity = replace(activity, deadline=IMPOSSIBLE_DEADLINE)
+            activity = replace(activity, deadline=IMPOSSIBLE_DEADLINE, deadline_by=None)
         return self._with_modes(activity, action) if action.modes else activity
 
     def _details(self, action: Action) -> Details:
@@ -223,14 +223,29 @@ def _reservoirs(task: Task) -> tuple[Reservoir, ...]:
     )
 
 
-def _variables(task: Task) -> tuple[Variable, ...]:
+def _variables(task: Task, to_ticks: ToTicks) -> tuple[Variable, ...]:
     variables = []
     for i in _first_of_each((v.id, i) for i, v in enumerate(task.state)):
         node = task.state[i]
         keys = [_key(value) for value in node.values]
         start = node.start_value
         if start is not None and _key(start) in keys:
-            variables.append(Variable(node.id, node.values, keys.index(_key(start)), ("state", i)))
+            changes = {
+                at: keys.index(_key(change.value))
+                for change in node.changes
+                if _key(change.value) in keys
+                and (at := ticks_or_none(change.at, to_ticks)) is not None
+                and at >= 0
+            }
+            variables.append(
+                Variable(
+                    node.id,
+                    node.values,
+                    keys.index(_key(start)),
+                    ("state", i),
+                    tuple(TimedChange(*change) for change in sorted(changes.items())),
+                )
+            )
     return tuple(variables)
 
 

@@ -184,6 +184,9 @@ def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[
         for window in resource.availability:
             yield window.from_
             yield window.to
+    for variable in task.state:
+        for change in variable.changes:
+            yield change.at
     for edge in task.precedence:
         yield edge.min_lag
         if edge.max_lag is not None:

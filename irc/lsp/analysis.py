@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +82,7 @@ def _english(text: str, name: str, _path: Path | None) -> Analysis:
 def _json(text: str, name: str, _path: Path | None) -> Analysis:
     from irc.frontends.json.document import read_document
 
-    return _raw("json", read_document, text, name)
+    return _raw("json", partial(read_document, mend=True), text, name)
 
 
 def _raw(language: Language, read: Any, text: str, name: str) -> Analysis:
@@ -92,7 +92,7 @@ def _raw(language: Language, read: Any, text: str, name: str) -> Analysis:
         return Analysis(language, error.report, source=error.report.source)
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
-    if task is None:
+    if task is None or document.notes.has_errors:
         from irc.frontends.partial import further_findings
 
         findings.items += further_findings(document.content, findings)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lsprotocol import types
 
-from irc.diagnostics.patching import TextEdit
+from irc.diagnostics.fix import TextEdit
 from irc.lsp.documents import Document
 from irc.lsp.findings import SEVERITIES, Shown
 from irc.lsp.mentions import Kind

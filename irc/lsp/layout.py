@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from irc.diagnostics import InputError
-from irc.diagnostics.patching import TextEdit
+from irc.diagnostics.fix import TextEdit
 from irc.frontends.layout import lay_out
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from irc.diagnostics import Code, Diagnostic
-from irc.diagnostics.patching import TextEdit, text_edits
+from irc.diagnostics.fix import TextEdit
+from irc.diagnostics.patching import text_edits
 from irc.diagnostics.suggest import closest
 from irc.lsp.analysis import Analysis
 from irc.lsp.names import Names
@@ -26,7 +27,7 @@ def repairs(analysis: Analysis, names: Names, found: Sequence[Diagnostic]) -> li
     """The repairs of some of a report's findings."""
     offered = []
     for d in found:
-        if d.fix and analysis.source is not None:
+        if (d.fix or d.edits) and analysis.source is not None:
             edits = _moved(text_edits([d], analysis.source), analysis.lead)
             if edits:
                 offered.append(Repair(f"repair: {d.message}", edits, True, d))

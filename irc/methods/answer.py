@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from irc.diagnostics import Report
 
 if TYPE_CHECKING:
-    from irc.methods.plan_lines import PlanLine
-    from irc.model import Task
-
-Duration = int | float
+    from irc.frontends.importers.plan_lines import PlanLine
+    from irc.frontends.importers.step_graph import Duration, StepGraph
+    from irc.model import Event, Task
+    from irc.schedule import Schedule
 
 
 class AnswerState(StrEnum):
@@ -28,38 +28,12 @@ class AnswerState(StrEnum):
 
 
 @dataclass(frozen=True)
-class WrittenAction:
-    """An action as the answer has it; `duration` is None where no number stands there."""
-
-    id: str
-    duration: Duration | None
-    fields: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Edge:
-    """One action before another, by at least `lag`."""
-
-    before: str
-    after: str
-    lag: Duration = 0
-
-
-@dataclass(frozen=True)
-class StepGraph:
-    """The actions and edges of an answer, in the order of the text."""
-
-    actions: tuple[WrittenAction, ...]
-    edges: tuple[Edge, ...]
-
-
-@dataclass(frozen=True)
 class Answer:
     """A model's answer, read.
 
     `document` is the task as an IR document; None where there is none. `stated_makespan` is the
     makespan that the model states. `actions_from_gold` marks an answer that names goals only, so
-    that the instance's own kitchen must supply the actions.
+    that the instance's own kitchen must supply the actions. `event` are the changes of a repair.
     """
 
     state: AnswerState
@@ -70,6 +44,7 @@ class Answer:
     plan: tuple[PlanLine, ...] | None = None
     report: Report = field(default_factory=Report)
     actions_from_gold: bool = False
+    event: Event | None = None
 
     @cached_property
     def task(self) -> Task | None:
@@ -79,6 +54,15 @@ class Answer:
         from irc.model import Task
 
         return Task.model_validate(self.document)
+
+    @cached_property
+    def schedule(self) -> Schedule | None:
+        """The plan as a schedule; None where the answer holds no plan."""
+        if self.plan is None:
+            return None
+        from irc.frontends.importers.plan_lines import plan_schedule
+
+        return plan_schedule(self.plan)
 
     @property
     def delivered(self) -> bool:

@@ -1,41 +1,31 @@
-"""The Planner's JSON: actions, dependencies, and the makespan that the model states."""
+"""The Planner's answers: a JSON of steps with the makespan that the model states, or plan lines."""
 
 from __future__ import annotations
 
-import re
-
-from irc.diagnostics import Findings
-from irc.methods.answer import Answer, Duration
-from irc.methods.json_answer import find_object, unreadable
-from irc.methods.written_graph import check_names, graph_answer, number, precedence, read_graph
-
-EXPECTED = (
-    '{"actions": [{"id", "duration"}], "dependencies": [{"before", "after"}], '
-    '"final_answer_seconds": N}'
-)
-
-_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+from irc.diagnostics import Report
+from irc.frontends.importers.json_answer import placed_object
+from irc.frontends.importers.plan_lines import no_plan, read_plan
+from irc.frontends.importers.planner import EXPECTED, read_planner_json, stated_makespan
+from irc.frontends.json.document import json_source
+from irc.methods.answer import Answer, AnswerState
+from irc.methods.written_answer import graph_answer, unreadable
 
 
 def read_planner(text: str) -> Answer:
     """The step graph that the model wrote, and the makespan that it states."""
-    content = find_object(text)
-    if content is None:
+    found = placed_object(text)
+    if found is None:
         return unreadable(text, EXPECTED)
-    findings = Findings()
-    graph = read_graph(content, ("dependencies", "precedence"), findings)
-    check_names(graph, "dependencies", findings)
-    document = {
-        "irc": "1",
-        "actions": [{"id": a.id, "duration": a.duration} for a in graph.actions],
-        "precedence": precedence(graph),
-    }
-    stated = _stated(content.get("final_answer_seconds"))
-    return graph_answer(text, graph, document, findings, stated)
+    content, start = found
+    graph, document, findings = read_planner_json(content)
+    report = Report(tuple(findings.items), json_source("answer", text, start))
+    return graph_answer(text, graph, document, report, stated_makespan(content))
 
 
-def _stated(value: object) -> Duration | None:
-    """The stated makespan, also where the number stands in quotes."""
-    if isinstance(value, str) and _NUMBER.fullmatch(value.strip()):
-        return float(value)
-    return number(value)
+def read_plan_answer(text: str) -> Answer:
+    """The plan that a model wrote as lines, as a schedule."""
+    plan = read_plan(text)
+    if plan:
+        return Answer(AnswerState.OK, text, plan=plan)
+    state = AnswerState.MALFORMED if text.strip() else AnswerState.EMPTY
+    return Answer(state, text, report=no_plan(text, "answer"))

@@ -59,4 +59,10 @@ Instant = Annotated[
 Name = Annotated[str, Field(min_length=1, strict=True)]
 Count = Annotated[int, Field(ge=0, strict=True)]
 Amount = Annotated[int, Field(ge=1, strict=True)]
-StateValue = Annotated[bool, Field(strict=True)] | Annotated[str, Field(strict=True)]
+Text = Annotated[str, Field(min_length=0), WithJsonSchema({"type": "string"})]
+"""A text. (Without a constraint pydantic would take half a character, which cannot be written.)"""
+
+StateValue = (
+    Annotated[bool, Field(strict=True)]
+    | Annotated[str, Field(min_length=0, strict=True), WithJsonSchema({"type": "string"})]
+)

@@ -18,11 +18,14 @@ from irc.model.base import Node, write_time
 from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, json_number
 
-_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals"])
+_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals", "lapsed"])
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
-    "uses one_of modes consumes produces conditions effects values availability".split()  # noqa: SIM905
+    [
+        *("uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"),
+        *("availability", "timed_changes"),
+    ]
 )
 """Arrays whose order does not matter but where a repetition counts again."""
 
@@ -102,7 +105,9 @@ def _object(node: Any, clock: Clock) -> dict[str, Any]:
         value, default = getattr(node, name), fields[name].default
         if value == default or value == {}:
             continue
-        written = _value(name, value, clock)
+        # The changes of an event come in an order, those of a state variable have times.
+        is_timed = name == "changes" and "initial" in fields
+        written = _value("timed_changes" if is_timed else name, value, clock)
         default = list(default) if isinstance(default, tuple) else default
         if written != default or isinstance(written, bool) != isinstance(default, bool):
             shown[fields[name].alias or name] = written

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from irc.model.base import Amount, Count, Instant, Name, Node, StateValue
-from irc.model.parts import Duration, Use
+from irc.model.base import Amount, Count, Instant, Name, Node, StateValue, Text
+from irc.model.parts import Duration, Precedence, Use
 
 
 def _object_or_text(raw: Any) -> str:
@@ -53,7 +53,7 @@ class Mode(Node):
     """One way to carry out an action: its duration, and its uses besides the action's own."""
 
     id: Name
-    label: str | None = None
+    label: Text | None = None
     duration: Duration
     uses: tuple[Use, ...] = ()
 
@@ -65,12 +65,29 @@ class OccurrenceRange(Node):
     max: Count | None = None
 
 
+Occurs = Annotated[
+    Annotated[Literal["once", "optional"], Tag("text")] | Annotated[OccurrenceRange, Tag("object")],
+    Discriminator(_object_or_text),
+]
+
+
+class TimedChange(Node):
+    """The world gives a state variable a value by itself, at a time."""
+
+    at: Instant
+    value: StateValue
+
+
 class StateVariable(Node):
-    """A variable with several values; without `values`, a boolean that is false at first."""
+    """A variable with several values; without `values`, a boolean that is false at first.
+
+    `changes` are timed changes of state: the world changes the variable, whatever the schedule.
+    """
 
     id: Name
     values: tuple[StateValue, ...] = (False, True)
     initial: StateValue | None = None
+    changes: tuple[TimedChange, ...] = ()
 
     @property
     def start_value(self) -> StateValue | None:
@@ -84,7 +101,7 @@ class Group(Node):
     """All of its actions or none: an order, a delivery, a candidate goal."""
 
     id: Name
-    label: str | None = None
+    label: Text | None = None
     actions: tuple[Name, ...]
     required: Annotated[bool, Field(strict=True)] = True
     reward: Annotated[int, Field(strict=True)] | None = None
@@ -93,17 +110,27 @@ class Group(Node):
     weight: Count | None = None
 
 
+class Lapsed(Node):
+    """Order, groups and goal of a cancelled action, for its repetition by a `retry_action`.
+
+    Nothing of it counts for a schedule. `repetition` is the action that it was repeated by.
+    """
+
+    action: Name
+    occurs: Occurs = "once"
+    deadline: Instant | None = None
+    precedence: tuple[Precedence, ...] = ()
+    groups: tuple[Group, ...] = ()
+    goal: Annotated[bool, Field(strict=True)] = False
+    repetition: Name | None = None
+
+
 class StateGoal(Node):
     """A goal: `var` has `value` after the last end."""
 
     var: Name
     value: StateValue = True
 
-
-Occurs = Annotated[
-    Annotated[Literal["once", "optional"], Tag("text")] | Annotated[OccurrenceRange, Tag("object")],
-    Discriminator(_object_or_text),
-]
 
 Goal = Annotated[
     Annotated[Name, Tag("text")] | Annotated[StateGoal, Tag("object")],
@@ -114,6 +141,7 @@ Conditions = tuple[Condition, ...]
 Effects = tuple[Effect, ...]
 Goals = tuple[Goal, ...]
 Groups = tuple[Group, ...]
+Lapses = tuple[Lapsed, ...]
 Modes = tuple[Mode, ...]
 State = tuple[StateVariable, ...]
 StockChanges = tuple[StockChange, ...]

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, field_validator
 
-from irc.model.base import Amount, Count, Instant, Name, Node, StateValue
+from irc.model.base import Amount, Count, Instant, Name, Node, Span, StateValue
 from irc.model.details import Goal, Group, StateVariable
 from irc.model.parts import (
     Action,
@@ -140,6 +140,21 @@ class SetObjective(Node):
     _one_objective = field_validator("objective", mode="before")(objective_names)
 
 
+class RetryAction(Node):
+    """Does an action again that failed, was cancelled, or is interrupted by this.
+
+    The repetition is an action of its own, called `id` (default: "weld (2)", say), with the
+    precedences, groups and goal of the other. `done` is the part of the duration that need not be
+    done again, in the mode `mode` if the action has modes.
+    """
+
+    op: Literal["retry_action"]
+    action: Name
+    id: Name | None = None
+    done: Span = 0
+    mode: Name | None = None
+
+
 ObservedStatus = Literal["not_begun", "running", "finished", "failed"]
 """The state of an occurrence at the time of an observation."""
 
@@ -178,6 +193,7 @@ Change = Annotated[
     | SetState
     | AddState
     | SetObjective
+    | RetryAction
     | Observe,
     Discriminator("op"),
 ]

@@ -42,6 +42,7 @@ class Feature(Enum):
     CALENDARS = "availability windows"
     RESERVOIRS = "reservoirs"
     STATE = "state variables"
+    TIMED_CHANGES = "timed changes of state"
     CONDITIONS = "conditions"
     EFFECTS = "effects"
     STATE_GOALS = "goals on state variables"
@@ -72,7 +73,10 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
     for i, resource in enumerate(task.resources):
         yield from _of_resource(resource, ("resources", i))
     for i, variable in enumerate(task.state):
-        yield FeatureUse(Feature.STATE, ("state", i), f"state variable {variable.id!r}")
+        name = f"state variable {variable.id!r}"
+        yield FeatureUse(Feature.STATE, ("state", i), name)
+        if variable.changes:
+            yield FeatureUse(Feature.TIMED_CHANGES, ("state", i, "changes"), name)
     for i, action in enumerate(task.actions):
         if not action.is_simple:
             yield from _of_action(action, i)

@@ -68,6 +68,7 @@ if TYPE_CHECKING:
         Effects,
         Goals,
         Groups,
+        Lapses,
         Modes,
         Occurs,
         State,
@@ -81,6 +82,7 @@ else:
     Events = Annotated[Any, Lazy("events", "Events")]
     Goals = Annotated[Any, Lazy("details", "Goals")]
     Groups = Annotated[Any, Lazy("details", "Groups")]
+    Lapses = Annotated[Any, Lazy("details", "Lapses")]
     Modes = Annotated[Any, Lazy("details", "Modes")]
     Occurs = Annotated[Any, Lazy("details", "Occurs", ("once", "optional"))]
     State = Annotated[Any, Lazy("details", "State")]
@@ -93,6 +95,7 @@ __all__ = [
     "Events",
     "Goals",
     "Groups",
+    "Lapses",
     "Lazy",
     "Modes",
     "Occurs",

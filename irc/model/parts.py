@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from irc.model.base import Amount, Count, Instant, Name, Node, Span
+from irc.model.base import Amount, Count, Instant, Name, Node, Span, Text
 from irc.model.lazy import Conditions, Effects, Modes, Occurs, StockChanges, Windows
 
 PrecedenceType = Literal["finish-start", "start-start", "finish-finish", "start-finish"]
@@ -17,6 +17,9 @@ ObjectiveName = Literal[
     "minimize_cost",
     "minimize_changes",
 ]
+
+OnFailure = Literal["resume", "restart"]
+"""How an action is done again that ran on a resource when this broke."""
 
 
 def _range_or_time(raw: Any) -> str:
@@ -41,8 +44,8 @@ class Resource(Node):
 
     id: Name
     kind: Literal["renewable", "reservoir"] = "renewable"
-    label: str | None = None
-    description: str | None = None
+    label: Text | None = None
+    description: Text | None = None
     capacity: Count = 1
     availability: Windows = ()
     initial: Annotated[int, Field(strict=True)] = 0
@@ -78,8 +81,8 @@ class Action(Node):
     """An action: something that takes time."""
 
     id: Name
-    label: str | None = None
-    description: str | None = None
+    label: Text | None = None
+    description: Text | None = None
     duration: Duration | None = None
     occurs: Occurs = "once"
     uses: tuple[Use, ...] = ()
@@ -96,6 +99,7 @@ class Action(Node):
     effects: Effects = ()
     reward: Annotated[int, Field(strict=True)] | None = None
     cost: Annotated[int, Field(strict=True)] | None = None
+    on_failure: OnFailure | None = None
 
     @property
     def is_simple(self) -> bool:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, get_args
 
@@ -57,7 +58,37 @@ def faults_in_words(error: ValidationError, raw: Mapping[str, Any]) -> list[Diag
         for d in reported.items
         if d.code is Code.UNKNOWN_FIELD
     }
-    return [d for d in reported.items if not _is_reported_as_misspelt(d, misspelt)]
+    operations = [o for d in reported.items for o in d.fix]
+    misspelt |= {(o.path[:-1], str(o.path[-1])) for o in operations if o.op == "move" and o.path}
+    rewritten = {o.path for o in operations if o.op == "replace"}
+    wrapped = any(o.op == "move" and not o.path for o in operations)
+    return folded(
+        d
+        for d in reported.items
+        if not _is_reported_as_misspelt(d, misspelt)
+        and not any(d.pointer[:n] in rewritten for n in range(len(d.pointer)))
+        and not (wrapped and d.code is Code.MISSING_FIELD and not d.pointer)
+    )
+
+
+def folded(found: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """The findings with one for each kind of unknown field, however many elements have it."""
+    kinds: dict[object, list[Diagnostic]] = {}
+    for k, d in enumerate(found):
+        places = tuple("*" if isinstance(part, int) else part for part in d.pointer)
+        foreign = d.code is Code.UNKNOWN_FIELD or (d.code is Code.WRONG_TYPE and d.fix)
+        kinds.setdefault((d.code, places, d.fix == ()) if foreign else k, []).append(d)
+    return [_one_of_many(alike) for alike in kinds.values()]
+
+
+def _one_of_many(alike: list[Diagnostic]) -> Diagnostic:
+    first, more = alike[0], len(alike) - 1
+    if not more:
+        return first
+    shown = f" (likewise in {more:,} more place{'s' if more > 1 else ''})"
+    telling = next((d for d in alike if d.hint and "…" not in d.hint), first)
+    fix = tuple(operation for d in alike for operation in d.fix)
+    return replace(first, message=first.message + shown, hint=telling.hint, fix=fix)
 
 
 def _is_reported_as_misspelt(d: Diagnostic, misspelt: set[tuple[Pointer, str | None]]) -> bool:
@@ -80,6 +111,10 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         for inner in cause.faults:
             _add({**inner, "loc": (*loc, *inner["loc"])}, raw, findings)
         return
+    if kind in ("missing", "extra_forbidden") and _adds_time(
+        _pointer(loc[:-1], raw), raw, findings
+    ):
+        return
     if kind == "missing":
         parent = _pointer(loc[:-1], raw)
         findings.add(
@@ -91,16 +126,12 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         return
     pointer = _pointer(loc, raw)
     if kind == "extra_forbidden":
-        known = _fields_at(pointer[:-1], raw)
-        fix = _renaming(pointer, raw)
-        guess = (
-            fix[0].path[-1] if fix else _field_close_to(str(loc[-1]), _names_at(pointer[:-1], raw))
-        )
+        hint, fix = _instead_of(pointer, raw)
         findings.add(
             Code.UNKNOWN_FIELD,
             f"{_element(pointer[:-1], raw)} has no field {str(loc[-1])!r}",
             pointer,
-            hint=f"did you mean `{guess}`?" if guess else _known_fields(known),
+            hint=hint,
             at_key=True,
             fix=fix,
         )
@@ -117,13 +148,41 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
     else:
         message = _EXPECTED.get(kind) or str(cause or fault["msg"])
         found = "" if kind == "value_error" else f", found {_shown(value)}"
-        fix = _as_meant(kind, pointer, value)
-        hint = f"write {_shown(fix[0].value)} without quotes" if fix else _HINTS.get(message)
-        if kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
-            hint = 'write {"before": …, "after": …}, or a pair of two names'
+        meant, fix = _instead_of_value(kind, pointer, value, raw)
+        advice = meant or _HINTS.get(message)
+        if not fix and kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
+            advice = 'write {"before": …, "after": …}, or a pair of two names'
         findings.add(
-            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=hint, fix=fix
+            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=advice, fix=fix
         )
+
+
+def _adds_time(pointer: Pointer, raw: Any, findings: Findings) -> bool:
+    """Whether an object in the place of a time is a number and its unit; reports it once."""
+    from irc.model.foreign_shapes import kind_at, time_meant
+
+    text = time_meant(_value_at(pointer, raw)) if kind_at(pointer) == "duration" else None
+    if text is not None and not any(d.pointer == pointer for d in findings.items):
+        message = f"{_where(pointer)}: expected a time, found an object with a number and a unit"
+        hint, fix = f'write "{text}"', replaced(pointer, text)
+        findings.add(Code.WRONG_TYPE, message, pointer, hint=hint, fix=fix)
+    return text is not None
+
+
+def _instead_of(pointer: Pointer, raw: Any) -> tuple[str, Fix]:
+    """(what to write instead of an unknown field, the certain repair)."""
+    fix = _renaming(pointer, raw)
+    if fix:
+        return f"did you mean `{fix[0].path[-1]}`?", fix
+    from irc.model.foreign_shapes import foreign_field
+
+    meant = foreign_field(pointer, raw)
+    if meant is not None:
+        return meant
+    guess = _field_close_to(str(pointer[-1]), _names_at(pointer[:-1], raw))
+    if guess:
+        return f"did you mean `{guess}`?", ()
+    return _known_fields(_fields_at(pointer[:-1], raw)), ()
 
 
 def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> None:
@@ -133,7 +192,7 @@ def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> N
         tag = fault["ctx"]["discriminator"].strip("'")
         pointer, value = (*pointer, tag), value.get(tag)
     words = tuple(_QUOTED.findall(expected))
-    sure = certain_keyword(value, words) if isinstance(value, str) else None
+    sure = _word_meant(value, words) if isinstance(value, str) else None
     findings.add(
         Code.WRONG_TYPE,
         f"{_where(pointer)}: expected {_listed(words) or expected}, found {_shown(value)}",
@@ -141,6 +200,14 @@ def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> N
         hint=f"did you mean `{sure}`?" if sure else did_you_mean(str(value), words),
         fix=replaced(pointer, sure) if sure else (),
     )
+
+
+def _word_meant(word: str, words: tuple[str, ...]) -> str | None:
+    """The word of the IR that is certainly meant, also where another format has another one."""
+    from irc.model.foreign_shapes import objective_meant, precedence_type_meant
+
+    meant = objective_meant(word) or precedence_type_meant(word)
+    return meant if meant in words else certain_keyword(word, words)
 
 
 def _known_fields(known: Sequence[str]) -> str:
@@ -179,10 +246,25 @@ def _renaming(pointer: Pointer, raw: Any) -> Fix:
     return renamed(pointer, meant)
 
 
+def _instead_of_value(kind: str, pointer: Pointer, value: Any, raw: Any) -> tuple[str | None, Fix]:
+    """(what to write instead of a value of the wrong type, the certain repair)."""
+    fix = _as_meant(kind, pointer, value)
+    if fix:
+        meant = fix[0].value
+        text = f'"{meant}"' if isinstance(meant, str) else f"{_shown(meant)} without quotes"
+        return f"write {text}", fix
+    from irc.model.foreign_shapes import foreign_value
+
+    meant = foreign_value(pointer, value, raw)
+    return (None, ()) if meant is None else meant
+
+
 def _as_meant(kind: str, pointer: Pointer, value: Any) -> Fix:
     """The fix of a number or truth value that was written as text."""
     if kind == "int_type" and isinstance(value, str) and _WHOLE.fullmatch(value):
         return replaced(pointer, int(value))
+    if kind == "string_type" and type(value) is int:
+        return replaced(pointer, str(value))
     if kind == "bool_type" and value in ("true", "false"):
         return replaced(pointer, value == "true")
     return ()
@@ -266,15 +348,29 @@ def _element(pointer: Pointer, raw: Any) -> str:
 
 def _fields_at(pointer: Pointer, raw: Any) -> tuple[str, ...]:
     """The fields that the IR has at a path; those of its own `op` where it is a change."""
-    model: type[BaseModel] = Task
+    path: list[str] = []
     for part in pointer:
         raw = raw[part]
-        if isinstance(part, int):
-            if isinstance(raw, Mapping) and "op" in raw:
-                model = _change_model(raw["op"]) or model
+        if isinstance(part, str):
+            path.append(_CANONICAL.get(part, part))
+        elif isinstance(raw, Mapping) and isinstance(raw.get("op"), str):
+            path.append(f"{_OP}{raw['op']}")
+    return _fields_of(tuple(path))
+
+
+_OP = "op:"
+"""The beginning of a step of a path that says which change it is."""
+
+
+@lru_cache(maxsize=1024)
+def _fields_of(path: tuple[str, ...]) -> tuple[str, ...]:
+    """The fields at the end of a path of fields, and of changes by their `op`."""
+    model: type[BaseModel] = Task
+    for part in path:
+        if part.startswith(_OP):
+            model = _change_model(part.removeprefix(_OP)) or model
             continue
-        name = _CANONICAL.get(part, part)
-        field = model.model_fields.get(name)
+        field = model.model_fields.get(part)
         nested = None if field is None else _model_in((field.annotation, *field.metadata))
         if nested is None:
             return ()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from datetime import datetime
+from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.diagnostics.source import Source
-from irc.model.base import Instant, Node
-from irc.model.lazy import Events, Goals, Groups, State
+from irc.model.base import Instant, Node, Span, Text
+from irc.model.lazy import Events, Goals, Groups, Lapses, State
 from irc.model.parts import (
     Action,
     ObjectiveName,
@@ -19,8 +20,11 @@ from irc.model.parts import (
     without_aliases,
 )
 from irc.model.quantities import Number, TimeError
+from irc.model.quantities import Span as SpanValue
+from irc.model.resolution import derived_resolution
 from irc.model.times import Clock, parse_instant, unit_seconds
 from irc.model.times import Instant as InstantValue
+from irc.model.unwritable import unwritable
 
 
 class Task(Node):
@@ -32,12 +36,13 @@ class Task(Node):
     """
 
     irc: Literal["1"] = "1"
-    name: str | None = None
-    description: str | None = None
+    name: Text | None = None
+    description: Text | None = None
     time_unit: str = "s"
     days_per_month: Annotated[int, Field(ge=1, le=31, strict=True)] = 30
     deadline: Instant | None = None
     origin: datetime | None = None
+    resolution: Span | None = None
     metadata: dict[str, Any] = Field(default_factory=dict)
     resources: tuple[Resource, ...] = ()
     state: State = ()
@@ -47,8 +52,10 @@ class Task(Node):
     goals: Goals = ()
     objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()
+    lapsed: Lapses = ()
 
     _source: Source | None = PrivateAttr(default=None)
+    _clock: tuple[tuple[Any, ...], Clock] | None = PrivateAttr(default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -63,6 +70,13 @@ class Task(Node):
         unit_seconds(unit)
         return unit
 
+    @field_validator("resolution")
+    @classmethod
+    def _more_than_nothing(cls, resolution: SpanValue | None) -> SpanValue | None:
+        if resolution is not None and Clock(Fraction(1)).exact(resolution) <= 0:
+            raise TimeError("a resolution is more than 0, such as '1 ms'")
+        return resolution
+
     @field_validator("origin", mode="before")
     @classmethod
     def _date_time(cls, raw: Any) -> datetime | None:
@@ -70,6 +84,14 @@ class Task(Node):
         if origin is not None and not isinstance(origin, datetime):
             raise TimeError("expected a date-time such as 2026-03-01T08:00:00Z")
         return origin
+
+    @field_validator("metadata", mode="before")
+    @classmethod
+    def _writable(cls, metadata: Any) -> Any:
+        """Metadata as JSON can hold them: a NaN or half a character is refused here."""
+        if metadata and (fault := unwritable(metadata)) is not None:
+            raise ValueError(fault)
+        return metadata
 
     _one_objective = field_validator("objective", mode="before")(objective_names)
 
@@ -92,10 +114,38 @@ class Task(Node):
     @property
     def clock(self) -> Clock:
         """The clock that converts this task's times to numbers of its time unit."""
-        return Clock(
-            unit_seconds(self.time_unit, self.days_per_month), self.days_per_month, self.origin
-        )
+        # (Everything that it depends on; a copy of the task may differ in some of it.)
+        read = self.__dict__
+        now = tuple(map(read.__getitem__, _CLOCK_FIELDS))
+        known = self._clock
+        if known is None or any(a is not b for a, b in zip(known[0], now, strict=True)):
+            exact = () if known is None or known[1].resolution is not None else known[0]
+            known = self._clock = now, self._new_clock(exact)
+        return known[1]
+
+    def _new_clock(self, exact: tuple[Any, ...]) -> Clock:
+        """The clock; the parts in `exact` are known to have no raw times."""
+        unit = unit_seconds(self.time_unit, self.days_per_month)
+        clock = Clock(unit, self.days_per_month, self.origin)
+        if self.resolution is not None:
+            resolution: Number | None = clock.exact(self.resolution)
+        else:
+            resolution = derived_resolution(self, clock, exact)
+        return clock if resolution is None else clock._replace(resolution=resolution)
 
     def number(self, value: InstantValue) -> Number:
-        """A time of this task in its time unit, exactly."""
+        """A time of this task in its time unit, as a multiple of its resolution."""
         return self.clock.number(value)
+
+
+_CLOCK_FIELDS = (
+    "time_unit",
+    "days_per_month",
+    "origin",
+    "resolution",
+    "deadline",
+    "actions",
+    "precedence",
+    "resources",
+    "groups",
+)

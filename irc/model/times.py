@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from datetime import datetime
 from decimal import Decimal
 from fractions import Fraction
-from math import gcd, lcm
+from math import floor, gcd, lcm
 from typing import NamedTuple
 
 from irc.model.quantities import (
@@ -94,13 +94,20 @@ class Clock(NamedTuple):
     """Seconds in the task's time unit."""
     days_per_month: Number = 30
     origin: datetime | None = None
+    resolution: Number | None = None
+    """Times are read as multiples of it, in the task's time unit; None: exactly."""
 
     def number(self, value: Instant) -> Number:
-        """`value` in the task's time unit.
+        """`value` in the task's time unit, rounded to the resolution if there is one.
 
         Raises `TimeError` for a date-time when the task has no `origin`, or where only one of the
         two has a time zone.
         """
+        number = self.exact(value)
+        return number if self.resolution is None else rounded(number, self.resolution)
+
+    def exact(self, value: Instant) -> Number:
+        """`value` in the task's time unit, as it was written. Raises what `number` raises."""
         if isinstance(value, (int, Fraction)):
             return value
         if isinstance(value, Quantity):
@@ -113,6 +120,14 @@ class Clock(NamedTuple):
         delta = value - self.origin
         micros = (delta.days * DAY + delta.seconds) * 1_000_000 + delta.microseconds
         return exact(Fraction(micros, 1_000_000) / self.unit)
+
+
+def rounded(value: Number, resolution: Number) -> Number:
+    """The multiple of `resolution` that is nearest to `value`; a half goes up."""
+    if type(value) is int and resolution.numerator == 1:
+        return value
+    steps = Fraction(value) / resolution
+    return exact(floor(steps + Fraction(1, 2)) * Fraction(resolution))
 
 
 def common_tick(values: Iterable[Number]) -> Fraction:

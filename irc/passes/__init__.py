@@ -21,6 +21,19 @@ def order_from_state(problem: Problem) -> Problem:
     return state_order.order_from_state(problem)
 
 
+def quick_bounds(problem: Problem) -> Problem:
+    """Raises the bound by the work of each resource: what `resource_bounds` begins with."""
+    if not problem.has_contention:
+        return problem
+    core = bounded_mandatory_part(problem)
+    if core is not problem:
+        bound = quick_bounds(core).bounds.makespan
+        return replace(problem, bounds=replace(problem.bounds, makespan=bound))
+    from irc.passes.energy import energy_bound
+
+    return energy_bound(problem)
+
+
 def resource_bounds(problem: Problem) -> Problem:
     """Raises the bound by arguments about resources; without contention there are none."""
     if not problem.has_contention:
@@ -29,10 +42,9 @@ def resource_bounds(problem: Problem) -> Problem:
     if core is not problem:
         bound = resource_bounds(core).bounds.makespan
         return replace(problem, bounds=replace(problem.bounds, makespan=bound))
-    from irc.passes.energy import energy_bound
     from irc.passes.serial_sgs import quick_makespan
 
-    problem = energy_bound(problem)
+    problem = quick_bounds(problem)
     reached = quick_makespan(problem)
     if reached == problem.bounds.makespan.value:
         return problem
@@ -54,17 +66,12 @@ PASSES: tuple[Pass, ...] = (
 )
 
 
-BOUNDING: tuple[Pass, ...] = (resource_bounds, bound_on_grid)
-"""The passes that only prove more about the makespan: a call in a hurry goes without."""
-
-
 def run_passes(
     problem: Problem,
     passes: tuple[Pass, ...] = PASSES,
     hurried: Callable[[], bool] = lambda: False,
 ) -> Problem:
-    """The problem after all passes; while the call is `hurried` without those that only bound."""
+    """The problem after all passes; a call that is `hurried` looks for the quick bounds only."""
     for step in passes:
-        if step not in BOUNDING or not hurried():
-            problem = step(problem)
+        problem = (quick_bounds if step is resource_bounds and hurried() else step)(problem)
     return problem

@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from irc.errors import IrcError
 from irc.passes.fixed_load import release_behind_fixed
 from irc.passes.mandatory import mandatory_part
 from irc.problem import Bound, Bounds, Problem
 from irc.problem.temporal_network import earliest
 from irc.problem.time_points import least_times_to_end, timing_network
+
+
+class TimesContradictError(IrcError, ValueError):
+    """The lags and durations of activities that must all be present contradict each other."""
 
 
 def heads_and_tails(problem: Problem) -> Problem:
@@ -18,7 +23,8 @@ def heads_and_tails(problem: Problem) -> Problem:
     Only activities that every schedule contains count. Heads of the others are their releases.
     Activities wait for the resources that others hold at fixed times.
 
-    Raises `ValueError` where the network has a contradiction; the checks report it first.
+    Raises `TimesContradictError` where the network has a contradiction; the checks report that of
+    a whole task first.
     """
     released = release_behind_fixed(problem)
     core, way = mandatory_part(released)
@@ -39,7 +45,7 @@ def _of_network(problem: Problem) -> Problem:
     points, network = timing.points, timing.network
     forward = earliest(network, timing.floors)
     if forward.cycles:
-        raise ValueError("the temporal network of the problem contradicts itself")
+        raise TimesContradictError("lags and durations of the problem contradict each other")
     to_end = least_times_to_end(points, network)
     critical = max((a + b for a, b in zip(forward.t, to_end, strict=True)), default=0)
     bound = problem.bounds.makespan

@@ -84,6 +84,8 @@ def _orders(index: _Index, v: int) -> set[tuple[int, int]] | None:
         return None
     if {t.activity for t in conditions} - {t.activity for t in conditions if t.at != "end"}:
         return None  # Needed only when it ends, a value may be given while the reader runs.
+    if problem.variables[v].changes:
+        return None
     initial = problem.variables[v].initial
     given = [initial, *(e.value for e in effects)]
     if len(set(given)) < len(given):

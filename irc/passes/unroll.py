@@ -7,6 +7,9 @@ from dataclasses import replace
 from irc.problem import Activity, PreviousPlace, Problem
 from irc.problem.projection import restricted
 
+MOST_OCCURRENCES = 4_000
+"""The greatest number of occurrences of all repeated actions together."""
+
 
 def unroll(problem: Problem, depth: int) -> Problem:
     """The problem with at most `depth` occurrences of each action that may repeat (and its least).

@@ -13,6 +13,7 @@ from irc.problem.problem import (
     Details,
     Effect,
     Group,
+    GroupDeadline,
     Mode,
     OpenDemand,
     PreviousPlace,
@@ -23,6 +24,7 @@ from irc.problem.problem import (
     Requirement,
     Reservoir,
     StockChange,
+    TimedChange,
     Variable,
     Window,
 )
@@ -40,6 +42,7 @@ __all__ = [
     "Details",
     "Effect",
     "Group",
+    "GroupDeadline",
     "Mode",
     "OpenDemand",
     "PreviousPlace",
@@ -50,6 +53,7 @@ __all__ = [
     "Requirement",
     "Reservoir",
     "StockChange",
+    "TimedChange",
     "Variable",
     "Window",
 ]

@@ -19,6 +19,8 @@ def safe_horizon(problem: Problem) -> int:
     activity that stays where the previous plan has it has its start as its floor.
     """
     floor = max((w.end for r in problem.resources for w in r.windows), default=0)
+    # A start waits for a timed change, and an end may have to come a tick after one.
+    floor = max((floor, *(c.at + 1 for v in problem.variables for c in v.changes)))
     for places in (problem.previous.places, *problem.previous.recurring.values()):
         floor = max((floor, *(place.start for place in places if place is not None)))
     from_start = [0] * len(problem.activities)

@@ -133,12 +133,20 @@ IMPOSSIBLE_DEADLINE = -1
 """The deadline of an activity that must not occur: nothing ends before t = 0."""
 
 
+class GroupDeadline(NamedTuple):
+    """The deadline of a group, where it is the deadline of its members; `origin` is its place."""
+
+    group: str
+    origin: Pointer
+
+
 @dataclass(frozen=True, slots=True)
 class Activity:
     """An action; every schedule contains it exactly once unless its `details` say otherwise.
 
     With modes, the durations are the least and the greatest of all modes, and `uses` are the
     activity's own followed by those of each mode. With a `latest_start` it starts then or earlier.
+    `deadline_by` is the group whose deadline `deadline` is; None where it is the activity's own.
     """
 
     id: str
@@ -148,6 +156,7 @@ class Activity:
     deadline: int | None = None
     start: int | None = None
     latest_start: int | None = None
+    deadline_by: GroupDeadline | None = None
     uses: tuple[Requirement, ...] = ()
     open_demands: tuple[OpenDemand, ...] = ()
     origin: Pointer = ()
@@ -160,6 +169,13 @@ class Activity:
             and self.is_fixed
             and self.start < time == self.start + self.duration_min
         )
+
+    @property
+    def deadline_origin(self) -> Pointer:
+        """The place of the deadline in the document: the group's, or the activity's own."""
+        if self.deadline_by is not None:
+            return self.deadline_by.origin
+        return (*self.origin, "deadline")
 
     @property
     def is_fixed(self) -> bool:
@@ -205,14 +221,30 @@ class Reservoir:
     origin: Pointer = ()
 
 
+class TimedChange(NamedTuple):
+    """At the tick `at` the world gives a variable a value (index into its values)."""
+
+    at: int
+    value: int
+
+
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A state variable; `initial` is an index into its `values`."""
+    """A state variable; `initial` is an index into its `values`.
+
+    `changes` are in the order of time, no two of them at one time.
+    """
 
     id: str
     values: tuple[bool | str, ...]
     initial: int
     origin: Pointer = ()
+    changes: tuple[TimedChange, ...] = ()
+
+    @property
+    def known_values(self) -> frozenset[int]:
+        """The values that it has at some time if no activity changes it."""
+        return frozenset([self.initial, *(change.value for change in self.changes)])
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from enum import StrEnum
 from typing import ClassVar, NamedTuple
 
 from irc.diagnostics.source import Pointer
-from irc.problem.problem import Problem
+from irc.problem.problem import GroupDeadline, Problem
 from irc.problem.relaxation import Relaxation
 
 
@@ -31,6 +31,7 @@ class Kind(StrEnum):
     START = "start"
     LATEST_START = "latest_start"
     DEADLINE = "deadline"
+    GROUP_DEADLINE = "group_deadline"
     DURATION = "duration"
 
 
@@ -45,8 +46,8 @@ class Side(StrEnum):
 class Statement(NamedTuple):
     """One demand of the task.
 
-    `of` is the index of the activity, resource or arc in the `Problem`; `use` that of the entry
-    in the activity's `uses`.
+    `of` is the index of the activity, resource or arc in the `Problem` (of a group: the index of
+    its first activity); `use` is that of the entry in the activity's `uses`.
     """
 
     kind: Kind
@@ -257,7 +258,7 @@ class _Deadline(StatementKind):
 
     def all(self, problem: Problem) -> Iterator[Statement]:
         for i, activity in enumerate(problem.activities):
-            if activity.deadline is not None:
+            if activity.deadline is not None and activity.deadline_by is None:
                 yield Statement(self.kind, i)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
@@ -270,6 +271,34 @@ class _Deadline(StatementKind):
     def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
         i = statement.of
         yield Difference(end_point(i), ORIGIN, -(problem.activities[i].deadline or 0), statement)
+
+
+class _GroupDeadline(StatementKind):
+    kind = Kind.GROUP_DEADLINE
+
+    def all(self, problem: Problem) -> Iterator[Statement]:
+        groups = {a.deadline_by for a in problem.activities if a.deadline_by is not None}
+        for i in sorted(_members(problem, by)[0] for by in groups):
+            yield Statement(self.kind, i)
+
+    def pointer(self, problem: Problem, statement: Statement) -> Pointer:
+        return problem.activities[statement.of].deadline_origin
+
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        activities = relaxation.problem.activities
+        by = activities[statement.of].deadline_by
+        for i in _members(relaxation.problem, by):
+            relaxation.activity(i).update(deadline=activities[i].deadline, deadline_by=by)
+
+    def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
+        for i in _members(problem, problem.activities[statement.of].deadline_by):
+            limit = problem.activities[i].deadline or 0
+            yield Difference(end_point(i), ORIGIN, -limit, statement)
+
+
+def _members(problem: Problem, by: GroupDeadline | None) -> list[int]:
+    """The activities whose deadline is that of a group, in order."""
+    return [i for i, a in enumerate(problem.activities) if a.deadline_by == by]
 
 
 class _Duration(StatementKind):
@@ -313,6 +342,7 @@ KINDS: Mapping[Kind, StatementKind] = {
         _Start(),
         _LatestStart(),
         _Deadline(),
+        _GroupDeadline(),
         _Duration(),
     )
 }

@@ -20,6 +20,12 @@ from irc.retiming.resources import assign, long_enough, placed_at, resource_orde
 from irc.retiming.selection import select
 from irc.retiming.state import Happening, HappeningOrder, is_one_happening, state_orders
 from irc.retiming.stock import keep_stock
+from irc.retiming.timed_changes import (
+    ChangeActivity,
+    change_orders,
+    in_their_order,
+    with_change_activities,
+)
 
 ROUNDS = 20
 """At most this many rounds of re-timing; nearly all cases need one."""
@@ -34,19 +40,26 @@ def retime_rich(
     leaves more room. So the rounds go on until no activity moves any more.
     """
     selection = select(problem, decisions)
-    placed = _retime_once(selection.problem, selection.decisions, tolerance)
+    whole, changes = with_change_activities(selection.problem)
+    known = [*selection.decisions, *(Decision(change.at, change.at) for change in changes)]
+    placed = _retime_once(whole, known, tolerance, changes)
     for _ in range(ROUNDS):
-        again = _retime_once(selection.problem, [as_decision(p) for p in placed], 0)
+        again = _retime_once(whole, [as_decision(p) for p in placed], 0, changes)
         if again == placed:
             break
         placed = again
-    return selection.spread(problem, placed)
+    return selection.spread(problem, placed[: len(placed) - len(changes)])
 
 
 def _retime_once(
-    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
+    problem: Problem,
+    decisions: Sequence[Decision],
+    tolerance: Fraction | int,
+    changes: Sequence[ChangeActivity],
 ) -> tuple[Placed, ...]:
     decisions = long_enough(problem, decisions)
+    if changes:
+        decisions = in_their_order(problem, decisions, changes, tolerance)
     count, moments = in_moments(decisions)
     chosen = assign(problem, moments, tolerance, count)
     timing = timing_network(problem)
@@ -58,6 +71,7 @@ def _retime_once(
     ]
     for before, after in _occurrence_orders(problem, decisions):
         network.add(points.end[before], points.start[after], points.end_offset[before])
+    orders += change_orders(problem, decisions, changes, points, network)
     _keep_lengths(problem, decisions, points, network, tolerance)
     _keep_orders(orders, points, network)
     batches = keep_stock(problem, decisions, points, network, floors)

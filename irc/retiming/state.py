@@ -72,9 +72,13 @@ def is_one_happening(activity: Activity, decision: Decision) -> bool:
 
 
 def state_orders(
-    problem: Problem, decisions: Sequence[Decision], tolerance: Fraction | int
+    problem: Problem,
+    decisions: Sequence[Decision],
+    tolerance: Fraction | int,
+    *,
+    only: int | None = None,
 ) -> list[HappeningOrder]:
-    """The orders of happenings that state demands.
+    """The orders of happenings that state demands: of all variables, or of one `only`.
 
     A value that a write gives within `tolerance` after it is needed counts as given in time.
     Raises `AnswerError` where the decisions leave a condition without its value.
@@ -86,7 +90,7 @@ def state_orders(
             _add_activity(timelines, i, activity, decision)
             if not activity.is_fixed:
                 orders += _own_orders(i, one=is_one_happening(activity, decision))
-    for v, timeline in enumerate(timelines):
+    for v, timeline in enumerate(timelines) if only is None else [(only, timelines[only])]:
         orders += _VariableOrder(problem, v, timeline, tolerance).orders()
     return orders
 

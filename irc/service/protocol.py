@@ -13,6 +13,7 @@ from irc.frontends.events import to_events
 from irc.frontends.json.document import decode_bytes
 from irc.frontends.json.value import read_value
 from irc.model import Event, Task
+from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError
 from irc.model.times import json_number, parse_instant
 
@@ -79,7 +80,7 @@ def decode_request(line: bytes) -> tuple[Mapping[str, Any], Source]:
         findings = Findings()
         findings.add(Code.WRONG_TYPE, f"expected {_EXPECTED}, found a list", offset=0)
         raise InputError(Report(tuple(findings.items), source))
-    return raw, source
+    return without_nulls(raw), source
 
 
 def to_request(raw: Mapping[str, Any], source: Source) -> Request:
@@ -156,7 +157,7 @@ def observation_of(request: Request, task: Task, now: Number) -> Event:
 def time_of(request: Request, field: str, task: Task) -> Number:
     """A time of a request in the task's unit. Raises `InputError`."""
     try:
-        moment = task.number(parse_instant(request.raw.get(field)))
+        moment = task.clock.exact(parse_instant(request.raw.get(field)))
     except TimeError as error:
         fault = f"'{field}': {error}"
     else:

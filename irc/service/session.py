@@ -42,8 +42,8 @@ from irc.targets import EngineFailed, EngineMissing, UnknownTarget
 
 RUN_VERSION = "1"
 
-MOST_REQUESTS, FEWEST_REQUESTS, ACTIONS_REPLAYED = 100, 20, 50_000
-"""A snapshot follows each such number of requests, fewer of them for a task with many actions."""
+MOST_REQUESTS, FEWEST_REQUESTS, ACTIONS_REPLAYED = 50, 10, 10_000
+"""A snapshot follows 50 requests, or fewer for a task of more than 200 actions, down to 10."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Session:
                     "presume": execution.presume,
                 }
             )
-        return cls(execution, journal)
+        return cls(execution, journal, execution.take_notes())
 
     @classmethod
     def resume(
@@ -115,7 +115,7 @@ class Session:
         """
         for start in found.starts():
             if start.snapshot is None:
-                return cls(first, None, found.notes), start.requests
+                return cls(first, None, (*found.notes, *first.take_notes())), start.requests
             try:
                 saved, _ = read_value(start.snapshot, "<journal>")
                 saved = saved["snapshot"]
@@ -175,7 +175,11 @@ class Session:
         except (EngineFailed, EngineMissing, UnknownTarget) as error:
             self.execution = before
             return Reply(_with_id(name, self._refused(str(error), error.outcome)))
-        self._record(source.text, step)
+        try:
+            self._record(source.text, step)
+        except JournalError:
+            self.execution = before
+            raise
         self.last_id = name
         return Reply(_with_id(name, document))
 
@@ -240,7 +244,7 @@ class Session:
             self.execution.advance(to)
         except InputError as error:
             raise InputError(_placed(error.report, request, "to")) from None
-        return ()
+        return tuple(_placed(Report(self.execution.take_notes()), request, "to").located())
 
     def _observe(self, request: Request) -> tuple[Diagnostic, ...]:
         execution = self.execution

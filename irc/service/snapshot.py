@@ -20,18 +20,19 @@ from irc.errors import IrcError
 from irc.execution.execution import Execution
 from irc.execution.history import History
 from irc.execution.observations import Fact, Observed
+from irc.execution.plannable import Plannable
+from irc.execution.rounding import Rounding
 from irc.frontends.json.value import read_value
 from irc.model import Event, Task
 from irc.model.canonical import task_sha256, written_part
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 from irc.targets import SolveOptions
 
-_CLASSES: Mapping[str, type] = MappingProxyType(
-    {kind.__name__: kind for kind in (Entry, Fact, History, ObjectiveValue, Observed, Schedule)}
-)
+_KINDS = (Entry, Fact, History, ObjectiveValue, Observed, Plannable, Rounding, Schedule)
+_CLASSES: Mapping[str, type] = MappingProxyType({kind.__name__: kind for kind in _KINDS})
 _NODES: Mapping[str, type[Any]] = MappingProxyType({"Event": Event, "Task": Task})
-_OPTIONS = "options"
-"""The attribute of an execution that the caller gives anew."""
+_OPTIONS, _NOTES = "options", "_notes"
+"""The attributes of an execution that the caller gives anew, and that begin empty."""
 
 
 class SnapshotError(IrcError):
@@ -40,7 +41,7 @@ class SnapshotError(IrcError):
 
 def to_snapshot(execution: Execution) -> dict[str, Any]:
     """The state of an execution, without its options, as a JSON document."""
-    state = {key: value for key, value in vars(execution).items() if key != _OPTIONS}
+    state = {key: value for key, value in vars(execution).items() if key not in (_OPTIONS, _NOTES)}
     return {
         "task_sha256": task_sha256(execution.task),
         "state": {key: _written(value) for key, value in state.items()},
@@ -52,9 +53,9 @@ def from_snapshot(document: Any, options: SolveOptions) -> Execution:
     execution = object.__new__(Execution)
     try:
         state = {key: _read(value) for key, value in document["state"].items()}
-        if not isinstance(state.get("_told"), Task) or state.keys() & {_OPTIONS}:
+        if not isinstance(state.get("task"), Task) or state.keys() & {_OPTIONS, _NOTES}:
             raise SnapshotError("the snapshot has no task")
-        vars(execution).update(state, **{_OPTIONS: options})
+        vars(execution).update(state, **{_OPTIONS: options, _NOTES: ()})
         same = task_sha256(execution.task) == document["task_sha256"]
     except (ArithmeticError, AttributeError, InputError, KeyError, TypeError, ValueError) as error:
         raise SnapshotError(f"the snapshot cannot be read: {error}") from error

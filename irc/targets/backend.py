@@ -115,6 +115,10 @@ class Engine(ABC):
         """
         return 0.0
 
+    def can_begin(self, budget: Budget) -> bool:
+        """Whether the budget lasts until the engine has been loaded, as busy as the machine is."""
+        return not budget.is_over and budget.left >= self.loading_seconds * budget.slowness
+
     @abstractmethod
     def missing(self) -> str | None:
         """The reason why the engine cannot run here and how to install it; None if it can run."""
@@ -174,6 +178,13 @@ class Backend(ABC):
         if name not in engines:
             raise UnknownTarget("engine", name, list(engines))
         return engines[name]
+
+    def greatest_horizon(self, problem: Problem) -> int | None:
+        """The greatest horizon, in ticks, that its engines can hold; None: any.
+
+        A running task refuses what would take its times beyond it.
+        """
+        return None
 
     def refuter(self) -> Refuter | None:
         """The solver that proves for `irc explain` why a problem has no schedule, if any."""

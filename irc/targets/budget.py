@@ -15,11 +15,11 @@ from typing import Self
 
 
 class Cancellation:
-    """The wish that a call ends now, with the best answer so far.
+    """Ends a call early, with the best answer so far.
 
     A call is given one (`irc.SolveOptions.cancel`), and `cancel` may be called at any time, by any
-    thread or by a signal handler. Whoever works under the call's budget then has no time left.
-    A copy in another process is not reached.
+    thread or by a signal handler. All that works under the call's budget then has no time left. A
+    copy in another process is not reached.
     """
 
     __slots__ = ("_kept", "_noticed", "_outer", "_wanted")
@@ -68,8 +68,8 @@ class Cancellation:
             self._outer.keep()
 
     @property
-    def is_worth_waiting(self) -> bool:
-        """Whether there is an answer, or somebody has looked since, so that the end is near."""
+    def will_answer(self) -> bool:
+        """Whether there is an answer, or the call has noticed, so that one is near."""
         return self._noticed or self._kept
 
 
@@ -161,7 +161,7 @@ class Budget:
 
     @property
     def cancel(self) -> Cancellation | None:
-        """What ends it from outside, for what has a clock of its own."""
+        """The cancellation that ends it, for what has a clock of its own."""
         return self._cancel
 
     def share(self, fraction: float) -> Self:
@@ -171,7 +171,7 @@ class Budget:
         return self._part(now, left * fraction if self.is_limited else math.inf)
 
     def at_least(self, seconds: float) -> Self:
-        """What is left, or `seconds` from now on if that is more: a part that may outlive it.
+        """`seconds` from now on, or all that is left if that is more: a part that may outlive it.
 
         Such a part too has no time left after `cancel`.
         """

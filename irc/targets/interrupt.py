@@ -1,7 +1,7 @@
 """^C during a call: the call ends with the best answer so far, instead of losing it.
 
 Python runs signal handlers in the main thread, and only between two steps of its own. So an engine
-that computes outside of Python runs in a thread of its own while the caller waits, and whoever
+that computes outside of Python runs in a thread of its own while the caller waits, and all that
 plans looks at its budget again and again.
 """
 

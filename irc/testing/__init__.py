@@ -5,16 +5,23 @@
 ['one action', 'a chain']
 """
 
+from irc.testing.cases import CONFORMANCE_TASKS, Case
 from irc.testing.conformance import (
-    CONFORMANCE_TASKS,
-    Case,
+    CaseResult,
     ConformanceError,
+    ConformanceReport,
+    Kind,
     check_backend,
+    conformance_report,
 )
 
 __all__ = [
     "CONFORMANCE_TASKS",
     "Case",
+    "CaseResult",
     "ConformanceError",
+    "ConformanceReport",
+    "Kind",
     "check_backend",
+    "conformance_report",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple, Protocol, TypeVar
@@ -73,6 +73,8 @@ class Occurrence(NamedTuple):
     rank: int
     end_rank: int
     past: Past | None
+    by_itself: bool = False
+    """Whether it stands for a timed change of state, which no entry says and whose rank is free."""
 
     @property
     def name(self) -> str:
@@ -129,6 +131,13 @@ class BoundSchedule:
     """Entries that name no action of the task."""
     at: Number | None = None
     """Entries that began before this time are history; None: no entry is."""
+    changes: tuple[Occurrence, ...] = ()
+    """The timed changes of state until the last end, numbered behind the occurrences."""
+
+    @property
+    def happening(self) -> tuple[Occurrence, ...]:
+        """All occurrences and timed changes, by their numbers."""
+        return self.occurrences + self.changes
 
     @cached_property
     def left_out(self) -> frozenset[LeftOut]:
@@ -156,6 +165,11 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
             f"cannot judge a schedule as of the time {at!r}; use an int or a Fraction"
         )
     clock = task.clock
+    for entry in schedule.entries:
+        _check_exact(entry)
+    if clock.resolution is not None:
+        schedule = _read_at_resolution(schedule, clock)
+        at = None if at is None else clock.number(at)
     actions = _by_id("action", task.actions)
     resources = _by_id("resource", task.resources)
     variables = _by_id("state variable", task.state)
@@ -166,7 +180,6 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
     unknown = []
     for entry in schedule.entries:
         action = actions.get(entry.id)
-        _check_exact(entry)
         if action is None:
             unknown.append(entry)
             continue
@@ -186,7 +199,50 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
         frozenset(o.entry.id for o in occurrences if not o.cancelled),
         tuple(unknown),
         at,
+        tuple(_changes(task, schedule, clock, at, len(occurrences))),
     )
+
+
+def _read_at_resolution(schedule: Schedule, clock: Clock) -> Schedule:
+    """The schedule with its times as multiples of the task's resolution."""
+    entries = tuple(
+        replace(entry, start=clock.number(entry.start), end=clock.number(entry.end))
+        for entry in schedule.entries
+    )
+    stated = tuple(
+        replace(
+            o,
+            value=clock.number(o.value),
+            bound=None if o.bound is None else clock.number(o.bound),
+        )
+        if o.name in ("makespan", "tardiness")
+        else o
+        for o in schedule.objective
+    )
+    return replace(schedule, entries=entries, objective=stated)
+
+
+def _changes(
+    task: Task, schedule: Schedule, clock: Clock, at: Number | None, first: int
+) -> Iterator[Occurrence]:
+    """The timed changes until the last end, each as an occurrence of an action of its own."""
+    last = schedule.makespan
+    for variable in task.state:
+        times = {clock.number(change.at): change for change in variable.changes}
+        for time, change in sorted(times.items()):
+            if time > last:
+                break
+            effect = {"at": "start", "var": variable.id, "value": change.value}
+            name = f"the timed change of {variable.id}"
+            action = Action.model_validate(
+                {"id": name, "duration": 0, "start": change.at, "effects": [effect]}
+            )
+            past = None if at is None or time > at else Past(True, time, time)
+            entry = Entry(name, time, time)
+            yield Occurrence(
+                first, entry, action, None, 0, 0, time, time, 0, 0, past, by_itself=True
+            )
+            first += 1
 
 
 def _occurrence(

@@ -89,7 +89,7 @@ def timelines_of(bound: BoundSchedule, drawn_out: Collection[int]) -> Timelines:
     each has two happenings. Every other occurrence of no duration has one.
     """
     timelines = Timelines(by_variable={name: Timeline() for name in bound.variables})
-    for occurrence in bound.occurrences:
+    for occurrence in bound.happening:
         separate = occurrence.number in drawn_out
         if occurrence.ends_freely and (separate or occurrence.start != occurrence.end):
             nodes = (timelines.node_count, timelines.node_count + 1)
@@ -126,17 +126,41 @@ def _add_occurrence(timelines: Timelines, occurrence: Occurrence, nodes: tuple[i
 
 
 def given_ranks(bound: BoundSchedule, timelines: Timelines) -> list[int]:
-    """The rank of each node as the entries state it."""
+    """The rank of each node as the entries state it; those of timed changes are 0 until found."""
     ranks = [0] * timelines.node_count
-    for occurrence, (start, end) in zip(bound.occurrences, timelines.nodes, strict=True):
+    for occurrence, (start, end) in zip(bound.happening, timelines.nodes, strict=True):
         ranks[end] = occurrence.end_rank
         ranks[start] = occurrence.rank
     return ranks
 
 
+def starts_after(bound: BoundSchedule, change: Occurrence) -> Iterator[tuple[Occurrence, int]]:
+    """The starts at the instant of a timed change that read, hold or change its variable.
+
+    They come after it. With each: 1 if it reads or changes the variable, so that it has another
+    rank, else 0.
+    """
+    var = change.action.effects[0].var
+    for occurrence in bound.occurrences:
+        if occurrence.start != change.start:
+            continue
+        action = occurrence.action
+        touches = {c.at for c in action.conditions if c.var == var}
+        touches |= {e.at for e in action.effects if e.var == var}
+        if occurrence.cancelled:
+            touches.discard("end")
+        if touches:
+            near = "start" in touches or occurrence.start == occurrence.end
+            yield occurrence, int(near)
+
+
 def timing_edges(bound: BoundSchedule, timelines: Timelines) -> Iterator[Edge]:
     """Edges between ranks from durations and precedences that are met with no time to spare."""
-    for occurrence, (start, end) in zip(bound.occurrences, timelines.nodes, strict=True):
+    for change in bound.changes:
+        node = timelines.nodes[change.number][0]
+        for occurrence, strict in starts_after(bound, change):
+            yield node, timelines.nodes[occurrence.number][0], strict
+    for occurrence, (start, end) in zip(bound.happening, timelines.nodes, strict=True):
         if start == end:
             continue
         lasts = occurrence.end - occurrence.start

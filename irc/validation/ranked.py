@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 from irc.errors import IrcError
 from irc.model import Task
+from irc.model.quantities import Number
 from irc.schedule import Schedule
 from irc.validation.bound_schedule import bind
 from irc.validation.happenings import Edge, given_ranks, timelines_of, timing_edges
 from irc.validation.rank_graph import StepBudget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
+from irc.validation.state import rank_changes
 from irc.validation.verdict import Violations
 
 
@@ -24,11 +26,13 @@ class ScheduleRanks:
 
     With a fixed duration, start and end share one node. `edges` are the constraints of durations
     and precedences that are met with no time to spare: (a, b, least): rank(b) ≥ rank(a) + least.
+    `changes` are the times and the nodes of timed changes of state.
     """
 
     nodes: tuple[tuple[int, int], ...]
     ranks: tuple[int, ...]
     edges: tuple[Edge, ...]
+    changes: tuple[tuple[Number, int], ...] = ()
 
 
 def ranks_of(task: Task, schedule: Schedule) -> ScheduleRanks:
@@ -44,12 +48,17 @@ def ranks_of(task: Task, schedule: Schedule) -> ScheduleRanks:
     ranks: list[int] | None
     if bound.ranked:
         ranks = given_ranks(bound, timelines)
+        rank_changes(bound, timelines, ranks)
     else:
         budget = StepBudget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
         violations = Violations(task.time_unit)
         ranks = find_ranks(bound, timelines, budget, violations)
         if ranks is None:
             raise NoRanksError("; ".join(v.message for v in violations.found) or "no ranks found")
+    count = len(bound.occurrences)
     return ScheduleRanks(
-        tuple(timelines.nodes), tuple(ranks), tuple(timing_edges(bound, timelines))
+        tuple(timelines.nodes[:count]),
+        tuple(ranks),
+        tuple(timing_edges(bound, timelines)),
+        tuple((c.start, timelines.nodes[c.number][0]) for c in bound.changes),
     )

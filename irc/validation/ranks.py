@@ -327,7 +327,7 @@ def _add_cycles(
     following = successors(edges)
     for first, second, _ in cycles:
         circle = shortest_path(second, first, following)
-        members = [bound.occurrences[owner[node]] for node in circle if node in owner]
+        members = [bound.happening[owner[node]] for node in circle if node in owner]
         names = list(dict.fromkeys(member.entry.id for member in members))
         violations.add(
             "rank",

@@ -14,6 +14,7 @@ from irc.validation.happenings import (
     Timelines,
     Value,
     given_ranks,
+    starts_after,
     timelines_of,
     timing_edges,
 )
@@ -56,7 +57,41 @@ def _check_given_ranks(bound: BoundSchedule, violations: Violations) -> None:
     check_past_first(bound, violations)
     drawn_out = {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank}
     timelines = timelines_of(bound, drawn_out)
-    _follow(bound, timelines, given_ranks(bound, timelines), violations)
+    ranks = given_ranks(bound, timelines)
+    rank_changes(bound, timelines, ranks)
+    _follow(bound, timelines, ranks, violations)
+
+
+def rank_changes(bound: BoundSchedule, timelines: Timelines, ranks: list[int]) -> None:
+    """Finds the ranks of timed changes, which no entry says: those with the fewest violations.
+
+    They come before the starts of their instant that touch their variable, on either side of ends.
+    """
+    for change in bound.changes:
+        var = change.action.effects[0].var
+        node = timelines.nodes[change.number][0]
+        latest = [ranks[timelines.nodes[o.number][0]] - s for o, s in starts_after(bound, change)]
+        ends = {
+            ranks[timelines.nodes[o.number][1]]
+            for o in bound.occurrences
+            if o.start < o.end == change.start
+        }
+        places = sorted({0, *(r + d for r in ends for d in (-1, 0, 1)), *latest}, reverse=True)
+        best: int | None = None
+        for place in places:
+            if any(place > most for most in latest):
+                continue
+            ranks[node] = place
+            attempt = Violations(bound.task.time_unit)
+            timeline = timelines.by_variable[var]
+            final = StateSimulator(bound.variables[var], attempt).run(timeline, ranks)
+            goals = [g for g in bound.task.goals if isinstance(g, StateGoal) and g.var == var]
+            found = len(attempt.found) + sum(goal.value != final for goal in goals)
+            if best is None or found < best:
+                best, chosen = found, place
+            if not found:
+                break
+        ranks[node] = 0 if best is None else chosen
 
 
 def _check_duration_in_ranks(occurrence: Occurrence, violations: Violations) -> None:

@@ -43,13 +43,15 @@ def whole() -> irc.Task:
         objective=["maximize_reward", "minimize_makespan"],
         description="all of it",
         days_per_month=31,
+        resolution="1 ms",
         metadata={"ticket": 1},
+        lapsed=[{"action": "nap", "deadline": 5}],
     )
     board = task.resource("board", capacity=2, label="Board", description="big")
     board.available("12:00", "13:00", 0)
     eggs = task.reservoir("eggs", initial=6, min=1, max=12)
     chicken = task.state("chicken", ["raw", "grilled"], initial="raw")
-    door = task.state("door")
+    door = task.state("door", changes={"2026-03-02T10:00:00": True, 300: False})
     mix = task.action("mix", 10, label="Mix", description="well").uses(board, amount=2)
     mix.consumes(eggs, 2).release("06:30").cost(2)
     lay = task.action("lay", timedelta(minutes=90)).produces(eggs, 3, at="start").occurs(1, 3)
@@ -59,6 +61,7 @@ def whole() -> irc.Task:
     grill.mode("slow", irc.between(8, "12 min"), label="Slow").one_of(board, "bench", amount=1)
     task.resource("bench")
     nap = task.action("nap", Fraction(1, 3)).optional().reward(4).deadline(400).latest_start(350)
+    nap.on_failure("resume")
     call = task.action("call", 2).start("10:00").due("10:01", weight=2)
     task.group("order", mix, "grill", label="No. 1").optional().reward(10).due(300, weight=1)
     task.group("late", "nap").deadline("13:30")
@@ -80,7 +83,9 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
         "objective": ["maximize_reward", "minimize_makespan"],
         "description": "all of it",
         "days_per_month": 31,
+        "resolution": "1 ms",
         "metadata": {"ticket": 1},
+        "lapsed": [{"action": "nap", "deadline": 5}],
         "resources": [
             {
                 "id": "board",
@@ -96,7 +101,13 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
         ],
         "state": [
             {"id": "chicken", "values": ["raw", "grilled"], "initial": "raw"},
-            {"id": "door"},
+            {
+                "id": "door",
+                "changes": [
+                    {"at": "2026-03-02T10:00:00", "value": True},
+                    {"at": 300, "value": False},
+                ],
+            },
         ],
         "actions": [
             {
@@ -139,6 +150,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                 "reward": 4,
                 "deadline": 400,
                 "latest_start": 350,
+                "on_failure": "resume",
             },
             {
                 "id": "call",
@@ -223,6 +235,7 @@ def test_every_change_of_an_event_can_be_said() -> None:
         irc.StateVariable("x")
     )
     event.set_objective("minimize_makespan").observe("a", started=8, occurrence=2)
+    event.retry_action("b", id="b again", done=1, mode="slow")
     from irc.model import Change
 
     kinds = {type(change) for change in event.ir.changes}

@@ -194,7 +194,6 @@ def test_the_first_signal_cancels_and_the_second_raises() -> None:
     interruption = Interruption()
     with interruption.planning() as cancel:
         handle(interruption, signal.SIGINT)
-        signal.setitimer(signal.ITIMER_REAL, 0)
         assert cancel.is_cancelled
         with pytest.raises(Interrupted) as ended:
             handle(interruption, signal.SIGTERM)
@@ -209,14 +208,20 @@ def test_where_nothing_is_planned_the_first_one_raises() -> None:
 
 
 def test_planning_that_has_not_noticed_has_nothing_to_show() -> None:
-    interruption = Interruption()
-    with interruption.planning() as cancel:
-        handle(interruption, signal.SIGINT)
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        with pytest.raises(Interrupted):
-            interruption._waited(signal.SIGALRM, None)
+    noticed, unnoticed, answered = Interruption(), Interruption(), Interruption()
+    with noticed.planning() as cancel:
+        handle(noticed, signal.SIGINT)
         assert cancel.is_cancelled
-        interruption._waited(signal.SIGALRM, None)
+        noticed._waited(signal.SIGALRM, None)
+    with answered.planning() as cancel:
+        cancel.keep()
+        handle(answered, signal.SIGINT)
+        answered._waited(signal.SIGALRM, None)
+    with unnoticed.planning():
+        handle(unnoticed, signal.SIGINT)
+        for _ in range(2):  # once more, if the first one was swallowed on its way
+            with pytest.raises(Interrupted):
+                unnoticed._waited(signal.SIGALRM, None)
 
 
 def test_a_signal_can_be_the_usual_end() -> None:

@@ -57,7 +57,7 @@ def answer_vector(task: Task, target: str, **options: Any) -> Answer:
     if schedule.status is Status.INFEASIBLE:
         return None
     assert schedule.status is Status.OPTIMAL
-    return tuple(int(o.value) for o in schedule.objective)
+    return tuple(o.value for o in schedule.objective)
 
 
 @pytest.mark.parametrize("witness", WITNESSES, ids=[w.field for w in WITNESSES])

@@ -15,12 +15,11 @@ import pytest
 from crash_runs import MODES, Kitchen
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.files import parse_task
-from irc.targets import SolveOptions
 from laws import agree, answer_of, answered, faults_of_repairs, has_schedule, told_of
+from oracles.clock_sessions import faults_of_session
 from oracles.generators import big_capacity_task, contended_task, hostile_names, random_task
 from oracles.online_orders_play import play as play_orders
-from oracles.online_random import OPERATIONS
-from oracles.reality import play as play_session
+from oracles.online_random import EACH
 from oracles.state_brute_force import TooLargeError, optimum
 from oracles.state_generators import match_cellar, state_task
 
@@ -58,7 +57,7 @@ def test_no_task_with_a_schedule_is_called_impossible(seeds: Seeds) -> None:
         assert not (told_of(seed) and has_schedule(seed))
 
 
-@pytest.mark.parametrize("operation", [*OPERATIONS, None])
+@pytest.mark.parametrize("operation", [*EACH, None])
 def test_after_events_the_rest_is_repaired_as_well_as_can_be(
     seeds: Seeds, operation: str | None
 ) -> None:
@@ -66,19 +65,19 @@ def test_after_events_the_rest_is_repaired_as_well_as_can_be(
         assert faults_of_repairs(seed, operation) == []
 
 
+@pytest.mark.parametrize("target", ["cpsat", "pddl21"])
+def test_whatever_time_is_accepted_can_be_planned_with(seeds: Seeds, target: str) -> None:
+    if target == "pddl21":
+        pytest.importorskip("kairos")
+    for seed in seeds:
+        assert list(faults_of_session(seed, target)) == []
+
+
 def test_half_done_orders_are_finished_while_they_can_be(seeds: Seeds) -> None:
     for seed in seeds:
         for one in play_orders(seed):
             assert one.judged.faults == []
             assert one.judged.worse is None
-
-
-@pytest.mark.parametrize("target", ["cpsat", "pddl21"])
-def test_no_session_has_an_impossible_history(seeds: Seeds, target: str) -> None:
-    if target == "pddl21":
-        pytest.importorskip("kairos")
-    for seed in seeds:
-        assert play_session(seed, SolveOptions(target, time_limit=5, workers=1)).faults == []
 
 
 def test_what_is_printed_in_the_dsl_is_read_back(seeds: Seeds) -> None:

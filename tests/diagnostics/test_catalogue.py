@@ -30,6 +30,7 @@ NOT_IN_A_TEXT = (
     Code.CHANGED_TASK,
     Code.CARRIED,
     Code.NO_CONTINUATION,
+    *(Code.DAMAGED, Code.NO_ANSWER, Code.CARRIED, Code.NO_CONTINUATION),
     Code.NOT_AS_PLANNED,
 )
 

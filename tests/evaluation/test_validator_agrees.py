@@ -10,9 +10,9 @@ import pytest
 from irc import Task, validate
 from irc.evaluation.data import Data
 from irc.evaluation.robo import judge_plan
+from irc.frontends.importers.plan_lines import plan_schedule
 from irc.frontends.importers.robo import import_robo
 from irc.methods import read_plan
-from irc.methods.plan_lines import plan_schedule
 from paths import SHARED_DATA
 
 DATA = Data(SHARED_DATA)

@@ -20,6 +20,7 @@ from irc.explanation.chain import critical_chain
 from irc.explanation.contention import resource_conflict
 from irc.explanation.wording import in_words
 from irc.model import Task
+from irc.passes.mandatory import mandatory_part
 from irc.problem import Activity, Problem
 from irc.problem.statements import (
     KINDS,
@@ -252,12 +253,19 @@ EVERYTHING = task(
     a("a", 4, ("crew", 2), ["r2", "r1"], release=2, deadline=20, latest_start=15),
     a("b", {"min": 2, "max": 6}, start=9),
     p("a", "b", "ss", min_lag=1, max_lag=8),
+    a("c", 1),
+    groups=[{"id": "g", "actions": ["b", "c"], "deadline": 28, "required": True}],
     deadline=30,
 )
 
 
+def everything(document: dict[str, Any] | Task = EVERYTHING) -> Problem:
+    """What an explanation is about: the part of a task that every schedule has."""
+    return mandatory_part(run_checks(Task.model_validate(document)).problem)[0]
+
+
 def test_every_kind_has_words_and_a_place_that_exists() -> None:
-    problem = run_checks(Task.model_validate(EVERYTHING)).problem
+    problem = everything()
     statements = all_statements(problem)
     assert {s.kind for s in statements} == set(Kind) == set(KINDS)
     places = {pointer_of(problem, s) for s in statements}
@@ -266,7 +274,7 @@ def test_every_kind_has_words_and_a_place_that_exists() -> None:
 
 
 def test_the_problem_of_all_statements_is_the_whole_problem() -> None:
-    problem = run_checks(Task.model_validate(EVERYTHING)).problem
+    problem = everything()
     whole = problem_of(problem, all_statements(problem), 1000)
     assert whole == problem
 
@@ -278,13 +286,13 @@ def limits_of(activity: Activity) -> tuple[Any, ...]:
 
 def test_a_problem_without_a_statement_is_that_of_the_document_without_it() -> None:
     checked = Task.model_validate(EVERYTHING)
-    problem = run_checks(checked).problem
+    problem = everything(checked)
     statements = all_statements(problem)
     for left_out in statements:
         kept = [s for s in statements if s != left_out]
         places = [pointer_of(problem, s) for s in kept]
         part = problem_of(problem, kept, 100_000)
-        document = run_checks(only(checked, places)).problem
+        document = everything(only(checked, places))
         scale = document.tick / part.tick
         assert scale == 1
         assert [limits_of(x) for x in part.activities] == [

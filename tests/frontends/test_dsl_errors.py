@@ -343,11 +343,16 @@ def test_arrows_and_pools_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     assert errors(report)[0] == ("IRC017", 1, 10)
 
 
+def test_the_text_that_a_for_repeats_is_bounded() -> None:
+    braces = " ".join("{i}" for _ in range(200))
+    assert errors(told(f"for i in 1 .. 90000:\n  a {braces} 1")) == [("IRC017", 1, 1)]
+
+
 def limited(statements: int, parts: int) -> Callable[[document_parts.ExpansionLimit], None]:
     """An `__init__` with other limits."""
 
     def init(limit: document_parts.ExpansionLimit) -> None:
-        limit.statements, limit.parts = statements, parts
+        limit.statements, limit.parts, limit.text = statements, parts, 10_000
 
     return init
 

@@ -321,13 +321,13 @@ def test_all_faults_of_all_instances_come_at_once_each_at_its_line() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "robo.json is not JSON"),
+        ("", "neither an instance (an object) nor a list"),
         ("[]", "neither an instance (an object) nor a list"),
         ("3", "neither an instance (an object) nor a list"),
-        ('{"id": "a", "id": "b"}', "the key 'id' is given twice"),
+        ('{"id": "a", "id": "b"}', "the key 'id' appears twice"),
         ("[" * 100_000, "is not JSON"),
         ("[" * 80 + "]" * 80, "nested more than"),
-        ('{"deadline": NaN}', "NaN is not a number of JSON"),
+        ('{"deadline": NaN}', "NaN is not a number in JSON"),
         ('{"deadline": ' + "9" * 5000 + "}", "out of range"),
     ],
 )

@@ -57,7 +57,7 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, str]]:
         found.append(("json" if path.suffix == ".json" else "plaintext", text))
         if path.suffix == ".json" and len(text) < 5000:
             output = folder / f"{path.stem}.irc"
-            convert_file(str(path), "irc", output, None)
+            convert_file(str(path), "irc", output)
             found.append(("irc", output.read_text("utf-8")))
     wrong = [(p, readable(p)) for p in WRONG]
     found += [

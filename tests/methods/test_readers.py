@@ -8,6 +8,7 @@ from fractions import Fraction
 import pytest
 
 from irc import solve
+from irc.frontends.importers.plan_lines import plan_schedule
 from irc.methods import (
     AnswerState,
     read_nl_ir,
@@ -18,7 +19,6 @@ from irc.methods import (
     read_schedule_spec,
 )
 from irc.methods.lenient_pddl import read_pddl_task
-from irc.methods.plan_lines import plan_schedule
 
 PLANNER = {
     "actions": [{"id": "step1", "duration": 5}, {"id": "step2", "duration": 7}],

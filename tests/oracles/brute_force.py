@@ -50,13 +50,15 @@ _Part = TypeVar("_Part", Action, Resource)
 _TASK_FIELDS = frozenset(
     [
         *("irc", "name", "description", "time_unit", "days_per_month", "deadline", "origin"),
+        "resolution",
+        "lapsed",
         *("metadata", "resources", "actions", "precedence", "objective"),
     ]
 )
 _ACTION_FIELDS = frozenset(
     [
         *("id", "label", "description", "duration", "uses", "release", "deadline", "start"),
-        *("latest_start", "due", "weight", "reward", "cost"),
+        *("latest_start", "due", "weight", "reward", "cost", "on_failure"),
     ]
 )
 _RESOURCE_FIELDS = frozenset(["id", "label", "description", "capacity"])

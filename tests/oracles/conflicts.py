@@ -54,6 +54,11 @@ def statements_of(task: Task) -> set[Pointer]:
         if action.start is not None:
             found.add(("actions", i, "start"))
         found |= {("actions", i, "uses", u) for u in range(len(action.uses))}
+    found |= {
+        ("groups", g, "deadline")
+        for g, group in enumerate(task.groups)
+        if group.deadline is not None
+    }
     found |= {("resources", r, "capacity") for r in range(len(task.resources))}
     found |= {("precedence", k) for k in range(len(task.precedence))}
     return found
@@ -78,6 +83,8 @@ def _weaken(document: Any, pointer: Pointer) -> None:
     kind, name = pointer[0], pointer[-1]
     if pointer == ("deadline",):
         document["deadline"] = None
+    elif kind == "groups":
+        document["groups"][pointer[1]]["deadline"] = None
     elif kind == "resources":
         document["resources"][pointer[1]]["capacity"] = _PLENTY
     elif kind == "actions" and name == "duration":

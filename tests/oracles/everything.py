@@ -10,6 +10,7 @@ EVERYTHING: dict[str, Any] = {
     "description": 'each field, with a "value" of its own',
     "time_unit": "min",
     "days_per_month": 28,
+    "resolution": "1 s",
     "deadline": "2026-03-02T14:00:00",
     "origin": "2026-03-02T06:00:00",
     "metadata": {"ticket": 4711, "nested": [{"a": None, "b": [True, "x # y"]}], "": {}},
@@ -27,7 +28,7 @@ EVERYTHING: dict[str, Any] = {
         {"id": "r2"},
     ],
     "state": [
-        {"id": "lit", "initial": True},
+        {"id": "lit", "initial": True, "changes": [{"at": 7, "value": False}]},
         {"id": "dough", "values": ["raw", "true", True], "initial": "raw"},
     ],
     "actions": [
@@ -50,6 +51,7 @@ EVERYTHING: dict[str, Any] = {
             "effects": [{"at": "start", "var": "dough", "value": "true"}],
             "reward": 7,
             "cost": -2,
+            "on_failure": "resume",
         },
         {
             "id": "cool",
@@ -123,7 +125,25 @@ EVERYTHING: dict[str, Any] = {
                     "resources": ["r3", "r4"],
                 },
                 {"op": "observe", "action": "serve", "status": "not_begun"},
+                {
+                    "op": "retry_action",
+                    "action": "cool",
+                    "id": "cool again",
+                    "done": 2,
+                    "mode": "fast",
+                },
             ],
+        }
+    ],
+    "lapsed": [
+        {
+            "action": "serve",
+            "occurs": "optional",
+            "deadline": 30,
+            "precedence": [{"before": "cool", "after": "serve", "min_lag": 1}],
+            "groups": [{"id": "order 3", "actions": ["serve"]}],
+            "goal": True,
+            "repetition": "cool",
         }
     ],
 }

@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from irc.model import Task
@@ -66,6 +67,8 @@ EXCLUDED: Mapping[str, str] = {
     "Task.description": _DESCRIPTIVE,
     "Task.metadata": "free-form, carried through untouched",
     "Task.events": _LATER,
+    "Task.lapsed": _LATER,
+    "Action.on_failure": _LATER,
     "Resource.id": _NAME,
     "Resource.label": _DESCRIPTIVE,
     "Resource.description": _DESCRIPTIVE,
@@ -76,6 +79,7 @@ EXCLUDED: Mapping[str, str] = {
     "Mode.label": _DESCRIPTIVE,
     "StateVariable.id": _NAME,
     "StateVariable.values": "which values are legal; where two lists are, the answers are equal",
+    "StateVariable.changes": "judged by `oracles.timed_changes`",
     "Group.id": _NAME,
     "Group.label": _DESCRIPTIVE,
 }
@@ -86,10 +90,10 @@ EVENT_MODELS: Mapping[str, str] = dict.fromkeys(
         *("Event", "AddActions", "CancelActions", "SetDuration", "AddPrecedence", "PrecedenceKey"),
         *("RemovePrecedence", "AddResources", "SetCapacity", "SetDeadline", "SetRelease"),
         *("AddGroups", "CancelGroups", "SetGoals", "SetState", "AddState", "SetObjective"),
-        "Observe",
+        *("Observe", "RetryAction", "Lapsed"),
     ],
     _LATER,
-)
+) | {"TimedChange": "judged by `oracles.timed_changes`"}
 """Models of which no field is witnessed here, with the reason."""
 
 
@@ -171,6 +175,20 @@ _TASK = (
         REMOVED,
         (28,),
         (30,),
+    ),
+    Witness(
+        "Task.resolution",
+        _task(
+            _act("a", "150 s"),
+            _act("b", 4),
+            time_unit="min",
+            resolution="1 min",
+            precedence=[["a", "b"]],
+        ),
+        ("resolution",),
+        REMOVED,
+        (7,),
+        (Fraction(13, 2),),
     ),
     Witness("Task.deadline", {**_ONE_AT_A_TIME, "deadline": 4}, ("deadline",), REMOVED, None, (5,)),
     Witness(

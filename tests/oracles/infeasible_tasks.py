@@ -63,6 +63,18 @@ def _case(by: str, name: str, document: Document, *expected: str) -> Case:
 TIME = [
     _case(
         "time",
+        "a group that ends too soon, and a member's own deadline that comes later",
+        task(
+            *(a("a", 5), a("b", 3, deadline=20), p("a", "b")),
+            groups=[{"id": "order", "actions": ["a", "b"], "deadline": 6, "required": True}],
+        ),
+        "group 'order' ends by 6 s",
+        "'a' takes 5 s",
+        "'a' precedes 'b'",
+        "'b' takes 3 s",
+    ),
+    _case(
+        "time",
         "two that wait for each other",
         task(a("a", 5), a("b", 3), p("a", "b"), p("b", "a")),
         "'a' precedes 'b'",
@@ -789,6 +801,21 @@ SOLVER = [
         "'grill' has a capacity of 1",
         *_held("a", "b", by="'grill'"),
         *(*_take(5, "a"), *_take(3, "b")),
+    ),
+    _case(
+        "solver",
+        "the deadline of a group",
+        task(
+            *(r("pan"), a("fry", 5, "pan"), a("boil", 4, "pan"), a("fold", 1)),
+            groups=[
+                {"id": "order", "actions": ["fry", "boil"], "deadline": 8, "required": True},
+                {"id": "linen", "actions": ["fold"], "deadline": 2, "required": True},
+            ],
+        ),
+        "group 'order' ends by 8 s",
+        "'pan' has a capacity of 1",
+        *_held("fry", "boil", by="'pan'"),
+        *(*_take(5, "fry"), *_take(4, "boil")),
     ),
 ]
 

@@ -23,7 +23,7 @@ from itertools import combinations, pairwise
 from typing import Any
 
 from irc.model import Action, DurationRange, Event, Group, Precedence, Resource, Task, Window
-from irc.model.events import AddGroups, CancelActions, CancelGroups, Observe
+from irc.model.events import AddGroups, CancelActions, CancelGroups, Observe, RetryAction
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from oracles.state_brute_force import Optimum, Past, TooLargeError, optimum
@@ -129,6 +129,8 @@ def cancelled(task: Task, events: Sequence[Event]) -> set[str]:
             groups.update((group.id, group.actions) for group in change.groups)
         elif isinstance(change, CancelActions):
             named.update(change.actions)
+        elif isinstance(change, RetryAction):
+            named.add(change.action)
         elif isinstance(change, CancelGroups):
             members = {name for group in change.groups for name in groups.pop(group, ())}
             named |= members - {name for actions in groups.values() for name in actions}

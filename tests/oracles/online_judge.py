@@ -93,9 +93,22 @@ def judge_step(
 
 def _revised(task: Task, old: Schedule, events: Sequence[Event]) -> Task:
     starts: dict[str, Number] = {e.id: e.start for e in old.entries if e.occurrence == 1}
+    again = {had.repetition for had in task.lapsed}
     for event in events:
         task = apply(task, event, starts)
-    return task
+    new = {had.repetition for had in task.lapsed} - again - {None}
+    if not new:
+        return task
+    # It is too late for a repetition to come before what has happened.
+    at = max(task.number(event.at) for event in events)
+    begun = {e.id for e in old.entries if e.start < at}
+    over = {e.id for e in old.entries if e.start < at and e.end <= at}
+    kept = [
+        p
+        for p in task.precedence
+        if not (p.before in new and p.after in (over if p.type.endswith("-finish") else begun))
+    ]
+    return task.model_copy(update={"precedence": tuple(kept)})
 
 
 def _world(before: Task, task: Task, events: Sequence[Event]) -> list[str]:
@@ -108,6 +121,7 @@ def _world(before: Task, task: Task, events: Sequence[Event]) -> list[str]:
         if isinstance(change, AddActions)
         for action in change.actions
     }
+    known |= {had.repetition for had in task.lapsed if had.repetition is not None}
     return [action.id for action in task.actions if action.id not in known]
 
 
@@ -155,7 +169,7 @@ def _snapshot(
     completed = {f.entry.id for f in facts if f.is_settled and f.least <= at}
     running = {f.entry.id for f in facts if not f.is_settled or f.least > at}
     for what, told, true in (
-        ("completed", step.completed, completed),
+        ("completed", (*step.completed, *step.stopped), completed),
         ("running", step.running, running),
     ):
         if set(told) != true:

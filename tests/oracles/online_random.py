@@ -32,6 +32,8 @@ OPERATIONS = (
     *("add_resources", "set_capacity", "set_deadline", "set_release", "add_groups"),
     *("cancel_groups", "set_goals", "set_state", "add_state", "set_objective", "observe"),
 )
+"""The kinds of change that any event may have; `EACH` has one more, drawn where it is asked for."""
+EACH = (*OPERATIONS, "retry_action")
 MOST_ACTIONS = 7
 _TRIES = 40
 
@@ -206,6 +208,30 @@ def _cancel_actions(rng: random.Random, moment: Moment) -> list[Document] | None
     if not names:
         return None
     return [{"op": "cancel_actions", "actions": [rng.choice(sorted(names))]}]
+
+
+def _retry_action(rng: random.Random, moment: Moment) -> list[Document] | None:
+    """Breaks off what runs, or cancels something, and does it again."""
+    once = {e.id for e in moment.once(moment.schedule.entries)}
+    actions = {a.id: a for a in moment.task.actions}
+    running = [e for e in moment.running if e.id in once and e.status is None]
+    waiting = [e for e in moment.open if e.id in once and e.status is None]
+    if waiting and (not running or rng.random() < 0.3):
+        entry = rng.choice(waiting)
+        again: Document = {"op": "retry_action", "action": entry.id}
+        return [{"op": "cancel_actions", "actions": [entry.id]}, again]
+    if not running:
+        return None
+    entry = rng.choice(running)
+    again = {"op": "retry_action", "action": entry.id}
+    if rng.random() < 0.4:
+        again["done"] = json_number(exact(Fraction(moment.at) - entry.start))
+        if actions[entry.id].modes:
+            again["mode"] = entry.mode
+    if rng.random() < 0.3:
+        again["id"] = f"{entry.id} once more"
+    cancel = [{"op": "cancel_actions", "actions": [entry.id]}]
+    return [*(cancel if rng.random() < 0.5 else []), again]
 
 
 def _set_duration(rng: random.Random, moment: Moment) -> list[Document] | None:
@@ -448,6 +474,7 @@ _DRAWN: Mapping[str, Callable[[random.Random, Moment], list[Document] | None]] =
     {
         "add_actions": _add_actions,
         "cancel_actions": _cancel_actions,
+        "retry_action": _retry_action,
         "set_duration": _set_duration,
         "add_precedence": _add_precedence,
         "remove_precedence": _remove_precedence,
@@ -558,7 +585,7 @@ def _compatible(task: Task, event: Event, more: Event) -> bool:
     from irc.diagnostics import InputError
     from irc.events.apply import apply
 
-    endings = {"cancel_actions", "cancel_groups", "observe", "set_duration"}
+    endings = {"retry_action", "cancel_actions", "cancel_groups", "observe", "set_duration"}
     if any(c.op in endings for c in event.changes) and any(c.op in endings for c in more.changes):
         return False
     try:

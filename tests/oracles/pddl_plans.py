@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,12 @@ class Judge:
 
         get_environment().credits_stream = None
         self.reader = PDDLReader()
-        self.problem = self.reader.parse_problem(
-            str(folder / "domain.pddl"), str(folder / "problem.pddl")
+        domain, problem = (
+            (folder / f"{name}.pddl").read_text("utf-8") for name in ("domain", "problem")
         )
+        # A metric says nothing about validity, and it cannot read some.
+        problem = re.sub(r"\(:metric (?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)", "", problem)
+        self.problem = self.reader.parse_problem_string(domain, problem)
 
     def accepts(self, plan_text: str) -> bool:
         """Whether the plan is valid."""

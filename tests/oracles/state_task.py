@@ -178,6 +178,8 @@ def read(task: Task) -> Plain:
     """The task in ticks. Raises `ValueError` for what the state oracles do not know."""
     if task.events:
         raise ValueError("this oracle does not know events")
+    if any(variable.changes for variable in task.state):
+        raise ValueError("this oracle does not know timed changes of state")
     if "minimize_changes" in task.objective:
         raise ValueError("this oracle does not know 'minimize_changes'")
     return _Reader(task).read()

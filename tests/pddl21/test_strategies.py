@@ -20,11 +20,13 @@ from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision
 from irc.retiming.retime import retime
 from irc.schedule import Status
-from irc.targets import Budget, SolveOptions, get_backend
+from irc.targets import Budget, Program, SolveOptions, get_backend
 from irc.validation import validate
 from irc_pddl21.decoding.rounding import rounded
+from irc_pddl21.planners.kairos import KairosPlanner
 from irc_pddl21.search.list_schedules import short_list_schedule
 from irc_pddl21.search.neighbourhood import makespan_of, near, neighbourhoods
+from irc_pddl21.search.planner_session import PlannerSession
 from irc_pddl21.search.reachability import is_out_of_reach
 from irc_pddl21.search.selection import SelectionSpace, is_refuted, optional_items
 from oracles.generators import contended_task
@@ -124,13 +126,25 @@ def small_reward_problem(seed: int) -> Problem:
 @pytest.mark.parametrize("seed", range(12))
 def test_no_choice_is_worth_more_than_the_upper_bound_says(seed: int) -> None:
     problem = small_reward_problem(seed)
-    found = optional_items(problem, ("reward",))
-    assert found is not None
-    selections = SelectionSpace(problem, found[0])
+    selections = SelectionSpace(problem, optional_items(problem, ("reward",)).items)
     everything = frozenset(range(len(selections.items)))
     upper = selections.upper_bound(frozenset(), everything)
     assert upper is not None
     assert best_by_trying(selections) <= upper <= selections.value(everything)
+    hurried = SelectionSpace(problem, optional_items(problem, ("reward",)).items, lambda: True)
+    quick = hurried.upper_bound(frozenset(), everything)
+    assert quick is not None
+    assert upper <= quick <= selections.value(everything)
+
+
+def test_without_time_the_first_run_is_for_who_has_no_answer_yet() -> None:
+    task = task_of(*lettered({"occurs": "optional", "reward": 1}), objective=["maximize_reward"])
+    backend = get_backend("pddl21")
+    program = Program(backend, task, lower_for(task, backend))
+    session = PlannerSession(KairosPlanner(), program, SolveOptions(), Budget(0))
+    assert not session.is_over
+    session.keep(irc.Schedule(()))
+    assert session.is_over
 
 
 def test_an_objective_counts_more_than_all_behind_it() -> None:
@@ -138,16 +152,46 @@ def test_an_objective_counts_more_than_all_behind_it() -> None:
         {"occurs": "optional", "reward": 1, "cost": 50},
         {"occurs": "optional", "reward": 0, "cost": 3},
     )
-    found = optional_items(problem, ("reward", "cost"))
-    assert found is not None
-    items, worths = found
+    items, worths, _ = optional_items(problem, ("reward", "cost"))
     values = {item.members: item.value for item in items}
     assert values[0,] > 0 > values[1,]
     assert worths.first_bound(values[0,]) == 1
 
 
-def test_what_may_be_done_again_and_again_is_no_choice_of_items() -> None:
-    assert optional_items(problem_of({"occurs": {"max": 3}, "reward": 1}), ("reward",)) is None
+def test_each_further_occurrence_with_a_reward_is_an_item() -> None:
+    repeated = {"occurs": {"min": 1, "max": 3}, "reward": 4}
+    found = optional_items(problem_of(repeated), ("reward",))
+    assert [item.value for item in found.items] == [4, 4]
+    assert found.all_there
+
+
+def test_as_many_occurrences_are_items_as_the_deadline_has_time_for() -> None:
+    endless = {"occurs": {"min": 0}, "reward": 1, "duration": 3}
+    assert not optional_items(problem_of(endless), ("reward",)).all_there
+    found = optional_items(problem_of(endless, deadline=10), ("reward",))
+    assert found.all_there
+    assert len(found.items) == 3
+
+
+def test_a_selection_has_the_occurrences_that_were_chosen() -> None:
+    problem = problem_of({"occurs": {"max": 3}, "reward": 1}, {})
+    space = SelectionSpace(problem, optional_items(problem, ("reward",)).items)
+    counts = []
+    for chosen in ((), (1,), (0, 2)):
+        restricted = space.restricted(frozenset(chosen))
+        assert restricted is not None
+        counts.append([a.details.repeats for a in restricted.activities])
+    assert counts == [[None], [None, None], [(2, 2), None]]
+    assert space.canonical(frozenset([0, 2])) == {0, 1}
+
+
+def test_a_selection_whose_lags_contradict_each_other_is_refuted() -> None:
+    problem = problem_of(
+        {}, {"occurs": "optional", "reward": 1}, precedence=[["a", "b"], ["b", "a"]]
+    )
+    space = SelectionSpace(problem, optional_items(problem, ("reward",)).items)
+    assert is_refuted(space.restricted(frozenset([0])), thoroughly=False)
+    assert not is_refuted(space.restricted(frozenset()), thoroughly=False)
 
 
 def test_a_goal_that_nothing_present_can_give_is_refuted() -> None:

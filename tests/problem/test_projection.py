@@ -75,7 +75,7 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Activity: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "release", "deadline"), PLAIN),
-        **dict.fromkeys(("start", "latest_start", "origin"), PLAIN),
+        **dict.fromkeys(("start", "latest_start", "deadline_by", "origin"), PLAIN),
         "uses": "own uses",
         "open_demands": "part",
         "details": "part",
@@ -126,7 +126,7 @@ MEANING: dict[type, dict[str, str]] = {
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
-            Variable: ("id", "values", "initial", "origin"),
+            Variable: ("id", "values", "initial", "origin", "changes"),
         }.items()
     },
 }

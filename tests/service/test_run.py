@@ -128,7 +128,7 @@ def test_what_was_observed_is_planned_around_when_it_is_asked_for() -> None:
         ('{"do": ["stop"]}', "IRC103", "/do"),
         ('{"do": "advance"}', "IRC101", ""),
         ('{"do": "advance", "to": "soon"}', "IRC104", "/to"),
-        ('{"do": "advance", "to": null}', "IRC104", "/to"),
+        ('{"do": "advance", "to": null}', "IRC101", ""),
         ('{"do": "advance", "to": -1}', "IRC104", "/to"),
         ('{"do": "advance", "to": "2026-03-01T08:00:00Z"}', "IRC104", "/to"),
         ('{"do": "advance", "to": 1}', "IRC705", "/to"),
@@ -274,6 +274,7 @@ def test_where_the_journal_cannot_be_written_nothing_is_acknowledged(
         )
     assert (code, [a["ok"] for a in answers]) == (2, [True, False])
     assert "No space left" in answers[1]["error"]["message"]
+    assert answers[1]["now"] == 2, "what was not written has not happened"
     assert "No space left" in errors
     assert run(file, journal=True)[1][0]["now"] == 2
 
@@ -386,7 +387,7 @@ def test_a_restart_needs_only_the_requests_since_the_last_snapshot(
     monkeypatch.setattr(Session, "_replay", lambda self, e: (calls.append(e), replay(self, e)))
     _, (greeting,), _ = run(file, journal=True)
     assert (greeting["recovered"], greeting["now"], greeting["last_id"]) == (252, 4.5, None)
-    assert len(calls) == 52
+    assert len(calls) == 2
     assert greeting["state"]["schedule"]["makespan"] == 22
 
 
@@ -404,7 +405,8 @@ def test_where_no_snapshot_can_be_read_all_requests_are_replayed(
     assert (greeting["recovered"], greeting["now"], greeting["last_id"]) == (120, 0.6, 120)
     journal = file.with_name("run.journal")
     lines = journal.read_bytes().splitlines(keepends=True)
-    journal.write_bytes(b"".join([lines[0], *lines[101:]]))  # as a long journal is shortened
+    last = max(k for k, line in enumerate(lines) if b'"snapshot"' in line)
+    journal.write_bytes(b"".join([lines[0], *lines[last:]]))  # as a long journal is shortened
     code, answers, errors = run(file, journal=True)
     assert (code, answers) == (1, [])
     assert "IRC609" in errors
@@ -421,7 +423,8 @@ def test_a_disk_too_full_for_a_snapshot_is_said_and_ends_nothing(
     requests = [f'{{"do": "advance", "to": "{k}/200", "id": {k}}}' for k in range(1, 121)]
     code, answers, errors = run(file, *requests, journal=True)
     assert (code, {answer["ok"] for answer in answers}, len(answers)) == (0, {True}, 121)
-    assert errors == "note: no snapshot could be added to the journal: No space left on device\n"
+    note = "note: no snapshot could be added to the journal: No space left on device\n"
+    assert errors == 2 * note
     assert run(file, journal=True)[1][0]["recovered"] == 120
 
 

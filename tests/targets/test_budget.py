@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import math
 import pickle
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +14,14 @@ from pathlib import Path
 import pytest
 
 import irc
+from irc.checks import run_checks
+from irc.driver.compile import lower_checked
 from irc.driver.solve import solve_task
 from irc.execution import simulate
 from irc.execution.continuation import AFTERWARDS_SHARE
 from irc.explanation import explain_task
 from irc.model import Task
-from irc.targets import Budget, Engine, Outcome, Program, SolveOptions
+from irc.targets import Budget, Cancellation, Engine, Outcome, Program, SolveOptions
 from irc_cpsat import CpSat
 from irc_cpsat.engines import OrTools
 
@@ -243,3 +247,60 @@ def test_only_a_budget_reads_the_clock() -> None:
     others = {place for place in found if place.split(":")[0] not in READERS}
     assert not others, "\n".join(sorted(others))
     assert len(found) > len(others), "the search finds nothing at all"
+
+
+# --- in a hurry ---------------------------------------------------------------------------------
+
+
+def test_seconds_that_have_gone_by_count() -> None:
+    clock = Hands()
+    budget = Budget(10, spent=4, clock=clock)
+    assert (budget.limit, budget.left, budget.elapsed) == (10, 6, 4)
+    clock.now += 7
+    assert budget.is_over
+
+
+def test_a_part_may_outlive_the_whole_but_not_what_ends_it() -> None:
+    cancel = Cancellation()
+    part = Budget(0, cancel=cancel).at_least(5).share(1)
+    assert 4 < part.left <= 5
+    cancel.cancel()
+    assert (part.left, part.is_over, part.is_cancelled) == (0, True, True)
+
+
+def test_after_cancel_no_time_is_left_of_any_part() -> None:
+    cancel = Cancellation()
+    budget = Budget(cancel=Cancellation(cancel))
+    parts = [budget, budget.share(0.5), budget.at_most(9), budget.at_least(9)]
+    assert not any(part.is_over for part in parts)
+    cancel.cancel()
+    assert all(part.is_over and part.is_cancelled and part.left == 0 for part in parts)
+    assert not Budget(0).is_cancelled, "a limit that is over is no cancellation"
+
+
+def test_without_time_to_load_a_solver_the_compiler_answers(given: list[Budget]) -> None:
+    schedule = irc.solve(crowd(), time_limit=0.001, shortcut=False)
+    assert (schedule.status, schedule.engine) == ("optimal", "list-schedule")
+    assert not schedule.interrupted
+    assert not given
+
+
+def test_much_of_the_time_spent_only_quick_bounds_are_sought(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[object] = []
+    monkeypatch.setattr("irc.passes.serial_sgs.quick_makespan", asked.append)
+    checked = run_checks(crowd(), lint=False)
+    problems = [lower_checked(checked, CpSat(), Budget(10, spent=spent)) for spent in (5, 0)]
+    assert len(asked) == 1, "the second one looks for more"
+    assert [p.to_units(p.bounds.makespan.value) for p in problems] == [9, 9]
+
+
+@pytest.mark.slow
+def test_a_command_counts_from_the_start_of_its_process() -> None:
+    code = "from irc.targets.budget import seconds_since_start as s; print(s(), s(waited=True))"
+    began = Budget()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    passed, computed = map(float, done.stdout.split())
+    assert 0 < computed < passed + 0.05
+    assert passed < began.elapsed + 0.05

@@ -174,6 +174,7 @@ def _rank_count(problem: Problem) -> int:
     known = [rank for a in problem.activities for rank in a.details.ranks or () if rank is not None]
     known += [a.details.not_before[1] for a in problem.activities if a.details.not_before]
     free = sum(1 if a.is_fixed else 2 for a in problem.activities)
+    free += sum(len(variable.changes) for variable in problem.variables)
     return 1 + free + max(known, default=0)
 
 

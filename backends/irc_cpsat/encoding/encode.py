@@ -19,6 +19,7 @@ from irc_cpsat.encoding.hints import add_hints
 from irc_cpsat.encoding.objectives import add_makespan, add_objective, values_of
 from irc_cpsat.encoding.occurrences import FILE_DEPTH, add_occurrences
 from irc_cpsat.encoding.overflow import refuse_overflow
+from irc_cpsat.encoding.pools import add_energy, add_pools
 from irc_cpsat.encoding.precedence import add_precedence
 from irc_cpsat.encoding.presence import add_presence
 from irc_cpsat.encoding.reservoirs import add_reservoirs, order_count
@@ -52,9 +53,13 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     add_precedence(builder)
     add_occurrences(builder)
     literals = add_resources(builder)
+    if builder.bounds:
+        add_pools(builder)
     add_reservoirs(builder)
     add_state(builder)
     makespan = add_makespan(builder)
+    if builder.bounds:
+        add_energy(builder, makespan)
     built = Model(
         model=builder.model,
         problem=builder.problem,

@@ -12,6 +12,17 @@ _MARGIN = 8
 """How many times beyond the horizon the moments of `irc_cpsat.encoding.state` reach."""
 
 
+def greatest_horizon(problem: Problem) -> int:
+    """A horizon, in ticks, up to which `refuse_overflow` takes the times of a problem.
+
+    (It counts more ranks and places than a model has, so that none need be built to know it.)
+    """
+    happenings = 2 * len(problem.activities) + 1
+    ranks = happenings if problem.variables else 1
+    places = happenings if problem.reservoirs else 1
+    return MAX_SUM // (_MARGIN * ranks * places * happenings) - 1
+
+
 def refuse_overflow(problem: Problem, horizon: int, rank_count: int) -> None:
     """Raises `Refusal`, saying which numbers are too large, where a sum would not fit."""
     count = max(1, len(problem.activities))

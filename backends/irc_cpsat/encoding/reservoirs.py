@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from irc.problem import Problem, Reservoir
+from irc.targets import Refusal
 from irc_cpsat.encoding.builder import Builder
 
 
@@ -32,8 +33,12 @@ class _StockChanges:
     actives: list[Any] = field(default_factory=list)
 
 
+MOST_CHANGES = 800
+"""The most changes of a reservoir that is given and taken: the solver compares all pairs."""
+
+
 def add_reservoirs(builder: Builder) -> None:
-    """Adds every reservoir."""
+    """Adds every reservoir. Raises `Refusal` where one has more than `MOST_CHANGES`."""
     happenings = list(_happenings(builder.problem))
     finer = _reservoirs_that_want_order(builder.problem, happenings)
     ordered = [h for h in happenings if not finer.isdisjoint(h.amounts)]
@@ -53,6 +58,14 @@ def add_reservoirs(builder: Builder) -> None:
 
 
 def _add_reservoir(builder: Builder, reservoir: Reservoir, changes: _StockChanges) -> None:
+    mixed = min(changes.amounts) < 0 < max(changes.amounts)
+    if mixed and len(changes.amounts) > MOST_CHANGES:
+        raise Refusal(
+            f"reservoir {reservoir.id!r} is changed {len(changes.amounts):,} times; at most "
+            f"{MOST_CHANGES:,} changes of one that is given and taken fit into a model",
+            reservoir.origin,
+            "let one action stand for several changes, or split the task",
+        )
     below = sum(a for a in changes.amounts if a < 0)
     above = sum(a for a in changes.amounts if a > 0)
     if reservoir.greatest is not None:

@@ -82,7 +82,7 @@ def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal |
 
     (The first follows from the second, but says more about time.)
     """
-    builder.uses[r].add(_interval(builder, i, taken), demand.amount)
+    builder.uses[r].add(interval_of(builder, i, taken), demand.amount)
     if builder.ranked:
         builder.uses_in_moments[r].add(_interval_of_moments(builder, i, taken), demand.amount)
 
@@ -104,7 +104,8 @@ def _interval_of_moments(builder: Builder, i: int, literal: Literal | None) -> c
     return model.new_optional_interval_var(start, length, end, literal, name)
 
 
-def _interval(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+def interval_of(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
+    """The interval of an activity over time, present where a literal holds (None: always)."""
     model, activity, start = builder.model, builder.problem.activities[i], builder.starts[i]
     name = name_of(activity)
     if activity.is_fixed:

@@ -50,6 +50,7 @@ class _StateEncoder:
         self.problem = builder.problem
         self.last = (builder.horizon + 1) * builder.rank_count
         self.stretched: dict[int, Literal] = {}
+        self.last_end: Any = None
         self.effects: list[list[tuple[int, int, bool]]] = [[] for _ in self.problem.variables]
         self.conditions: list[list[tuple[int, Condition]]] = [[] for _ in self.problem.variables]
         for i, activity in enumerate(self.problem.activities):
@@ -64,7 +65,9 @@ class _StateEncoder:
         for i, condition in self.conditions[v]:
             self._add_condition(i, condition, owners)
         for var, value in self.problem.goals:
-            if var == v:
+            if var == v and self.problem.variables[v].changes:
+                self._add_goal_in_time(value, owners)
+            elif var == v:
                 self._add_goal(value, owners)
 
     # --- happenings ---
@@ -120,8 +123,65 @@ class _StateEncoder:
                 )
             intervals.append(interval)
             owners.append(_Owner(i, value, at_end, start, end, literal))
+        for at, value in variable.changes:
+            if at <= self.builder.horizon:
+                owners.append(self._change_owner(v, at, value, intervals))
         self.model.add_no_overlap(intervals)
         return owners
+
+    def _change_owner(self, v: int, at: int, value: int, intervals: list[Any]) -> _Owner:
+        """The owner of a timed change: before all starts of its instant that touch the variable."""
+        count = self.builder.rank_count
+        first = at * count
+        start = self.model.new_int_var(first, first + count - 1, "")
+        size = self.model.new_int_var(1, 3 * self.last + 2, "")
+        end = self.model.new_int_var(0, 3 * self.last + 2, "")
+        name = f"{self.problem.variables[v].id} at {at}"
+        intervals.append(self.model.new_interval_var(start, size, end, name))
+        touching = {i for i, *_ in self.effects[v]} | {i for i, _ in self.conditions[v]}
+        for i in sorted(touching):
+            self._start_around(i, first, start)
+        return _Owner(None, value, False, start, end, None)
+
+    def _start_around(self, i: int, first: int, change: Any) -> None:
+        """An activity starts before the instant of a change, or no earlier than the change."""
+        opening = self._point(i, at_end=False)
+        early = self.model.new_bool_var("")
+        late = self.model.new_bool_var("")
+        self.model.add(opening < first).only_enforce_if(early)
+        self.model.add(opening >= change).only_enforce_if(late)
+        present = self.builder.present[i]
+        self.model.add_bool_or([early, late, *([] if present is None else [~present])])
+
+    def _end_of_all(self) -> Any:
+        """The moment behind everything that happens at the last end."""
+        if self.last_end is None:
+            ends: list[Any] = [0]
+            for i, present in enumerate(self.builder.present):
+                end = self.model.new_int_var(0, self.builder.horizon, "")
+                self.builder.enforced(self.model.add(end == self.builder.end(i)), i)
+                if present is not None:
+                    self.model.add(end == 0).only_enforce_if(~present)
+                ends.append(end)
+            time = self.model.new_int_var(0, self.builder.horizon, "")
+            self.model.add_max_equality(time, ends)
+            self.last_end = (time + 1) * self.builder.rank_count
+        return self.last_end
+
+    def _add_goal_in_time(self, value: int, owners: Sequence[_Owner]) -> None:
+        """A goal on a variable that the world changes: later changes do not count."""
+        until = self._end_of_all()
+        supporters = []
+        for owner in owners:
+            if owner.value != value:
+                continue
+            chosen = self.model.new_bool_var("")
+            self.model.add(owner.start < until).only_enforce_if(chosen)
+            self.model.add(owner.end >= until).only_enforce_if(chosen)
+            if owner.literal is not None:
+                self.model.add_implication(chosen, owner.literal)
+            supporters.append(chosen)
+        self.model.add_exactly_one(supporters)
 
     def _distinct_effects(self, v: int) -> list[tuple[int, int, bool]]:
         """The effects on a variable; an instant gives a value once, though both its ends do."""
@@ -196,7 +256,8 @@ class _StateEncoder:
             return
         for other in owners:
             # (Its own effects are at its ends, never between them.)
-            if other.activity not in (None, i) and other.value != value:
+            ever = other is not owners[0] and other.activity != i
+            if ever and other.value != value:
                 self._keep_out(i, start, end, other, when)
 
     def _keep_out(self, i: int, start: Any, end: Any, other: _Owner, when: Sequence[Any]) -> None:

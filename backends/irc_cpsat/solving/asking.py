@@ -11,7 +11,7 @@ from ortools.sat.python import cp_model
 from irc.targets import Budget
 
 _LOOK_SECONDS = 0.03
-"""How often the waiting thread looks whether the search is to end."""
+"""Between two looks of the waiting thread at its budget."""
 
 
 def asked(

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from irc.passes.unroll import slots
+from irc.passes.unroll import MOST_OCCURRENCES, slots
 from irc.problem import Activity, Problem
 
 FIRST_DEPTH = 1
 GREATEST_DEPTH = 64
 """The depths that are tried without being asked for by a proof."""
 
-SLOTS_LIMIT = 4_000
+SLOTS_LIMIT = MOST_OCCURRENCES
 """The greatest number of occurrences of repeated actions in a model."""
 
 

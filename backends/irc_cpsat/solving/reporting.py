@@ -20,7 +20,7 @@ from irc_cpsat.solving.solution import FoundSolution, schedule_from
 
 class Reporter(cp_model.CpSolverSolutionCallback):
     """Passes on what the search for one objective finds; `earlier` are the objectives before it.
-    Without `proves` the bounds hold for this model only, and are not told.
+    Without `proves` the bounds hold for this model only, and are not reported.
 
     An exception of the receiver ends the search and is kept, because CP-SAT calls from threads of
     its own.
@@ -75,14 +75,14 @@ class Reporter(cp_model.CpSolverSolutionCallback):
             return schedule_from(problem, built, solution)
 
         # (The variables of later objectives need not be as small as the schedule would allow.)
-        settled = problem.levels[: problem.levels.index(self.objective) + 1]
+        optimised = problem.levels[: problem.levels.index(self.objective) + 1]
         levels = tuple(
             ObjectiveLevel(
                 name,
                 in_units(problem, name, solution.value(built.values[name])),
                 None if (bound := self._bound_on(name)) is None else in_units(problem, name, bound),
             )
-            for name in settled
+            for name in optimised
         )
         seconds = self.budget.elapsed
         try:

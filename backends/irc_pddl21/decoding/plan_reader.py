@@ -70,7 +70,22 @@ def read_plans(text: str) -> PlanLog:
     """
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if "TimeTriggeredPlan" in text:
+        text = _PRINTED.sub(_as_step, text)
     return _PlanReader(text).read()
+
+
+_PRINTED = re.compile(
+    r"^(?P<lead>[ \t]{0,64}[0-9.]{1,40}):[ \t]{0,64}(?P<name>[\w-]{1,400})"
+    r"(?:\((?P<args>[^()\n]{0,4000})\))?(?P<rest>[ \t]{0,64}(?:\[[^\[\]\n]{1,64}\])?[ \t]{0,64})$",
+    re.MULTILINE,
+)
+"""A step as unified-planning prints it: `0.0: move(ann, den) [5.0]`."""
+
+
+def _as_step(found: re.Match[str]) -> str:
+    args = (found["args"] or "").replace(",", " ")
+    return f"{found['lead']}: ({' '.join([found['name'], *args.split()])}){found['rest']}"
 
 
 _COLOUR = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")

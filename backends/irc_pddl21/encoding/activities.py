@@ -74,7 +74,7 @@ class _ActivityEncoder:
         variants = [
             v
             for v in variants_of(self.builder.problem, activity, self.elements.units)
-            if not contradicts_itself(activity, instant=not span_of(activity, v.mode)[1])
+            if not contradicts_itself(activity, instant=not v.span[1])
         ]
         if not variants and occurrences.least:
             raise _impossible(activity)
@@ -151,7 +151,7 @@ class _ActivityEncoder:
         """One variant of an occurrence, with the activity's own conditions and effects."""
         activity, state = self.builder.problem.activities[i], self.elements.state
         units, conditions = self.elements.units, self.builder.conditions
-        span = span_of(activity, variant.mode)
+        span = variant.span
         here = list(dict.fromkeys(units.here[t] for t in variant.tokens if t in units.here))
         level_needs, level_changes = self.elements.levels.of(activity, instant=not span[1])
         start_adds, start_deletes = state.effects(activity, at_end=False)
@@ -208,6 +208,8 @@ def _impossible(activity: Activity) -> Refusal:
 
 
 def _parts(activity: Activity, variant: Variant) -> list[str]:
-    """The parts of a variant's name: its mode and its tokens (without "free_")."""
+    """The parts of a variant's name: its mode, and its tokens (without "free_") or "at_once"."""
     mode = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
+    if variant.span != span_of(activity, variant.mode):
+        return [*mode, "at_once"]
     return mode + [token[5:] for token in variant.tokens]

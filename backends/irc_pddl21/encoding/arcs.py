@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from irc.problem import Problem
+from irc.problem import PLAIN, Problem
 from irc.problem.temporal_network import Network, components, is_acyclic
 from irc_pddl21.encoding.builder import Point
 
@@ -49,7 +49,8 @@ def sort_arcs(problem: Problem) -> SortedArcs:
     """All arcs of a problem by kind.
 
     Points that must coincide (a cycle of length 0) cannot wait for each other in PDDL, whose
-    happenings are separated; arcs inside such a cycle become envelopes.
+    happenings are separated; arcs inside such a cycle become envelopes. So do arcs from a start to
+    an end: where the activity that ends gives the other what it needs, both are at one instant.
     """
     arcs = SortedArcs()
     for arc in problem.arcs:
@@ -58,12 +59,19 @@ def sort_arcs(problem: Problem) -> SortedArcs:
         if arc.max_lag is not None:
             arcs.add(MinLag(after, before, -arc.max_lag))
     cycle_of = _cycles_of(problem, arcs)
-    if cycle_of:
-        conditions, arcs.conditions = arcs.conditions, []
-        for c in conditions:
-            coincides = cycle_of.get(c.before) == cycle_of.get(c.after) is not None
-            (arcs.envelopes if coincides else arcs.conditions).append(c)
+    conditions, arcs.conditions = arcs.conditions, []
+    for c in conditions:
+        coincides = cycle_of.get(c.before) == cycle_of.get(c.after) is not None
+        loose = coincides or _may_have_to_coincide(problem, c)
+        (arcs.envelopes if loose else arcs.conditions).append(c)
     return arcs
+
+
+def _may_have_to_coincide(problem: Problem, constraint: MinLag) -> bool:
+    """Whether a start must not come after an end whose activity may give it what it needs."""
+    starts, ends = not constraint.before % 2, bool(constraint.after % 2)
+    both = (problem.activities[point // 2] for point in constraint[:2])
+    return starts and ends and all(a.open_demands or a.details is not PLAIN for a in both)
 
 
 def _cycles_of(problem: Problem, arcs: SortedArcs) -> dict[Point, int]:

@@ -66,7 +66,7 @@ def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = F
     )
     add_activities(builder, elements)
     add_absences(builder, absences)
-    builder.encoding.goal += [elements.state.facts[goal] for goal in problem.goals]
+    builder.encoding.goal += [elements.state.goal(*goal) for goal in problem.goals]
     builder.encoding.drop_unused_facts()
     return builder.grounded
 

@@ -105,5 +105,5 @@ def _variant_count(problem: Problem, activity: Activity, by_counter: set[int]) -
 def _token_sets(capacity: int, amount: int) -> int:
     """The number of sets of `amount` tokens, or one that is too great where it would be huge."""
     if amount >= capacity:
-        return 1
+        return 1 if capacity <= MAX_VARIANTS else MAX_VARIANTS + 1
     return MAX_VARIANTS + 1 if capacity > MAX_VARIANTS else comb(capacity, amount)

@@ -7,17 +7,19 @@ from itertools import combinations, product
 from typing import NamedTuple
 
 from irc.problem import Activity, OpenDemand, Problem
-from irc_pddl21.encoding.modes import demands_in, modes_of
+from irc_pddl21.encoding.modes import demands_in, modes_of, span_of
 from irc_pddl21.encoding.resources import ResourceUnits
 
 
 class Variant(NamedTuple):
     """One way to ground an activity.
 
-    `resources` gives the pool of each of the `demands` that this mode has.
+    `resources` gives the pool of each of the `demands` that this mode has. `span`: the least and
+    the greatest duration, in ticks.
     """
 
     mode: int | None
+    span: tuple[int, int]
     demands: tuple[OpenDemand, ...] = ()
     resources: tuple[int, ...] = ()
     tokens: tuple[str, ...] = ()
@@ -27,10 +29,11 @@ class Variant(NamedTuple):
 def variants_of(problem: Problem, activity: Activity, units: ResourceUnits) -> Iterator[Variant]:
     """Every mode, with every choice of resources, with every choice of tokens.
 
-    Open demands on one pool add up.
+    Open demands on one pool add up. Where a range of durations begins at 0, it may also last 0 and
+    hold nothing, whether or not there is room (docs/semantics.md, rule 4).
     """
     for mode in modes_of(activity):
-        demands = demands_in(activity, mode)
+        demands, span = demands_in(activity, mode), span_of(activity, mode)
         for resources in product(*(demand.alternatives for demand in demands)):
             amounts: dict[int, int] = {}
             for demand, r in zip(demands, resources, strict=True):
@@ -44,4 +47,6 @@ def variants_of(problem: Problem, activity: Activity, units: ResourceUnits) -> I
             )
             for chosen in product(*token_sets):
                 tokens = tuple(t for some in chosen for t in some)
-                yield Variant(mode, demands, resources, tokens, takes)
+                yield Variant(mode, span, demands, resources, tokens, takes)
+        if demands and not span[0]:
+            yield Variant(mode, (0, 0))

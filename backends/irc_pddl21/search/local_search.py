@@ -38,7 +38,7 @@ def good_selection(session: PlannerSession, space: SelectionSpace, bound: int | 
         other = search.improved(best - frozenset(lost), order)
         if space.value(other) >= space.value(best):
             best = other
-    return best
+    return space.canonical(best)
 
 
 class _LocalSearch:
@@ -103,6 +103,7 @@ class _Plausibility:
 
     def holds(self, chosen: Selection) -> bool:
         """Whether a selection seems to have a plan."""
+        chosen = self.space.canonical(chosen)
         if chosen not in self._known:
             self._known[chosen] = self._judge(chosen)
         return self._known[chosen]
@@ -111,6 +112,6 @@ class _Plausibility:
         if self.space.upper_bound(chosen, frozenset()) is None:
             return False
         problem = self.space.restricted(chosen)
-        if is_refuted(problem, thoroughly=False):
+        if problem is None or is_refuted(problem, thoroughly=False):
             return False
         return not problem.is_plain or quick_makespan(problem) is not None

@@ -64,9 +64,10 @@ class PlannerSession:
     @property
     def is_over(self) -> bool:
         """Whether there is no time for another run; the first one gets some in any case, unless
-        the call was cancelled.
+        the call was cancelled or there is an answer already.
         """
-        return self.budget.is_cancelled or (self.runs > 0 and self.left < LEAST_SECONDS)
+        begun = self.runs > 0 or self.best is not None
+        return self.budget.is_cancelled or (begun and self.left < LEAST_SECONDS)
 
     def ask(
         self,

@@ -26,7 +26,11 @@ def is_out_of_reach(problem: Problem) -> bool:
 
 def reachable_values(problem: Problem) -> set[Value]:
     """The values that some activity could give, once all that it needs has been given."""
-    reached = {(v, variable.initial) for v, variable in enumerate(problem.variables)}
+    reached = {
+        (v, value)
+        for v, variable in enumerate(problem.variables)
+        for value in variable.known_values
+    }
     waiting = list(problem.activities)
     while True:
         ready = [activity for activity in waiting if _needs(activity) <= reached]

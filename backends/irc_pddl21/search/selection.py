@@ -1,6 +1,7 @@
 """Selections of optional items: their value, and upper bounds on it.
 
-An item is an optional group, or an optional activity with a reward or cost of its own. The value of
+An item is an optional group, an optional activity with a reward or cost of its own, or one more
+occurrence of a repeated activity that has some. The value of
 a selection is the sum of its items' values. The stock that it needs, and the time of resources
 until the deadline, bound that sum: each such limit is a knapsack, and the fractional knapsack
 (Dantzig, "Discrete-variable extremum problems", 1957) an upper bound.
@@ -8,17 +9,22 @@ until the deadline, bound that sum: each such limit is a knapsack, and the fract
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from irc.passes import resource_bounds
 from irc.passes.contention import drop_uncontended
-from irc.passes.critical_path import bounded_mandatory_part, heads_and_tails
+from irc.passes.critical_path import (
+    TimesContradictError,
+    bounded_mandatory_part,
+    heads_and_tails,
+)
 from irc.passes.energy import energy_bound, loads
 from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import drop_ample_stock, restrict
-from irc.problem import Problem
+from irc.problem import Activity, Problem
 from irc_pddl21.search.reachability import is_out_of_reach
 
 THRESHOLDS = 4
@@ -31,11 +37,25 @@ Selection = frozenset[int]
 """The items (by index) that are present."""
 
 
+LIMITED_ITEMS = 400
+"""With more items the limits of resources are left out, since each asks for a look at all."""
+
+MOST_ITEMS = 2_000
+"""At most this many items are further occurrences."""
+
+MOST_FURTHER = 32
+"""At most this many further occurrences of one action are items of their own."""
+
+
 class Item(NamedTuple):
-    """Activities (by index) that are present together or not at all, and their value."""
+    """Activities (by index) that are present together or not at all, and their value.
+
+    `further`: the item is one more occurrence of its single member.
+    """
 
     members: tuple[int, ...]
     value: int
+    further: bool = False
 
 
 class Limit(NamedTuple):
@@ -61,28 +81,35 @@ class ObjectiveWeights:
         return (value + spread) // self.scales[0]
 
 
-def optional_items(
-    problem: Problem, names: tuple[str, ...]
-) -> tuple[list[Item], ObjectiveWeights] | None:
-    """The items with a value in these objectives.
+class OptionalItems(NamedTuple):
+    """The items with a value, and the objectives that they add to.
 
-    None where an activity with a value may happen several times: it is not an item.
+    `all_there`: no schedule has more occurrences of an action than there are items for.
     """
+
+    items: list[Item]
+    weights: ObjectiveWeights
+    all_there: bool
+
+
+def optional_items(problem: Problem, names: tuple[str, ...]) -> OptionalItems:
+    """The items with a value in these objectives."""
     groups = [g for g in problem.groups if not g.required]
     grouped = {i for g in groups for i in g.members}
-    sets = [(g.members, g.reward) for g in groups]
-    sets += [
-        ((i,), 0)
-        for i, a in enumerate(problem.activities)
-        if a.details.optional and i not in grouped
-    ]
-    for activity in problem.activities:
-        details = activity.details
-        repeated = details.repeats is not None and details.repeats[0] != details.repeats[1]
-        if repeated and any(getattr(details, name) for name in names):
-            return None
+    sets = [Item(g.members, g.reward) for g in groups]
+    all_there = True
+    for i, activity in enumerate(problem.activities):
+        if activity.details.optional and i not in grouped:
+            sets.append(Item((i,), 0))
+        elif activity.details.repeats is not None and _has_value(activity, names):
+            most = _most_further(problem, i)
+            all_there = all_there and most is not None and most <= MOST_FURTHER
+            count = MOST_FURTHER if most is None else min(most, MOST_FURTHER)
+            all_there = all_there and len(sets) + count <= MOST_ITEMS
+            count = max(0, min(count, MOST_ITEMS - len(sets)))
+            sets += [Item((i,), 0, further=True)] * count
     totals = {
-        name: [_value(problem, members, reward, name) for members, reward in sets] for name in names
+        name: [_value(problem, item.members, item.value, name) for item in sets] for name in names
     }
     scales: list[int] = []
     scale = 1
@@ -91,10 +118,33 @@ def optional_items(
         scale *= 1 + sum(abs(value) for value in totals[name])
     weights = ObjectiveWeights(names, tuple(scales))
     items = [
-        Item(members, sum(s * totals[n][k] for n, s in zip(names, weights.scales, strict=True)))
-        for k, (members, _) in enumerate(sets)
+        item._replace(
+            value=sum(s * totals[n][k] for n, s in zip(names, weights.scales, strict=True))
+        )
+        for k, item in enumerate(sets)
     ]
-    return [item for item in items if item.value], weights
+    return OptionalItems([item for item in items if item.value], weights, all_there)
+
+
+def _has_value(activity: Activity, names: tuple[str, ...]) -> bool:
+    return any(getattr(activity.details, name) for name in names)
+
+
+def _most_further(problem: Problem, i: int) -> int | None:
+    """The greatest number of occurrences beyond the least; None where nothing is known to limit it.
+
+    Occurrences do not overlap, so that as many fit as their shortest duration allows.
+    """
+    activity = problem.activities[i]
+    least, greatest = activity.details.repeats or (0, 1)
+    limits = [] if greatest is None else [greatest]
+    deadline, latest = problem.effective_deadline(i), activity.latest_start
+    duration = activity.duration_min
+    if duration > 0 and deadline is not None:
+        limits.append((deadline - activity.release) // duration)
+    if duration > 0 and latest is not None:
+        limits.append(1 + (latest - activity.release) // duration)
+    return max(0, min(limits) - least) if limits else None
 
 
 def _value(problem: Problem, members: Iterable[int], reward: int, name: str) -> int:
@@ -107,31 +157,63 @@ def _value(problem: Problem, members: Iterable[int], reward: int, name: str) -> 
 class SelectionSpace:
     """The selections among some items of a problem, with their values and bounds."""
 
-    def __init__(self, problem: Problem, items: list[Item]) -> None:
+    def __init__(
+        self, problem: Problem, items: list[Item], is_over: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Prepares the bounds; with no time left without those by the work of resources."""
         self.problem = problem
         self.items = sorted(items, key=lambda item: (-item.value, item.members))
-        self.limits = [*_stock_limits(problem, self.items), *_energy_limits(self)]
+        self.limits = [*_stock_limits(problem, self.items), *_energy_limits(self, is_over)]
         count = len(self.items)
         self._orders = [
             sorted(range(count), key=lambda k: _density(self.items[k].value, limit.weights[k]))
             for limit in self.limits
         ]
 
+    def canonical(self, chosen: Selection) -> Selection:
+        """The selection of the same occurrences in which the first items of each action are."""
+        further = {k for k in chosen if self.items[k].further}
+        if not further:
+            return chosen
+        counts = Counter(self.items[k].members for k in further)
+        kept = set(chosen - further)
+        for k, item in enumerate(self.items):
+            if item.further and counts[item.members]:
+                counts[item.members] -= 1
+                kept.add(k)
+        return frozenset(kept)
+
     def value(self, chosen: Iterable[int]) -> int:
         """The value of a selection."""
         return sum(self.items[k].value for k in chosen)
 
-    def restricted(self, chosen: Selection) -> Problem:
-        """The problem of a selection, with heads, tails and a quick bound."""
-        present = {i for k in chosen for i in self.items[k].members}
-        absent = {i for k, item in enumerate(self.items) if k not in chosen for i in item.members}
-        problem = drop_ample_stock(restrict(self.problem, present, absent))
-        open_groups = tuple(group for group in problem.groups if not group.required)
-        problem = replace(problem, objectives=("makespan",), groups=open_groups)
-        problem = heads_and_tails(drop_uncontended(problem))
+    def restricted(self, chosen: Selection) -> Problem | None:
+        """The problem of a selection, with heads, tails and a quick bound.
+
+        None where the times of its activities contradict each other.
+        """
+        try:
+            problem = heads_and_tails(self.projected(chosen))
+        except TimesContradictError:
+            return None
         core = bounded_mandatory_part(problem)  # Only mandatory activities take time for certain.
         bound = energy_bound(core).bounds.makespan
         return problem.with_bound(bound.value, bound.reason)
+
+    def projected(self, chosen: Selection) -> Problem:
+        """The problem of a selection, without heads and tails."""
+        items = [(item, k in chosen) for k, item in enumerate(self.items)]
+        present = {i for item, there in items if there for i in item.members if not item.further}
+        absent = {i for item, there in items if not there for i in item.members if not item.further}
+        further = Counter[int]()
+        for item, there in items:
+            if item.further:
+                further[item.members[0]] += there
+        problem, never = _with_occurrences(self.problem, further)
+        problem = drop_ample_stock(restrict(problem, present, absent | never))
+        open_groups = tuple(group for group in problem.groups if not group.required)
+        problem = replace(problem, objectives=("makespan",), groups=open_groups)
+        return drop_uncontended(problem)
 
     def upper_bound(self, chosen: Selection, undecided: Selection) -> int | None:
         """The greatest value with these items and some undecided ones; None if there is none."""
@@ -158,19 +240,40 @@ class SelectionSpace:
         return gain
 
 
-def _energy_limits(space: SelectionSpace) -> list[Limit]:
+def _with_occurrences(problem: Problem, further: Mapping[int, int]) -> tuple[Problem, set[int]]:
+    """The problem with this many occurrences beyond the least, and the activities without any."""
+    never: set[int] = set()
+    activities = list(problem.activities)
+    for i, more in further.items():
+        details = activities[i].details
+        count = (details.repeats or (0, 1))[0] + more
+        if not count:
+            never.add(i)
+        repeats = (count, count) if count > 1 else None
+        details = replace(details, repeats=repeats, optional=not count)
+        activities[i] = replace(activities[i], details=details)
+    return replace(problem, activities=tuple(activities)), never
+
+
+def _energy_limits(space: SelectionSpace, is_over: Callable[[], bool]) -> list[Limit]:
     """The limits on the work of a resource after some head and before some tail."""
     deadline, items = space.problem.deadline, space.items
-    if deadline is None or not items:
+    if deadline is None or not items or len(items) > LIMITED_ITEMS:
         return []
-    everything, _ = mandatory_part(space.restricted(frozenset(range(len(items)))))
-    heads, tails = _ends(space.restricted(frozenset()))
-    for k in range(len(items)):
-        alone = _ends(space.restricted(frozenset([k])))
-        heads, tails = {**alone[0], **heads}, {**alone[1], **tails}
-    owner = {
-        space.problem.activities[i].id: k for k, item in enumerate(items) for i in item.members
-    }
+    everything, _ = mandatory_part(space.projected(frozenset(range(len(items)))))
+    heads: dict[str, int] = {}
+    tails: dict[str, int] = {}
+    for chosen in (frozenset[int](), *(frozenset([k]) for k in range(len(items)))):
+        if is_over():
+            return []
+        alone = space.restricted(chosen)
+        if alone is not None:  # Otherwise its items have no time at all: they limit nothing.
+            found = _ends(alone)
+            heads, tails = {**found[0], **heads}, {**found[1], **tails}
+    owners: dict[str, list[int]] = {}
+    for k, item in enumerate(items):
+        for i in item.members:
+            owners.setdefault(space.problem.activities[i].id, []).append(k)
     limits: list[Limit] = []
     for load in loads(everything):
         users = [
@@ -178,12 +281,13 @@ def _energy_limits(space: SelectionSpace) -> list[Limit]:
             for i, amount in zip(load.activities, load.amounts, strict=True)
             for activity in (everything.activities[i],)
             for name in (activity.id,)
+            if name in heads
         ]
         for head in _thinned({user.head for user in users}):
             for tail in _thinned({user.tail for user in users}):
                 inside = [u for u in users if u.head >= head and u.tail >= tail]
                 room = load.capacity * max(0, deadline - head - tail)
-                limits.append(_limit(room, inside, owner, len(items)))
+                limits.append(_limit(room, inside, owners, len(items)))
     return [limit for limit in limits if limit.room < sum(limit.weights)]
 
 
@@ -196,14 +300,22 @@ class _ResourceUser(NamedTuple):
     work: int
 
 
-def _limit(room: int, inside: list[_ResourceUser], owner: Mapping[str, int], count: int) -> Limit:
+def _limit(
+    room: int, inside: list[_ResourceUser], owners: Mapping[str, list[int]], count: int
+) -> Limit:
     """The limit on the items: users that belong to no item are present in any case."""
     weights = [0] * count
+    # Of a repeated action, those beyond the number of its items are present in any case.
+    certain = Counter(user.name for user in inside)
+    certain.subtract({name: len(items) for name, items in owners.items()})
+    seen: Counter[str] = Counter()
     for user in inside:
-        if user.name in owner:
-            weights[owner[user.name]] += user.work
-        else:
+        own = seen[user.name] - max(0, certain[user.name])
+        seen[user.name] += 1
+        if own < 0:
             room -= user.work
+        else:
+            weights[owners[user.name][own]] += user.work
     return Limit(max(0, room), tuple(weights))
 
 
@@ -229,22 +341,33 @@ def _thinned(times: set[int]) -> list[int]:
 def _stock_limits(problem: Problem, items: list[Item]) -> list[Limit]:
     """The limits on the stock that items take, by all that could ever be in a reservoir."""
     limits: list[Limit] = []
-    in_items = {i for item in items for i in item.members}
+    in_items = {i for item in items for i in item.members if not item.further}
     for k, reservoir in enumerate(problem.reservoirs):
-        if any(
-            a.details.repeats is not None and any(c.reservoir == k for c in a.details.stock)
-            for a in problem.activities
-        ):
-            continue
+        changes = [
+            _certain_change(problem, i, k, optional=i in in_items)
+            for i in range(len(problem.activities))
+        ]
         room = reservoir.initial - reservoir.least
-        for i, activity in enumerate(problem.activities):
-            net = _net(problem, i, k)
-            if net > 0 or (i not in in_items and not activity.details.optional):
-                room += net
+        for change in changes:
+            room += change or 0
         weights = tuple(sum(max(0, -_net(problem, i, k)) for i in item.members) for item in items)
-        if room < sum(weights):
+        if None not in changes and room < sum(weights):
             limits.append(Limit(room, weights))
     return limits
+
+
+def _certain_change(problem: Problem, i: int, reservoir: int, *, optional: bool) -> int | None:
+    """The most by which an activity can raise a level, items that lower it left out; None: endless.
+
+    (An action that takes may happen its least number of times; each more is an item, or no matter.)
+    """
+    details, net = problem.activities[i].details, _net(problem, i, reservoir)
+    if details.repeats is None:
+        return net if net > 0 or not (optional or details.optional) else 0
+    least, greatest = details.repeats
+    if net <= 0:
+        return least * net
+    return None if greatest is None else greatest * net
 
 
 def _net(problem: Problem, i: int, reservoir: int) -> int:
@@ -257,8 +380,13 @@ def _density(value: int, weight: int) -> float:
     return -value / weight if weight else float("-inf")
 
 
-def is_refuted(problem: Problem, *, thoroughly: bool) -> bool:
-    """Whether bounds, or reachable values of state, show that a problem has no schedule."""
+def is_refuted(problem: Problem | None, *, thoroughly: bool) -> bool:
+    """Whether bounds, or reachable values of state, show that a problem has no schedule.
+
+    There is none of a selection whose times contradict each other (None).
+    """
+    if problem is None:
+        return True
     for i, activity in enumerate(problem.activities):
         head, latest = problem.bounds.heads[i], activity.latest_start
         deadline = problem.effective_deadline(i)

@@ -129,8 +129,10 @@ class SelectionSearch:
                 yield leaf
 
     def problem_of(self, chosen: Selection) -> Problem:
-        """The problem of a selection, with the best bound there is."""
-        return resource_bounds(self.space.restricted(chosen))
+        """The problem of a selection that was not refuted, with the best bound there is."""
+        problem = self.space.restricted(chosen)
+        assert problem is not None
+        return resource_bounds(problem)
 
     def _refuted(self, chosen: Selection) -> bool:
         return is_refuted(self.space.restricted(chosen), thoroughly=True)

@@ -40,7 +40,14 @@ class SelectionTree:
                 continue
             k = -decided
             with_it = chosen | {k}
-            if not is_refuted(self.space.restricted(with_it), thoroughly=False):
+            if self._repeats_in_order(k, chosen) and not is_refuted(
+                self.space.restricted(with_it), thoroughly=False
+            ):
                 self._push(with_it, k + 1)
             self._push(chosen, k + 1)
             yield -upper, None
+
+    def _repeats_in_order(self, k: int, chosen: Selection) -> bool:
+        """Whether item k is no further occurrence, or the previous one of its action is chosen."""
+        items = self.space.items
+        return not (items[k].further and k and items[k] == items[k - 1]) or k - 1 in chosen

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import takewhile
 
-from irc.passes.critical_path import heads_and_tails
+from irc.diagnostics import Code, Diagnostic
+from irc.passes.critical_path import TimesContradictError, heads_and_tails
 from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 from irc.problem.objective_values import in_units, schedule_values
@@ -22,6 +23,16 @@ from irc_pddl21.search.selection import (
     optional_items,
 )
 from irc_pddl21.search.selection_search import SelectionSearch, shortest_of_best
+from irc_pddl21.search.shortest_selection import shortest_of_selections
+
+_CONTRADICTION = Diagnostic(
+    Code.LAGS,
+    "the lags and durations of the actions that must be present contradict each other",
+    hint="`irc explain` shows which of them",
+)
+
+PREPARING_SHARE = 0.1
+"""Of the time left, for the bounds on selections before the search."""
 
 
 def solve_with(
@@ -38,12 +49,16 @@ def solve_with(
     """
     session = PlannerSession(planner, program, options, budget, tactics)
     problem = program.problem
+    try:
+        fixed = _with_fixed_presence(problem)
+    except TimesContradictError:
+        return Outcome(Status.INFEASIBLE, planner.name, notes=(_CONTRADICTION,))
     first = tuple(takewhile(lambda name: name in SELECTIVE, problem.objectives))
     rest = problem.objectives[len(first) :]
     if first:
-        bounds = _by_selection(session, _with_fixed_presence(problem), first, "makespan" in rest)
+        bounds = _by_selection(session, fixed, first, "makespan" in rest)
     else:
-        bounds = _by_makespan(session, problem, rest[1:])
+        bounds = _by_makespan(session, problem, fixed, rest[1:])
     return _outcome(session, bounds)
 
 
@@ -54,10 +69,16 @@ def _with_fixed_presence(problem: Problem) -> Problem:
 
 
 def _by_makespan(
-    session: PlannerSession, problem: Problem, behind: tuple[str, ...]
+    session: PlannerSession, problem: Problem, fixed: Problem, behind: tuple[str, ...]
 ) -> dict[str, int]:
-    """The bounds of the makespan first; then, under it as a deadline, of the selection."""
-    best = shorten(session, problem)
+    """The bounds of the makespan first; then, under it as a deadline, of the selection.
+
+    `fixed`: the problem in which all that must be present is mandatory.
+    """
+    best, bound = shortest_of_selections(session, fixed)
+    if bound is not None and bound > problem.bounds.makespan.value:
+        problem = problem.with_bound(bound, "the optional items, one selection after the other")
+    best = shorten(session, problem, best)
     bounds = {"makespan": problem.bounds.makespan.value}
     selective = tuple(takewhile(lambda name: name in SELECTIVE, behind))
     if best is None or not selective or session.is_over:
@@ -72,14 +93,11 @@ def _by_selection(
     session: PlannerSession, problem: Problem, names: tuple[str, ...], makespan: bool
 ) -> dict[str, int]:
     """The bounds of the selection first; then of the makespan of the best selection."""
-    found = optional_items(problem, names)
-    if found is None:
-        shorten(session, replace(problem, objectives=("makespan",)))
-        return {}
-    items, weights = found
-    search = SelectionSearch(session, SelectionSpace(problem, items))
+    items, weights, all_there = optional_items(problem, names)
+    part = session.budget.share(PREPARING_SHARE)
+    search = SelectionSearch(session, SelectionSpace(problem, items, lambda: part.is_over))
     search.run()
-    if search.chosen is None or session.best is None:
+    if search.chosen is None or session.best is None or not all_there:
         return {}
     bounds = _bounds_of(session, search, weights)
     if makespan and search.plan is not None and not session.is_over:

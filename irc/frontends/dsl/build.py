@@ -253,6 +253,10 @@ class Builder:
         key, said = clause.children
         self.put_field(element, kind(key).lower(), nodes.text(said), at, key)
 
+    def _on_failure(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, "on_failure", name(said), at, key)
+
     # --- order ---
 
     def order(self, tree: Any, sink: Sink, *, plain: bool = False) -> None:
@@ -429,7 +433,24 @@ class Builder:
                     self.mark((*at, "values", i), v.start, v.end)
             if initial is not None:
                 self.put_field(element, "initial", nodes.value(initial), at, part(tree, "INITIAL"))
+            changes = parts(tree, "state_change")
+            if changes:
+                place = (*at, "changes")
+                element["changes"] = [
+                    self._state_change(c, place, k) for k, c in enumerate(changes)
+                ]
+                self.mark(place, *nodes.span(changes[0]))
             sink.put("state", element)
+
+    def _state_change(self, tree: Any, at: Pointer, number: int) -> Element:
+        """A timed change of state: `changes to false at 10`."""
+        change: Element = {}
+        place = (*at, number)
+        self.mark_node(place, tree)
+        word = part(tree, "CHANGES_TO")
+        self.put_field(change, "at", nodes.time(tree.children[-1]), place, part(tree, "AT"))
+        self.put_field(change, "value", nodes.value(part(tree, "value")), place, word)
+        return change
 
     def group(self, tree: Any, sink: Sink) -> None:
         """Adds a group: `group order 1 = bake, ice optional reward 30 deadline 90`."""
@@ -518,6 +539,7 @@ def _word(field: str) -> str:
         "occurs": "occurs",
         "start": "starts at",
         "latest_start": "starts by",
+        "on_failure": "when broken",
     }.get(field, field)
 
 
@@ -534,6 +556,7 @@ _ACTION_CLAUSES: dict[str, _Clause] = {
     "sets": Builder._facts,
     "point": Builder._point,
     "number": Builder._number,
+    "on_failure": Builder._on_failure,
     "label": Builder._text,
     "describe": Builder._text,
 }

@@ -182,6 +182,17 @@ def _observe(builder: Builder, tree: Any, at: Pointer) -> Element:
     return element
 
 
+def _retry(builder: Builder, tree: Any, at: Pointer) -> Element:
+    element: Element = {"op": "retry_action"}
+    said = [child for child in tree.children[1:] if child is not None]
+    _field(builder, element, "action", name(said[0]), at)
+    for key, node in zip(said[1::2], said[2::2], strict=True):
+        field = {"ARROW": "id", "ALREADY_DONE": "done", "MODE": "mode"}[kind(key)]
+        found = nodes.time(node) if field == "done" else name(node)
+        _field(builder, element, field, found, at, key)
+    return element
+
+
 def _status(tree: Any) -> Placed:
     """A status in words, `not begun`, as it is in the document."""
     found = name(tree)
@@ -217,5 +228,6 @@ _CHANGES: dict[str, Callable[[Builder, Any, Pointer], Element]] = {
     "set_goals": _goals,
     "set_state": _state,
     "set_objective": _objective,
+    "retry": _retry,
     "observe": _observe,
 }

@@ -9,11 +9,14 @@ from irc.diagnostics import Code
 from irc.diagnostics.source import Pointer, Range, Source
 from irc.frontends.dsl.faults import Fault
 
-MAX_EXPANDED = 2_000_000
+MAX_EXPANDED = 500_000
 """Limit on the parts of a document that arrows between many actions and pools may produce."""
 
-MAX_REPEATED = 200_000
+MAX_REPEATED = 100_000
 """Limit on the statements that all `for`s of a text may produce."""
+
+MAX_REPEATED_TEXT = 4_000_000
+"""Limit on the characters of these statements, before their braces are filled in."""
 
 Element = dict[str, Any]
 
@@ -45,6 +48,7 @@ class ExpansionLimit:
 
     parts: int = MAX_EXPANDED
     statements: int = MAX_REPEATED
+    text: int = MAX_REPEATED_TEXT
 
     def take(self, count: int, what: str, start: int, end: int) -> None:
         """Counts parts. Raises `Fault` if `count` more parts are too many."""
@@ -53,13 +57,21 @@ class ExpansionLimit:
             raise _too_many(f"with {what} the text has {made:,} parts", MAX_EXPANDED, start, end)
         self.parts -= count
 
-    def repeat(self, count: int, start: int, end: int) -> None:
-        """Counts statements. Raises `Fault` if `count` more statements of a `for` are too many."""
+    def repeat(self, count: int, length: int, start: int, end: int) -> None:
+        """Counts `count` statements of a `for`, with `length` characters together.
+
+        Raises `Fault` if they are too many, or too long.
+        """
+        if length > self.text:
+            made = MAX_REPEATED_TEXT - self.text + length
+            message = f"with this `for` the repeated statements have {made:,} characters"
+            raise _too_many(message, MAX_REPEATED_TEXT, start, end)
         if count > self.statements:
             made = MAX_REPEATED - self.statements + count
             message = f"with this `for` the text has {made:,} repeated statements"
             raise _too_many(message, MAX_REPEATED, start, end)
         self.statements -= count
+        self.text -= length
 
 
 def _too_many(what: str, most: int, start: int, end: int) -> Fault:

@@ -14,6 +14,7 @@ from irc.frontends.dsl.lexer import (
     lexemes,
 )
 from irc.frontends.dsl.lines import Outline, Statement, outline
+from irc.frontends.dsl.metadata import FREE_FORM
 
 INDENT = 4
 _MOST_BLANK_LINES = 2
@@ -116,7 +117,7 @@ class _Layout:
     def _line(self, raw: str, at: int, end: int) -> _Line:
         place = self.places[at]
         statement = place.statement
-        if statement.first == "metadata":
+        if statement.first in FREE_FORM:
             return self._free_form(raw, place)
         tokens = [t for t in lexemes(self.text, at, end) if isinstance(t, Lexeme)]
         comment = ""
@@ -142,8 +143,9 @@ class _Layout:
         if place.goes_on:
             return _Line(0, raw.rstrip())
         self._enter(raw, place)
-        word, _, rest = raw.strip().partition("metadata")
-        return _Line(place.depth * INDENT, f"{word}metadata {rest.strip()}".rstrip())
+        first = place.statement.first
+        word, _, rest = raw.strip().partition(first)
+        return _Line(place.depth * INDENT, f"{word}{first} {rest.strip()}".rstrip())
 
     def _set(self, tokens: Sequence[Lexeme]) -> str:
         parts: list[str] = []

@@ -83,7 +83,7 @@ CLAUSE_WORDS = frozenset(
 STATEMENT_WORDS = frozenset(
     """
     action deadline description event for goal group include irc maximize metadata minimize origin
-    pool resource state stock task unit
+    pool resolution resource state stock task unit
     """.split()  # noqa: SIM905
 )
 """Words with a meaning of their own at the beginning of a statement."""
@@ -101,8 +101,11 @@ PHRASES = {
     ("no", "resources"): "NO_RESOURCES",
     ("no", "groups"): "NO_GROUPS",
     ("no", "state"): "NO_STATE",
+    ("changes", "to"): "CHANGES_TO",
     ("days", "per", "month"): "DAYS_PER_MONTH",
     ("of", "group"): "OF_GROUP",
+    ("when", "broken"): "WHEN_BROKEN",
+    ("already", "done"): "ALREADY_DONE",
 }
 """Words with a meaning of their own only side by side."""
 
@@ -110,6 +113,7 @@ CHANGE_PHRASES = {
     ("add",): "ADD",
     ("remove",): "REMOVE",
     ("observe",): "OBSERVE",
+    ("retry",): "RETRY",
     ("for",): "FOR",
     ("cancel", "group"): "CANCEL_GROUP",
     ("cancel",): "CANCEL",

@@ -18,7 +18,7 @@ MAX_NESTING = 32
 
 _LINE = re.compile(r"^([ \t]*)((?!\r?$)[^ \t\n#][^\n]*)", re.MULTILINE)
 _OPENERS = ("for", "event", "add", "remove")
-_FIRST = re.compile(r"(for|event|add|remove|metadata)(?![\w{'’.&-])")
+_FIRST = re.compile(r"(for|event|add|remove|metadata)(?![\w{'’.&-])|(lapsed)(?=[ \t]*\{)")
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ def outline(text: str) -> Outline:
             continue
         statement = Statement([(begin, end)])
         siblings.append(statement)
-        if text[begin] in "fearm":
+        if text[begin] in "fearml":
             _note_first(statement, text)
     return found
 
@@ -85,7 +85,7 @@ def _goes_on(last: Statement, indent: str, current: str, text: str, begin: int) 
 def _note_first(statement: Statement, text: str) -> None:
     word = _FIRST.match(text, statement.start)
     if word:
-        statement.first = word[1]
+        statement.first = word[1] or word[2]
         _note_colon(statement, text)
 
 

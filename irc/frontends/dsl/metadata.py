@@ -1,4 +1,4 @@
-"""`metadata {…}`: free-form JSON inside a statement."""
+"""`metadata {…}` and `lapsed {…}`: JSON inside a statement."""
 
 from __future__ import annotations
 
@@ -12,8 +12,12 @@ _BLANK = re.compile(r"[ \t\r\n]*")
 _REST = re.compile(r"[ \t\r]*(?:#[^\n]*)?")
 
 
-def metadata(text: str, start: int, end: int) -> Placed:
-    """The object in text[start:end], read as JSON. Raises `Fault`."""
+FREE_FORM = ("metadata", "lapsed")
+"""The statements whose contents are JSON."""
+
+
+def json_after(word: str, text: str, start: int, end: int) -> Placed:
+    """The object in text[start:end], after a word, read as JSON. Raises `Fault`."""
     from irc.frontends.json.document import decode_object
 
     found = _BLANK.match(text, start, end)
@@ -21,7 +25,7 @@ def metadata(text: str, start: int, end: int) -> Placed:
     if not text.startswith("{", begin) or begin >= end:
         raise Fault(
             Code.DSL_SYNTAX,
-            "expected an object in braces after `metadata`",
+            f"expected an object in braces after `{word}`",
             min(begin, end - 1),
             end,
             'as in metadata {"ticket": 4711}',
@@ -35,6 +39,6 @@ def metadata(text: str, start: int, end: int) -> Placed:
     after = rest.end() if rest else stop
     if after < end:
         raise Fault(
-            Code.DSL_SYNTAX, "found more text after the object of `metadata`", after, after + 1
+            Code.DSL_SYNTAX, f"found more text after the object of `{word}`", after, after + 1
         )
     return Placed(value, begin, stop)

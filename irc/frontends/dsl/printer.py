@@ -43,10 +43,18 @@ def print_task(task: Task) -> str:
         [f"goal {_goal(goal)}" for goal in task.goals],
         [] if task.objective == _DEFAULT_OBJECTIVE else [_objective(task.objective)],
         [f"metadata {written.free_form(task.metadata)}"] if task.metadata else [],
+        [f"lapsed {written.free_form({'of': _lapsed(task)})}"] if task.lapsed else [],
         *([printer.event(event)] for event in task.events),
     ]
     text = "\n\n".join("\n".join(lines) for lines in sections if lines)
     return format_dsl(f"{text or 'irc 1'}\n")
+
+
+def _lapsed(task: Task) -> list[Any]:
+    from irc.model.canonical import written_task
+
+    found: list[Any] = written_task(task)["lapsed"]
+    return found
 
 
 def _header(task: Task) -> list[str]:
@@ -59,6 +67,8 @@ def _header(task: Task) -> list[str]:
         lines.append(f"unit {_unit(task.time_unit)}")
     if task.days_per_month != 30:
         lines.append(f"days per month {task.days_per_month}")
+    if task.resolution is not None:
+        lines.append(f"resolution {written.time(task.resolution)}")
     if task.origin is not None:
         lines.append(f"origin {written.time(task.origin)}")
     if task.deadline is not None:
@@ -194,6 +204,7 @@ class _Printer:
                 *_numbers(action, "weight"),
                 *_points(action, {"start": "starts at", "latest_start": "starts by"}),
                 *_numbers(action, "reward", "cost"),
+                "" if action.on_failure is None else f"when broken {action.on_failure}",
                 *_texts(action),
                 *map(self._mode, action.modes),
             ],
@@ -294,6 +305,10 @@ def _variable(variable: StateVariable) -> str:
         words.append(f"= {', '.join(map(written.value, variable.values)) or '[]'}")
     if variable.initial is not None:
         words.append(f"initial {written.value(variable.initial)}")
+    words += [
+        f"changes to {written.value(change.value)} at {written.time(change.at)}"
+        for change in variable.changes
+    ]
     return " ".join(words)
 
 
@@ -385,6 +400,13 @@ def _observe(_printer: _Printer, change: Any) -> str:
     return " ".join([text, *status, *_points(change, times), *mode, *taken])
 
 
+def _retry(_printer: _Printer, change: Any) -> str:
+    name = "" if change.id is None else f" -> {written.name(change.id)}"
+    done = "" if change.done == 0 else f" already done {written.time(change.done)}"
+    mode = "" if change.mode is None else f" mode {written.last_name(change.mode)}"
+    return f"retry {written.name(change.action)}{name}{done}{mode}"
+
+
 def _remove(_printer: _Printer, change: Any) -> str:
     statements = arrows(change.precedence)
     if not statements:
@@ -412,5 +434,6 @@ _CHANGES: Mapping[str, Callable[[_Printer, Any], str]] = {
     "set_state": lambda _, c: f"set state {written.name(c.var)} = {written.value(c.value)}",
     "set_objective": lambda _, c: f"set objective = {_objective(c.objective)}",
     "remove_precedence": _remove,
+    "retry_action": _retry,
     "observe": _observe,
 }

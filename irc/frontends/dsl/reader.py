@@ -31,7 +31,7 @@ from irc.frontends.dsl.lexer import (
     lexemes,
 )
 from irc.frontends.dsl.lines import MAX_NESTING, Statement, outline
-from irc.frontends.dsl.metadata import metadata
+from irc.frontends.dsl.metadata import FREE_FORM, json_after
 from irc.frontends.dsl.nodes import kind, part, span
 from irc.frontends.dsl.plain import plain_statement
 from irc.frontends.dsl.pool_uses import resolved_pools
@@ -113,7 +113,7 @@ def readable_statements(text: str, most: int) -> int:
         try:
             raw = reader._tokens(statement)
             colon = _colon(raw)
-            if statement.first != "metadata":
+            if statement.first not in FREE_FORM:
                 parse_statement(classified(raw[: colon + 1] or raw), "statement")
         except Fault:
             continue
@@ -235,8 +235,8 @@ class _Reader:
         """Reads a statement of the task."""
         if plain_statement(statement, self.text, self.sink, self.builder):
             return
-        if statement.first == "metadata":
-            self._metadata(statement, values)
+        if statement.first in FREE_FORM:
+            self._free_form(statement, statement.first, values)
             return
         raw = self._tokens(statement)
         if raw[0].value == "for" and raw[0].type == "WORD":
@@ -301,20 +301,20 @@ class _Reader:
         self.fields[field_name] = value
         self.builder.mark((field_name,), start, end, span(tree)[0])
 
-    def _metadata(self, statement: Statement, values: Values) -> None:
+    def _free_form(self, statement: Statement, word: str, values: Values) -> None:
         if values:
             raise Fault(
                 Code.DSL_SYNTAX,
-                "`metadata` cannot stand in a `for`",
+                f"`{word}` cannot stand in a `for`",
                 statement.start,
                 statement.end,
                 "it is about the whole task",
             )
-        found = metadata(self.text, statement.start + len("metadata"), statement.end)
-        if "metadata" in self.fields:
-            raise repeated_clause("`metadata`", statement.start, statement.end)
-        self.fields["metadata"] = found.value
-        self.builder.mark(("metadata",), found.start, found.end, statement.start)
+        found = json_after(word, self.text, statement.start + len(word), statement.end)
+        if word in self.fields:
+            raise repeated_clause(f"`{word}`", statement.start, statement.end)
+        self.fields[word] = found.value if word == "metadata" else found.value.get("of")
+        self.builder.mark((word,), found.start, found.end, statement.start)
 
     # --- include ---
 
@@ -364,7 +364,8 @@ class _Reader:
         if len(values) >= MAX_NESTING:
             raise Fault(Code.TOO_LARGE, f"`for`s nested more than {MAX_NESTING} deep", *span(tree))
         listed = self._listed(tree)
-        self.builder.expansion.repeat(len(listed) * len(body), *span(tree))
+        length = sum(statement.end - statement.start for statement in body)
+        self.builder.expansion.repeat(len(listed) * len(body), len(listed) * length, *span(tree))
         for value in listed:
             if self.stopped:
                 break
@@ -377,7 +378,7 @@ class _Reader:
         """
         count = self._weight(statement)
         if count > self.builder.expansion.statements:
-            self.builder.expansion.repeat(count, *span(tree))
+            self.builder.expansion.repeat(count, 0, *span(tree))
 
     def _weight(self, statement: Statement, depth: int = 0) -> int:
         """The number of statements that a statement produces, estimated from its text alone."""
@@ -558,6 +559,7 @@ _TASK_FIELDS = {
     "description": "description",
     "unit": "time_unit",
     "days": "days_per_month",
+    "resolution": "resolution",
     "origin": "origin",
     "task_deadline": "deadline",
     "objective": "objective",
@@ -569,6 +571,7 @@ _FIELD_VALUES: dict[str, Callable[[Any], nodes.Placed]] = {
     "description": nodes.text,
     "unit": nodes.text,
     "days": nodes.integer,
+    "resolution": nodes.time,
     "origin": nodes.text,
     "task_deadline": nodes.time,
 }

@@ -7,14 +7,13 @@ Source: repository jiayizx/async_planning (Zhang et al. 2026).
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Pointer, Source
-from irc.frontends.json.document import json_source
+from irc.frontends.importers.instances import read_json
 from irc.model import Task
 
 _STEP = re.compile(r"^\s*Step\s+(\d+)\.\s*(.+?)\s*(?:\([^()]*\))?\s*$", re.MULTILINE)
@@ -24,18 +23,10 @@ _EXPECTED = "expected AsyncPlan-XXL: a list of instances, each with a 'graph'"
 
 def import_asyncplan(text: str, name: str) -> Iterator[tuple[str, Task]]:
     """(file stem, task) of every instance. Raises `InputError` with the faulty instance."""
-    try:
-        instances = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise _not_json(f"{name} is not JSON: {error.msg}", error.pos, Source(name, text)) from None
-    except (ValueError, RecursionError) as error:
-        raise _not_json(f"{name} is not JSON: {error}", 0, Source(name, text)) from None
-    source = json_source(name, text)
-    single = isinstance(instances, Mapping)
-    if single:
-        instances = [instances]
-    if not isinstance(instances, list):
-        raise _refused(f"{name} does not have a list of instances", (), source)
+    content, faults = read_json(text, name, hint=_EXPECTED)
+    source = faults.source
+    single = isinstance(content, Mapping)
+    instances = [content] if single else content
     for position, instance in enumerate(instances):
         at: Pointer = () if single else (position,)
         where = f"{name}, instance {position + 1}"
@@ -92,10 +83,4 @@ def _reason(error: Exception) -> str:
 def _refused(message: str, pointer: Pointer, source: Source) -> InputError:
     findings = Findings()
     findings.add(Code.NOT_AN_IMPORT, message, pointer, hint=_EXPECTED)
-    return InputError(Report(tuple(findings.items), source))
-
-
-def _not_json(message: str, offset: int, source: Source) -> InputError:
-    findings = Findings()
-    findings.add(Code.NOT_AN_IMPORT, message, offset=offset, hint=_EXPECTED)
     return InputError(Report(tuple(findings.items), source))

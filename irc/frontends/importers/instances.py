@@ -6,15 +6,14 @@ diagnostic with the instance and the field, and reading goes on, so that one run
 
 from __future__ import annotations
 
-import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal, InvalidOperation
-from typing import Any, NoReturn
+from decimal import Decimal
+from typing import Any
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Range, Source
-from irc.frontends.json.document import MAX_DEPTH
+from irc.frontends.json.document import decode_list_or_object
 from irc.model.quantities import Span, TimeError
 from irc.model.times import parse_span
 
@@ -152,8 +151,7 @@ def read_instances(text: str, name: str) -> tuple[list[Part], Faults]:
 
     Raises `InputError` if the file is not JSON, or neither an object nor a list of objects.
     """
-    faults = Faults(Source(name, text, _locate))
-    content = _decode(text, name, faults)
+    content, faults = read_json(text, name)
     if isinstance(content, Mapping):
         return [Part(content, (), _called(content, name), faults)], faults
     if not isinstance(content, list) or not content:
@@ -166,6 +164,15 @@ def read_instances(text: str, name: str) -> tuple[list[Part], Faults]:
     return instances, faults
 
 
+def read_json(text: str, name: str, hint: str | None = None) -> tuple[Any, Faults]:
+    """(the object or list that a file holds, where its faults are collected).
+
+    Raises `InputError` with every fault of the text; `hint` says what the format expects.
+    """
+    faults = Faults(Source(name, text, _locate))
+    return _decode(text, name, faults, hint), faults
+
+
 def without_empty(document: Mapping[str, Any]) -> dict[str, Any]:
     """A task document without empty lists, except `actions`."""
     return {key: value for key, value in document.items() if value != [] or key == "actions"}
@@ -176,70 +183,27 @@ def _called(instance: Any, otherwise: str) -> str:
     return repr(name) if isinstance(name, str) and name else otherwise
 
 
-def _decode(text: str, name: str, faults: Faults) -> Any:
-    decoder = json.JSONDecoder(
-        object_pairs_hook=_members, parse_float=_decimal, parse_int=_whole, parse_constant=_reject
-    )
-    try:
-        content = decoder.decode(text.removeprefix("\ufeff"))
-    except (ValueError, RecursionError) as error:
-        place = error.pos if isinstance(error, json.JSONDecodeError) else None
-        said = error.msg if isinstance(error, json.JSONDecodeError) else str(error)
-        message = f"{name} is not JSON: {said}"
-        faults.findings.add(Code.NOT_AN_IMPORT, message, offset=place)
+def _decode(text: str, name: str, faults: Faults, hint: str | None) -> Any:
+    start = len(text) - len(text.lstrip("\ufeff \t\r\n"))
+    if text[start : start + 1] not in ("{", "["):
+        message = f"{name} holds neither an instance (an object) nor a list of them"
+        faults.findings.add(Code.NOT_AN_IMPORT, message, offset=start, hint=hint)
         faults.raise_any()
-    if _too_deep(content):
-        faults.add(f"{name} is nested more than {MAX_DEPTH} deep")
+    decoded = decode_list_or_object(text, start)
+    if isinstance(decoded, list):
+        for fault in decoded:
+            message = f"{name} is not JSON: {fault.message}"
+            faults.findings.add(
+                Code.NOT_AN_IMPORT, message, hint=fault.hint or hint, offset=fault.offset
+            )
         faults.raise_any()
-    return content
-
-
-def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    members: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in members:
-            raise ValueError(f"the key {_shown(key)} is given twice in one object")
-        members[key] = value
-    return members
-
-
-def _decimal(text: str) -> Decimal:
-    try:
-        return Decimal(text)
-    except InvalidOperation:
-        raise ValueError(f"the number {text[:40]} is out of range") from None
-
-
-def _whole(text: str) -> int:
-    if len(text) > _DIGITS:
-        raise ValueError(f"the number {text[:40]}… is out of range")
-    return int(text)
-
-
-def _reject(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is not a number of JSON")
-
-
-def _too_deep(content: Any) -> bool:
-    level = [content]
-    for _ in range(MAX_DEPTH):
-        level = [inner for outer in level for inner in _inner(outer)]
-        if not level:
-            return False
-    return True
-
-
-def _inner(value: Any) -> Iterator[Any]:
-    if isinstance(value, Mapping):
-        yield from value.values()
-    elif isinstance(value, list):
-        yield from value
+    return decoded[0]
 
 
 def _locate(text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
     from irc.frontends.json.scan import scan
 
-    return scan(text, 1 if text.startswith("\ufeff") else 0, wanted).places
+    return scan(text, len(text) - len(text.lstrip("\ufeff \t\r\n")), wanted).places
 
 
 def _shown(value: Any) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from itertools import product
@@ -117,11 +117,30 @@ def _encoding_hint(data: bytes) -> str:
     return "save the file as UTF-8"
 
 
-def read_document(text: str, name: str) -> RawDocument:
+def read_document(text: str, name: str, *, mend: bool = False) -> RawDocument:
     """The one JSON object in `text`.
 
-    Raises `InputError` with every fault of the text: syntax, duplicate keys, NaN, nesting.
+    With `mend`, a text in the notation of another language (comments, single quotes, a list of
+    actions alone …) gives the object that is meant, with its faults among the notes. Raises
+    `InputError` with every fault of the text: syntax, duplicate keys, NaN, nesting.
     """
+    if not mend:
+        return _read(text, name)
+    if '"actions"' not in text:
+        from irc.frontends.json.yaml_task import is_yaml, yaml_task
+
+        if is_yaml(text, name):
+            return RawDocument(*yaml_task(text, name))
+    try:
+        return _read(text, name)
+    except InputError as error:
+        mended = _mended(text, name, error.report)
+        if mended is None:
+            raise InputError(_without_edits(error.report)) from None
+        return mended
+
+
+def _read(text: str, name: str) -> RawDocument:
     findings = Findings()
     if text.startswith("\ufeff"):
         findings.add(
@@ -140,6 +159,8 @@ def read_document(text: str, name: str) -> RawDocument:
         found = [(start, end, content)] + _objects(text, end)[0]
     else:
         found, failed = _objects(text, start)
+        if not any("actions" in f[2] for f in found):
+            _require_no_list(text, start, name, findings)
         if found and not any("actions" in f[2] for f in found):
             _require_whole_task(text, failed, name, findings)
         if not found:
@@ -150,6 +171,33 @@ def read_document(text: str, name: str) -> RawDocument:
     if _depth(content) > MAX_DEPTH or _has_surrogate(text, content):
         raise _faults(text, start, name, findings)
     return RawDocument(content, source, findings)
+
+
+def _without_edits(report: Report) -> Report:
+    """The report of a text that its edits alone do not make JSON, so none of them is certain."""
+    from dataclasses import replace
+
+    return Report(tuple(replace(d, edits=()) for d in report), report.source)
+
+
+def _mended(text: str, name: str, report: Report) -> RawDocument | None:
+    """The document that a text means whose faults all have edits; None where some have none."""
+    from irc.frontends.json.mended import Mended
+
+    edits = [edit for d in report.errors for edit in d.edits]
+    if not edits or not all(d.edits for d in report.errors):
+        return None
+    mended = Mended.of(report.source.text if report.source else text, edits)
+    try:
+        document = _read(mended.text, name)
+    except InputError:
+        return None
+    locator = document.source.locator
+    if locator is None:
+        return None
+    source = Source(name, mended.original, mended.locator(locator))
+    places = [d if d.offset is None else mended.placed(d) for d in document.notes.items]
+    return RawDocument(document.content, source, Findings([*report.diagnostics, *places]))
 
 
 def _require_whole_task(text: str, failed: list[int], name: str, findings: Findings) -> None:
@@ -166,6 +214,38 @@ def _require_whole_task(text: str, failed: list[int], name: str, findings: Findi
             offset=key,
         )
         raise InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+_LIST = r"\[\s*\{"
+
+
+def _require_no_list(text: str, start: int, name: str, findings: Findings) -> None:
+    """Raises where a list of objects stands in the place of the task: its actions alone."""
+    match = re.compile(_LIST).search(text, start)
+    if match is None or "{" in text[start : match.start()] or '"actions"' in text[: match.start()]:
+        return
+    from irc.diagnostics.fix import TextEdit
+    from irc.frontends.json.scan import scan
+
+    begin = match.start()
+    scanned = scan(text, begin, max_depth=MAX_DEPTH)
+    if not scanned.faults:
+        elements = _DECODER.raw_decode(text, begin)[0]
+        if not all(isinstance(e, dict) and _OF_ACTIONS & e.keys() for e in elements):
+            return
+    findings.add(
+        Code.WRONG_TYPE,
+        "the task is a list; expected an object with 'actions'",
+        offset=begin,
+        hint='write {"actions": [ … ]}',
+        edits=(TextEdit(begin, begin, '{"actions": '), TextEdit(scanned.end, scanned.end, "}")),
+    )
+    _add_faults(scanned.faults, findings)
+    raise InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+_OF_ACTIONS = frozenset(("id", "name", "duration", "task", "action"))
+"""Fields of which an action has at least one, in any format."""
 
 
 def _skip_blank(text: str, at: int) -> int:
@@ -186,6 +266,23 @@ def decode_object(text: str, start: int) -> tuple[dict[str, Any], int] | JsonFau
     return content, end
 
 
+def decode_list_or_object(text: str, start: int) -> tuple[Any, int] | list[JsonFault]:
+    """(the JSON object or list that begins at `start` and ends the text, its end), or all faults.
+
+    Text after the value is a fault, as are NaN, a number out of range, and half a character.
+    """
+    from irc.frontends.json.scan import JsonFault, scan
+
+    decoded = decode_object(text, start)
+    if not isinstance(decoded, tuple):
+        return scan(text, start, max_depth=MAX_DEPTH).faults
+    behind = _skip_blank(text, decoded[1])
+    if behind < len(text):
+        shown = text[behind : behind + 12].split("\n")[0]
+        return [JsonFault(Code.SYNTAX, behind, f"there is more text after the JSON: {shown!r}")]
+    return decoded
+
+
 _SPELLINGS: Mapping[str | int, tuple[str | int, ...]] = {
     "precedence": ("dependencies",),
     "before": ("predecessor", 0),
@@ -204,14 +301,15 @@ class _Locator:
     def __call__(self, text: str, wanted: frozenset[Pointer]) -> Mapping[Pointer, Range]:
         from irc.frontends.json.scan import scan
 
-        meant = {
-            spelled: pointer
-            for pointer in wanted
-            for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer))
-        }
+        meant: dict[Pointer, list[Pointer]] = {}
+        for pointer in wanted:
+            for spelled in product(*((part, *_SPELLINGS.get(part, ())) for part in pointer)):
+                meant.setdefault(spelled, []).append(pointer)
         places = scan(text, self.start, meant.keys()).places
         return {
-            meant[written]: place._replace(written=written) for written, place in places.items()
+            pointer: place._replace(written=written)
+            for written, place in places.items()
+            for pointer in meant[written]
         }
 
 
@@ -309,11 +407,24 @@ def _faults(text: str, start: int, name: str, findings: Findings) -> InputError:
         findings.add(Code.SYNTAX, f"not valid JSON: {error.msg}", offset=error.pos)
     else:
         faults = scan(text, start, max_depth=MAX_DEPTH).faults
-        for fault in faults:
-            findings.add(fault.code, fault.message, hint=fault.hint, offset=fault.offset)
+        _add_faults(faults, findings)
         if not faults:
             findings.add(Code.SYNTAX, "the JSON document cannot be read", offset=start)
     return InputError(Report(tuple(findings.items), Source(name, text)))
+
+
+def _add_faults(faults: Iterable[JsonFault], findings: Findings) -> None:
+    """Adds faults of the text; notations of one kind that edits mend become one finding."""
+    kinds: dict[object, list[JsonFault]] = {}
+    for k, fault in enumerate(faults):
+        kinds.setdefault(fault.hint if fault.edits else k, []).append(fault)
+    for alike in kinds.values():
+        first, more = alike[0], len(alike) - 1
+        also = f" (likewise in {more} more place{'s' if more > 1 else ''})" if more else ""
+        edits = tuple(edit for fault in alike for edit in fault.edits)
+        findings.add(
+            first.code, first.message + also, hint=first.hint, offset=first.offset, edits=edits
+        )
 
 
 def _decoder_fault(text: str, start: int) -> json.JSONDecodeError | None:

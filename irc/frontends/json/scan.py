@@ -3,17 +3,21 @@
 `json.loads` is fast but forgets positions and stops at its first error with a short message. This
 scanner runs only for diagnostics: it finds the places of wanted elements, and describes syntax
 errors for people and for language models that repair their answer. It is iterative, so nesting
-cannot exhaust the stack.
+cannot exhaust the stack. Past a notation of another language (comments, single quotes, trailing
+commas, Python's True) it reads on, and says which edit of the text makes it JSON.
 """
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from irc.diagnostics import Code
+from irc.diagnostics.fix import TextEdit
 from irc.diagnostics.source import Pointer, Range
+from irc.frontends.json import notations
 
 MAX_FAULTS = 1000
 """Limit on faults of a text; the rest of it is not read."""
@@ -38,6 +42,8 @@ class JsonFault:
     offset: int
     message: str
     hint: str | None = None
+    edits: tuple[TextEdit, ...] = ()
+    """The edits that certainly make the text what was meant, where they are known."""
 
 
 @dataclass
@@ -80,14 +86,20 @@ class _Scanner:
             self.scan.end = len(self.text)
         return self.scan
 
-    def _fault(self, code: Code, offset: int, message: str, hint: str | None = None) -> None:
+    def _fault(
+        self, code: Code, offset: int, message: str, hint: str | None = None, *edits: TextEdit
+    ) -> None:
         if len(self.scan.faults) >= MAX_FAULTS:
             message = (
                 f"the {MAX_FAULTS} faults above are the limit: the rest of the text is not read"
             )
             self.scan.faults.append(JsonFault(Code.TOO_LARGE, offset, message))
             raise _Stop
-        self.scan.faults.append(JsonFault(code, offset, message, hint))
+        self.scan.faults.append(JsonFault(code, offset, message, hint, edits))
+
+    def _mend(self, offset: int, message: str, hint: str | None, *edits: TextEdit) -> None:
+        """Records a fault of syntax that the edits mend; reading goes on behind it."""
+        self._fault(Code.SYNTAX, offset, message, hint, *edits)
 
     def _stop(self, offset: int, message: str, hint: str | None = None) -> _Stop:
         self._fault(Code.SYNTAX, offset, message, hint)
@@ -95,7 +107,14 @@ class _Scanner:
 
     def _skip(self, at: int) -> int:
         match = _SPACE.match(self.text, at)
-        return match.end() if match else at
+        at = match.end() if match else at
+        while self.open and (comment := notations.comment_at(self.text, at)) is not None:
+            shown = self.text[at : at + 12].split("\n")[0]
+            message = f"a comment, {shown!r}, stands where JSON has none"
+            self._mend(at, message, "JSON has no comments: remove it", TextEdit(at, comment, ""))
+            match = _SPACE.match(self.text, comment)
+            at = match.end() if match else comment
+        return at
 
     def _place(self, start: int, end: int, key_start: int | None) -> None:
         pointer = tuple(self.path)
@@ -111,19 +130,25 @@ class _Scanner:
     def _element(self, at: int) -> int:
         """Reads one element of the innermost open object or array, or its end."""
         inner, at = self.open[-1], self._skip(at)
-        closing = "}" if inner.kind == "{" else "]"
+        closing = _CLOSING[inner.kind]
         if self.text.startswith(closing, at):
             return self._close(at + 1)
         if inner.count:
             at = self._comma(at, inner, closing)
+            if self.text.startswith(closing, at):
+                return self._close(at + 1)
         inner.count += 1
-        if inner.kind == "[":
+        if inner.kind != "{":
             self.path.append(inner.count - 1)
             return self._value(at, None)
         return self._member(at, inner)
 
     def _close(self, end: int) -> int:
         inner = self.open.pop()
+        if inner.kind == "(":
+            edits = TextEdit(inner.start, inner.start + 1, "["), TextEdit(end - 1, end, "]")
+            message = "a list in parentheses"
+            self._mend(inner.start, message, "JSON writes lists as [ … ]", *edits)
         self._place(inner.start, end, inner.key_start)
         if self.path:
             self.path.pop()
@@ -131,11 +156,31 @@ class _Scanner:
 
     def _comma(self, at: int, inner: _Open, closing: str) -> int:
         if not self.text.startswith(",", at):
-            raise self._expected(at, f"',' or '{closing}'", inner)
+            return self._missing_comma(at, inner, closing)
         after = self._skip(at + 1)
+        while self.text.startswith(",", after):
+            message, hint = f"expected a value, found {self._shown(after)!r}", "remove this comma"
+            self._mend(after, message, hint, TextEdit(after, after + 1, ""))
+            after = self._skip(after + 1)
         if self.text.startswith(closing, after):
-            raise self._stop(at, f"a comma before '{closing}'", "remove this comma")
+            message = f"a comma before '{closing}'"
+            self._mend(at, message, "remove this comma", TextEdit(at, at + 1, ""))
         return after
+
+    def _missing_comma(self, at: int, inner: _Open, closing: str) -> int:
+        """Reads on where an element stands on a line of its own, or behind a bracket."""
+        end = at
+        while self.text[end - 1] in " \t\r\n":
+            end -= 1
+        apart = "\n" in self.text[end:at] or self.text[end - 1] in "}]"
+        if not (apart and self.text.startswith(('"', "{", "["), at)):
+            raise self._expected(at, f"',' or '{closing}'", inner)
+        message = f"expected ',' or '{closing}', found {self._shown(at)!r}"
+        self._mend(at, message, "put a comma before it", TextEdit(end, end, ","))
+        return at
+
+    def _shown(self, at: int) -> str:
+        return self.text[at : at + 12].split("\n")[0]
 
     def _expected(self, at: int, what: str, inner: _Open | None) -> _Stop:
         if at >= len(self.text):
@@ -161,10 +206,11 @@ class _Scanner:
         return self._stop(max(0, end - 1), "the text ends inside the JSON document", hint)
 
     def _member(self, at: int, inner: _Open) -> int:
-        if not self.text.startswith('"', at):
-            raise self._expected(at, "a key in double quotes", inner)
         key_start = at
-        key, at = self._string(at)
+        if self.text.startswith('"', at):
+            key, at = self._string(at)
+        else:
+            key, at = self._other_key(at, inner)
         self.path.append(key)
         if key in inner.keys:
             self._fault(
@@ -179,9 +225,22 @@ class _Scanner:
             raise self._expected(at, "':' after the key", inner)
         return self._value(self._skip(at + 1), key_start)
 
+    def _other_key(self, at: int, inner: _Open) -> tuple[str, int]:
+        """A key in other quotes, or without any."""
+        found = notations.quoted_at(self.text, at) or notations.bare_key_at(self.text, at)
+        if found is None:
+            raise self._expected(at, "a key in double quotes", inner)
+        self._quote(at, "a key in double quotes", found)
+        return found
+
+    def _quote(self, at: int, what: str, found: tuple[str, int]) -> None:
+        message = f"expected {what}, found {self._shown(at)!r}"
+        edit = TextEdit(at, found[1], json.dumps(found[0], ensure_ascii=False))
+        self._mend(at, message, _habit(self.text, at), edit)
+
     def _value(self, at: int, key_start: int | None) -> int:
         first = self.text[at : at + 1]
-        if first in ("{", "["):
+        if first in ("{", "[") or (first == "(" and self.open):
             if len(self.open) >= self.max_depth:
                 self._fault(
                     Code.TOO_LARGE,
@@ -221,11 +280,21 @@ class _Scanner:
             hint = r"write \\ for a backslash"
             shown = repr(shown)[1:-1].replace("\\\\", "\\", 1)
             raise self._stop(stop, f"the escape '{shown}' does not exist in JSON", hint)
-        raise self._stop(
-            stop,
-            "a line break or control character inside a string",
-            'write it as an escape such as \\n, or close the string with "',
-        )
+        return self._broken_string(at, stop)
+
+    def _broken_string(self, at: int, stop: int) -> tuple[str, int]:
+        """Reads on behind a text with line breaks in it, if something closes it."""
+        message = "a line break or control character inside a string"
+        hint = 'write it as an escape such as \\n, or close the string with "'
+        found = notations.broken_text_at(self.text, at)
+        if found is None and self.text.find('"', stop) < 0:
+            hint = 'close it with "; the text was probably cut off'
+            raise self._stop(at, "the string that begins here is not closed", hint)
+        if found is None:
+            raise self._stop(stop, message, hint)
+        written = json.dumps(found[0], ensure_ascii=False)
+        self._mend(stop, message, hint, TextEdit(at, found[1], written))
+        return found
 
     def _scalar(self, at: int) -> int:
         for word in ("true", "false", "null"):
@@ -252,7 +321,25 @@ class _Scanner:
                 "write a finite number, or leave the field out",
             )
             return word_match.end()
-        raise self._expected(at, "a value", self.open[-1] if self.open else None)
+        return self._other_scalar(at)
+
+    def _other_scalar(self, at: int) -> int:
+        """The end of a text, word or number as other languages write it."""
+        inner = self.open[-1] if self.open else None
+        quoted = notations.quoted_at(self.text, at)
+        if inner is not None and quoted is not None:
+            self._quote(at, "a value", quoted)
+            return quoted[1]
+        meant = notations.word_or_number_at(self.text, at)
+        if inner is None or meant is None:
+            raise self._expected(at, "a value", inner)
+        written, end = meant
+        message, hint = f"expected a value, found {self._shown(at)!r}", f"JSON writes {written}"
+        self._mend(at, message, hint, TextEdit(at, end, written))
+        return end
+
+
+_CLOSING = {"{": "}", "[": "]", "(": ")"}
 
 
 _HABITS = {"True": "true", "False": "false", "None": "null", "undefined": "null"}

@@ -5,13 +5,15 @@
 
 from __future__ import annotations
 
+import json
 import re
 from itertools import islice
-from typing import Any
+from math import isfinite
+from typing import Any, NoReturn
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
-from irc.frontends.json.document import decode_object, json_source, note_surroundings
+from irc.frontends.json.document import MAX_DEPTH, decode_object, json_source, note_surroundings
 
 _BLANK = " \t\r\n"
 _OPENING = "{["
@@ -74,6 +76,44 @@ def find_value(text: str, name: str, expected: str) -> tuple[Any, Source, tuple[
         if start == _skip_blank(text, 0):
             break  # The text begins with the faulty value, not with other text.
     return *read_value(text, name, expected, starts[0] if starts else 0), ()
+
+
+def read_line(text: str) -> Any:
+    """The value of a line of recorded data; texts in it are kept as they are.
+
+    Raises `ValueError` for faults of syntax, for NaN, and for a number out of range.
+    """
+    try:
+        return json.loads(text, parse_constant=_no_number, parse_float=_finite)
+    except json.JSONDecodeError:
+        raise  # It has a place.
+    except (ValueError, RecursionError) as error:
+        from irc.frontends.json.scan import scan
+
+        faults = scan(text, max_depth=MAX_DEPTH).faults
+        message, offset = str(error), text.find(getattr(error, "number", ""))
+        if faults:
+            message, offset = faults[0].message, faults[0].offset
+        line, column = Source("", text).line_and_column(max(offset, 0))
+        raise ValueError(f"{message}: line {line} column {column}") from None
+
+
+def _no_number(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not a number in JSON")
+
+
+def _finite(number: str) -> float:
+    if not isfinite(value := float(number)):
+        raise _OutOfRange(number)
+    return value
+
+
+class _OutOfRange(ValueError):
+    """A number that does not fit into a float."""
+
+    def __init__(self, number: str) -> None:
+        super().__init__(f"the number {number[:40]} is out of range")
+        self.number = number
 
 
 def _skip_blank(text: str, at: int) -> int:

@@ -1,231 +1,472 @@
 """Grounds schemas: makes all actions that could ever happen, without constant conditions.
 
-unified-planning's own grounder tries every combination of objects and leaves out actions that add
-what they delete. Here constant conditions restrict the objects while they are bound, and an effect
-that adds what it deletes adds it, as in PDDL2.1. Actions that the delete relaxation cannot reach
-can never happen, and are left out.
+Disjunctions and conditional effects are compiled away by case (Gazen and Knoblock, "Combining the
+expressivity of UCPOP with the efficiency of Graphplan", 1997): an action with alternatives becomes
+several *variants* of one name. Where a disjunction must hold throughout an action or in the goal,
+the alternative may change meanwhile; a *derived fact* then says whether it holds, and every action
+that affects it keeps it up to date. An effect that adds what it deletes adds it, as in PDDL2.1.
+Actions that the delete relaxation cannot reach can never happen, and are left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 from irc.errors import IrcError
+from irc.frontends.importers.pddl.formula import (
+    MOST_WAYS,
+    All,
+    Any,
+    Atom,
+    Decider,
+    Formula,
+    NotSupportedError,
+    Test,
+    bindings,
+    conjunction,
+    disjunction,
+    negation,
+    tests_of,
+    ways,
+)
+from irc.frontends.importers.pddl.ground_action import (
+    Ground,
+    NumericEffect,
+    TimedEffect,
+    TimedTest,
+    atom_text,
+)
+from irc.frontends.importers.pddl.join import Join, TooLargeError
 from irc.frontends.importers.pddl.lifted import (
-    Equality,
+    Change,
+    Conditional,
+    Effect,
     Fact,
     Lifted,
     Literal,
+    NumericChange,
     Schema,
-    Term,
-    evaluate,
+    conjuncts,
 )
+from irc.frontends.importers.pddl.numbers import Numbers
+from irc.frontends.importers.pddl.reached import reachable
 
-MOST_ACTIONS = 20_000
+MOST_ACTIONS = 50_000
 """Problems with more ground actions are refused."""
 
-_MOST_BINDINGS = 5_000_000
-
-Atom = tuple[Fact, bool]
-"""A fact and whether it is true."""
-
-
-class TooLargeError(IrcError, ValueError):
-    """Grounding needs more than `MOST_ACTIONS` actions."""
+TimedWay = tuple[TimedTest, ...]
 
 
 class DurationError(IrcError, ValueError):
     """An action whose duration is 0 or negative."""
 
 
+class UnreachableError(IrcError, ValueError):
+    """A goal that no plan can reach; `offset` is its place in the problem."""
+
+    def __init__(self, message: str, offset: int | None) -> None:
+        super().__init__(message)
+        self.offset = offset
+
+
 @dataclass(frozen=True)
-class Ground:
-    """An action with its objects. Times are "start", "all" or "end" as in the IR."""
+class Grounded:
+    """The ground actions, the goal, and the initial facts, derived ones included."""
 
-    name: str
-    objects: tuple[str, ...]
-    conditions: tuple[tuple[str, Atom], ...]
-    effects: tuple[tuple[str, Atom], ...]
-    shortest: Fraction
-    longest: Fraction
-
-    @property
-    def text(self) -> str:
-        """Its name in a plan: "(light match1)"."""
-        return atom_text((self.name, *self.objects))
+    actions: list[Ground]
+    goal: tuple[Test, ...]
+    initial: frozenset[Fact]
+    derived: frozenset[Fact] = frozenset()
+    cut: tuple[tuple[str, int], ...] = ()
+    """Warnings about numbers of which only some values count, with places in the domain."""
 
 
-def atom_text(fact: Fact) -> str:
-    """The text of a fact: "(at truck1 depot)"."""
-    return f"({' '.join(fact)})"
-
-
-def ground(lifted: Lifted) -> list[Ground]:
+def ground(lifted: Lifted) -> Grounded:
     """All ground actions that the delete relaxation reaches, in the order of the domain.
 
-    Raises `TooLargeError`, or `DurationError` for a reachable action of no or negative length.
+    Raises `TooLargeError`, `NotSupportedError` with a place in the domain, `UnreachableError`, or
+    `DurationError` for a reachable action of no or negative length.
     """
-    changing = {literal.predicate for s in lifted.schemas for _, literal in s.effects}
-    changing |= {fact[0] for _, fact, _ in lifted.timed}
-    bindings = _Bindings(lifted, changing)
-    found: list[Ground] = []
-    for schema in lifted.schemas:
-        for objects in bindings.of(schema):
-            action = _instance(schema, objects, lifted)
-            if action is not None:
-                found.append(action)
-            if len(found) > MOST_ACTIONS:
-                raise TooLargeError(f"there are more than {MOST_ACTIONS:,} ground actions")
-    reachable = _reachable(found, lifted)
-    durative = {schema.name for schema in lifted.schemas if schema.duration is not None}
-    for action in reachable:
-        if action.name in durative and not 0 < action.longest >= action.shortest >= 0:
+    join = Join(lifted)
+    bound = join.run()
+    grounder = _Grounder(lifted, Decider(lifted, join.reached))
+    goal = grounder.lasting(grounder.goal())
+    variants = [
+        variant
+        for schema in lifted.schemas
+        for objects in bound[schema.name]
+        for variant in grounder.variants(schema, objects)
+    ]
+    numbers = Numbers(lifted, grounder.decider.limits, variants)
+    variants = [variant for one in variants for variant in numbers.variants(one)]
+    lifted = replace(lifted, initial=lifted.initial | set(numbers.initial))
+    actions = grounder.numbered(v for one in variants for v in grounder.keep_derived(one))
+    initial = lifted.initial | {
+        fact for fact, formula in grounder.derived.items() if _holds(formula, lifted)
+    }
+    actions = reachable(actions, initial, lifted.timed)
+    actions = _with_length(actions)
+    return Grounded(
+        actions, goal, frozenset(initial), frozenset(grounder.derived), tuple(numbers.cut)
+    )
+
+
+def _with_length(actions: list[Ground]) -> list[Ground]:
+    """The actions that can last; flying from a place to itself, say, takes no time and is none.
+
+    Raises `DurationError` where no action of a name can last.
+    """
+    kept = []
+    without: dict[str, Ground] = {}
+    for action in actions:
+        most = action.longest
+        lasts = most is None or (most > 0 and most >= action.shortest)
+        if not action.durative or (action.shortest >= 0 and lasts):
+            kept.append(action)
+        else:
+            without.setdefault(action.name, action)
+    names = {action.name for action in kept}
+    for name, action in without.items():
+        if name not in names:
             raise DurationError(
                 f"the durative action {action.text} lasts from {action.shortest} to"
                 f" {action.longest}; a length must be more than 0"
             )
-    return reachable
+    return kept
 
 
-@dataclass
-class _Bindings:
-    """Finds the objects for which the constant conditions of an action hold."""
+class _Grounder:
+    """Makes ground actions; `derived` are the disjunctions that need a fact of their own."""
 
-    lifted: Lifted
-    changing: set[str]
-    tried: int = field(default=0)
+    def __init__(self, lifted: Lifted, decider: Decider) -> None:
+        self.lifted = lifted
+        self.decider = decider
+        self.derived: dict[Fact, Formula] = {}
+        self._count: dict[str, int] = {}
 
-    def of(self, schema: Schema) -> Iterator[tuple[str, ...]]:
-        tests: list[list[Literal | Equality]] = [[] for _ in range(len(schema.parameters) + 1)]
-        for _, literal in schema.conditions:
-            if literal.predicate not in self.changing:
-                tests[_ready(literal.terms)].append(literal)
-        for equality in schema.equalities:
-            tests[_ready((equality.left, equality.right))].append(equality)
-        if self._hold(tests[0], ()):
-            yield from self._extend(schema, tests, ())
+    def goal(self) -> Formula:
+        """The part of the goal that is not constant.
 
-    def _extend(
-        self, schema: Schema, tests: Sequence[Sequence[Literal | Equality]], bound: tuple[str, ...]
-    ) -> Iterator[tuple[str, ...]]:
-        at = len(bound)
-        if at == len(schema.parameters):
-            yield bound
+        Raises `UnreachableError` where a part can never hold.
+        """
+        parts = []
+        for part in conjuncts(self.lifted.goal):
+            formula = self.decider.formula(part, {})
+            if formula is False:
+                literal = part if isinstance(part, Literal) else None
+                text = "this goal"
+                if literal is not None:
+                    text = f"the goal {formula_text(Atom(literal.fact({}), literal.value))}"
+                raise unreachable_goal(text, None if literal is None else literal.offset)
+            parts.append(formula)
+        return conjunction(iter(parts))
+
+    # --- alternatives ----------------------------------------------------------------------------
+
+    def lasting(self, formula: Formula) -> tuple[Test, ...]:
+        """Tests that together say a formula, with derived facts for its disjunctions."""
+        if isinstance(formula, bool):
+            return ()
+        parts = formula.parts if isinstance(formula, All) else (formula,)
+        return tuple(p if isinstance(p, Atom) else self._derived(p) for p in parts)
+
+    def _derived(self, formula: Formula) -> Atom:
+        timed = {fact for _, fact, _ in self.lifted.timed}
+        for test in tests_of(formula):
+            if test.fact in timed:
+                raise NotSupportedError(
+                    f"the disjunction {formula_text(formula)} must hold for some time, and depends"
+                    " on a timed initial literal; that is not supported",
+                    0,
+                )
+        name = formula_text(formula)[1:-1]
+        self.derived[name,] = formula
+        return Atom((name,), True)
+
+    def variants(self, schema: Schema, objects: tuple[str, ...]) -> Iterator[Ground]:
+        """The variants of an action, without the upkeep of derived facts."""
+        names = [name for name, _ in schema.parameters]
+        binding = dict(zip(names, objects, strict=True))
+        span = self._duration(schema, binding)
+        if span is None:
             return
-        for item in schema.parameters[at]:
-            self.tried += 1
-            if self.tried > _MOST_BINDINGS:
-                raise TooLargeError(f"grounding takes more than {_MOST_BINDINGS:,} steps")
-            longer = (*bound, item)
-            if self._hold(tests[at + 1], longer):
-                yield from self._extend(schema, tests, longer)
+        conditions: list[tuple[str, Formula]] = []
+        for when in ("start", "all", "end"):
+            parts = (self.decider.formula(p, binding) for w, p in schema.conditions if w == when)
+            formula = conjunction(parts)
+            if when == "all" and not isinstance(formula, bool):
+                formula = conjunction(iter(self.lasting(formula)))
+            conditions.append((when, formula))
+        base, cases = self._effects(schema, binding, span)
+        for way, effects in self._variants(schema, conditions, base, cases):
+            yield Ground(
+                schema.name, objects, way, _merged(effects), *span, schema.duration is not None
+            )
 
-    def _hold(self, tests: Iterable[Literal | Equality], bound: tuple[str, ...]) -> bool:
-        for test in tests:
-            if isinstance(test, Equality):
-                if (_object(test.left, bound) == _object(test.right, bound)) != test.same:
-                    return False
-            elif (test.fact(bound) in self.lifted.initial) != test.value:
-                return False
-        return True
+    def _variants(
+        self,
+        schema: Schema,
+        conditions: Sequence[tuple[str, Formula]],
+        base: Sequence[TimedEffect],
+        cases: Sequence[_Case],
+    ) -> Iterator[tuple[TimedWay, list[TimedEffect]]]:
+        found: list[tuple[TimedWay, list[TimedEffect]]] = [
+            (way, list(base)) for way in _timed_ways(conditions, schema.offset)
+        ]
+        for case in cases:
+            met = _timed_ways(case.conditions, schema.offset)
+            unmet = [
+                way
+                for when, formula in case.conditions
+                for way in _timed_ways([(when, negation(formula))], schema.offset)
+            ]
+            longer = []
+            for way, effects in found:
+                for extra, more in ((met, case.effects), (unmet, [])):
+                    for one in extra:
+                        joined = _joined(way, one)
+                        if joined is not None:
+                            longer.append((joined, [*effects, *more]))
+            found = longer
+            if len(found) > MOST_WAYS:
+                raise NotSupportedError(
+                    f"the action {schema.name!r} has more than {MOST_WAYS} combinations of"
+                    " alternatives and conditional effects",
+                    schema.offset,
+                )
+        yield from found
 
+    def _duration(
+        self, schema: Schema, binding: Mapping[str, str]
+    ) -> tuple[Fraction, Fraction | None] | None:
+        """The least and the greatest duration; None if a bound has no value."""
+        if schema.duration is None:
+            return Fraction(0), Fraction(0)
+        least, most = Fraction(0), None
+        for bound in schema.duration:
+            amount = self.decider.number(bound.amount, binding)
+            if amount is None:
+                return None
+            if bound.relation in ("=", ">="):
+                least = max(least, amount) if amount >= 0 or bound.relation == ">=" else amount
+            if bound.relation in ("=", "<="):
+                most = amount if most is None else min(most, amount)
+        return least, most
 
-def _ready(terms: Iterable[Term]) -> int:
-    """The number of parameters after which all terms are known."""
-    return max((term + 1 for term in terms if isinstance(term, int)), default=0)
+    # --- effects ---------------------------------------------------------------------------------
 
+    def _effects(
+        self,
+        schema: Schema,
+        binding: Mapping[str, str],
+        span: tuple[Fraction, Fraction | None],
+    ) -> tuple[list[TimedEffect], list[_Case]]:
+        """The effects without conditions, and those with, by their conditions."""
+        base: list[TimedEffect] = []
+        cases: dict[tuple[tuple[str, Formula], ...], list[TimedEffect]] = {}
+        for conditions, effect in self._flat(schema.effects, binding, ()):
+            made = self._effect(effect[0], effect[1], span)
+            if made is None:
+                continue
+            if _is_plain_anyway(conditions, made):
+                base.append(made)
+            elif conditions:
+                cases.setdefault(conditions, []).append(made)
+            else:
+                base.append(made)
+        return base, [_Case(*case) for case in cases.items()]
 
-def _object(term: Term, bound: tuple[str, ...]) -> str:
-    return bound[term] if isinstance(term, int) else term
+    def _flat(
+        self,
+        effects: Iterable[Effect],
+        binding: Mapping[str, str],
+        outer: tuple[tuple[str, Formula], ...],
+    ) -> Iterator[
+        tuple[
+            tuple[tuple[str, Formula], ...],
+            tuple[Change | NumericChange, Mapping[str, str]],
+        ]
+    ]:
+        for effect in effects:
+            if not isinstance(effect, Conditional):
+                yield outer, (effect, binding)
+                continue
+            for bound in bindings(effect.variables, binding):
+                inner = self._case(effect, bound, outer)
+                if inner is not None:
+                    yield from self._flat(effect.effects, bound, inner)
 
+    def _case(
+        self,
+        effect: Conditional,
+        binding: Mapping[str, str],
+        outer: tuple[tuple[str, Formula], ...],
+    ) -> tuple[tuple[str, Formula], ...] | None:
+        """The conditions of an effect that are not constant; None if they never hold."""
+        found = list(outer)
+        for when, condition in effect.conditions:
+            formula = self.decider.formula(condition, binding)
+            if formula is False:
+                return None
+            if formula is True:
+                continue
+            if when == "all":
+                raise NotSupportedError(
+                    "an effect whose condition must hold over all of the action is not supported",
+                    effect.offset,
+                )
+            found.append((when, formula))
+        return tuple(found)
 
-def _instance(schema: Schema, objects: tuple[str, ...], lifted: Lifted) -> Ground | None:
-    """The ground action; None if its duration has no value, so that it can never happen."""
-    shortest = longest = Fraction(0)
-    if schema.duration is not None:
-        least, most = (evaluate(e, schema, objects, lifted.numbers) for e in schema.duration)
-        if least is None or most is None:
+    def _effect(
+        self,
+        effect: Change | NumericChange,
+        binding: Mapping[str, str],
+        span: tuple[Fraction, Fraction | None],
+    ) -> TimedEffect | None:
+        if isinstance(effect, Change):
+            fact = effect.literal.fact(binding)
+            if not effect.literal.value and fact not in self.decider.reached:
+                return None
+            return TimedEffect(effect.at, Atom(fact, effect.literal.value))
+        linear = self.decider.linear(effect.amount, binding)
+        if linear is None:
             return None
-        shortest, longest = least, most
-    conditions = {(when, (lit.fact(objects), lit.value)): None for when, lit in schema.conditions}
-    if any((when, (fact, not value)) in conditions for when, (fact, value) in conditions):
-        return None  # It needs a fact to be true and false at once.
-    effects: dict[tuple[str, Fact], bool] = {}
-    for when, literal in schema.effects:
-        key = (when, literal.fact(objects))
-        effects[key] = (
-            effects.get(key, False) or literal.value
-        )  # What is deleted and added is added.
-    return Ground(
-        schema.name,
-        objects,
-        tuple(conditions),
-        tuple((when, (fact, value)) for (when, fact), value in effects.items()),
-        shortest,
-        longest,
+        amount = linear.constant
+        for name, factor in linear.factors.items():
+            if name != ("?duration",) or span[0] != span[1]:
+                raise NotSupportedError(
+                    f"this changes a number by what depends on {atom_text(name)}; only changes by"
+                    " constants are supported",
+                    effect.offset,
+                )
+            amount += factor * span[0]
+        sign = -1 if effect.verb == "decrease" else 1
+        changed = NumericEffect(effect.target.fact(binding), effect.verb != "assign", sign * amount)
+        return TimedEffect(effect.at, changed)
+
+    # --- derived facts ---------------------------------------------------------------------------
+
+    def keep_derived(self, action: Ground) -> Iterator[Ground]:
+        """The action, or its variants that keep all derived facts up to date."""
+        found = [action]
+        for fact, formula in self.derived.items():
+            facts = {test.fact for test in tests_of(formula)}
+            for at in ("start", "end"):
+                found = [v for a in found for v in self._upkeep(a, fact, formula, facts, at)]
+        yield from found
+
+    def _upkeep(
+        self, action: Ground, fact: Fact, formula: Formula, facts: set[Fact], at: str
+    ) -> Iterator[Ground]:
+        given = {e.fact: e.value for when, e in action.atoms if when == at and e.fact in facts}
+        if not given:
+            yield action
+            return
+        known = {
+            t.fact: t.value for when, t in action.conditions if when == at and isinstance(t, Atom)
+        }
+        left = _with_values(formula, {**known, **given})
+        for value, rest in ((True, left), (False, negation(left))):
+            for way in ways(rest):
+                joined = _joined(action.conditions, tuple((at, test) for test in way))
+                if joined is not None:
+                    effect = TimedEffect(at, Atom(fact, value))
+                    yield replace(action, conditions=joined, effects=(*action.effects, effect))
+
+    def numbered(self, actions: Iterable[Ground]) -> list[Ground]:
+        """The actions, with the variants of one name numbered."""
+        found: list[Ground] = []
+        for action in actions:
+            number = self._count.get(action.plan_name, 0) + 1
+            self._count[action.plan_name] = number
+            found.append(replace(action, variant=number) if number > 1 else action)
+            if len(found) > MOST_ACTIONS:
+                raise TooLargeError(f"there are more than {MOST_ACTIONS:,} ground actions")
+        return found
+
+
+def unreachable_goal(text: str, offset: int | None) -> UnreachableError:
+    """The error of a goal that can never hold."""
+    return UnreachableError(
+        f"{text} can never hold: it does not hold at first, and no action that can happen brings"
+        " it about",
+        offset,
     )
 
 
-# --- reachability ---------------------------------------------------------------------------------
+class _Case(NamedTuple):
+    """Effects that happen if all conditions hold."""
+
+    conditions: tuple[tuple[str, Formula], ...]
+    effects: list[TimedEffect]
 
 
-@dataclass
-class _Phase:
-    """A start or an end that becomes possible when all of its conditions are reached."""
+def _timed_ways(conditions: Iterable[tuple[str, Formula]], offset: int) -> list[TimedWay]:
+    found: list[TimedWay] = [()]
+    for when, formula in conditions:
+        more = [tuple((when, test) for test in way) for way in ways(formula, offset)]
+        found = [j for one in found for two in more if (j := _joined(one, two)) is not None]
+        if len(found) > MOST_WAYS:
+            raise NotSupportedError(f"this has more than {MOST_WAYS} alternatives", offset)
+    return found
 
-    waiting: int
-    gives: list[Atom]
-    action: int | None
-    """The action that is possible with this; None for a start, whose end must be possible too."""
+
+def _joined(one: TimedWay, two: TimedWay) -> TimedWay | None:
+    known = set(one)
+    added = [item for item in dict.fromkeys(two) if item not in known]
+    if any((when, test.negated()) in known for when, test in added):
+        return None
+    return (*one, *added)
 
 
-def _reachable(actions: Sequence[Ground], lifted: Lifted) -> list[Ground]:
-    """The actions that could happen if nothing were ever deleted, in time linear in their size.
+def _is_plain_anyway(conditions: tuple[tuple[str, Formula], ...], made: TimedEffect) -> bool:
+    """Whether an effect only takes away what its condition asks for, at the same time."""
+    if len(conditions) != 1 or not isinstance(made.effect, Atom):
+        return False
+    return conditions[0] == (made.at, made.effect.negated())
 
-    The effects of a start need only its start conditions, so that two actions may each need an
-    effect of the other's start.
-    """
-    phases: list[_Phase] = []
-    waiting: dict[Atom, list[int]] = {}
-    ready: list[int] = []
 
-    def add(needs: set[Atom], gives: list[Atom], action: int | None) -> None:
-        for atom in needs:
-            waiting.setdefault(atom, []).append(len(phases))
-        if not needs:
-            ready.append(len(phases))
-        phases.append(_Phase(len(needs), gives, action))
+def _merged(effects: Iterable[TimedEffect]) -> tuple[TimedEffect, ...]:
+    """The effects; what is deleted and added at once is added."""
+    atoms: dict[tuple[str, Fact], bool] = {}
+    others: list[TimedEffect] = []
+    for effect in effects:
+        if isinstance(effect.effect, Atom):
+            key = (effect.at, effect.effect.fact)
+            atoms[key] = atoms.get(key, False) or effect.effect.value
+        else:
+            others.append(effect)
+    made = [TimedEffect(at, Atom(fact, value)) for (at, fact), value in atoms.items()]
+    return (*made, *others)
 
-    for number, action in enumerate(actions):
-        at_start = {atom for when, atom in action.conditions if when == "start"}
-        add(at_start, [atom for when, atom in action.effects if when == "start"], None)
-        every = {atom for _, atom in action.conditions}
-        add(every, [atom for when, atom in action.effects if when == "end"], number)
-    reached: set[Atom] = set()
-    possible: set[int] = set()
 
-    def reach(atom: Atom) -> None:
-        if atom in reached:
-            return
-        reached.add(atom)
-        for index in waiting.get(atom, ()):
-            phases[index].waiting -= 1
-            if phases[index].waiting == 0:
-                ready.append(index)
+def _with_values(formula: Formula, values: Mapping[Fact, bool]) -> Formula:
+    if isinstance(formula, bool):
+        return formula
+    if isinstance(formula, Atom):
+        known = values.get(formula.fact)
+        return formula if known is None else known == formula.value
+    if isinstance(formula, (All, Any)):
+        parts = (_with_values(part, values) for part in formula.parts)
+        return conjunction(parts) if isinstance(formula, All) else disjunction(parts)
+    return formula
 
-    for fact in lifted.initial:
-        reach((fact, True))
-    for fact, value in [atom for atom in waiting if not atom[1]]:
-        if fact not in lifted.initial:
-            reach((fact, value))
-    for _, fact, value in lifted.timed:
-        reach((fact, value))
-    while ready:
-        phase = phases[ready.pop()]
-        if phase.action is not None:
-            possible.add(phase.action)
-        for atom in phase.gives:
-            reach(atom)
-    return [action for number, action in enumerate(actions) if number in possible]
+
+def _holds(formula: Formula, lifted: Lifted) -> bool:
+    values = {test.fact: test.fact in lifted.initial for test in tests_of(formula)}
+    return _with_values(formula, values) is True
+
+
+def formula_text(formula: Formula) -> str:
+    """The text of a formula, as in PDDL."""
+    if isinstance(formula, bool):
+        return "(and)" if formula else "(or)"
+    if isinstance(formula, Atom):
+        text = atom_text(formula.fact)
+        return text if formula.value else f"(not {text})"
+    word = "and" if isinstance(formula, All) else "or"
+    return f"({word} {' '.join(formula_text(part) for part in formula.parts)})"

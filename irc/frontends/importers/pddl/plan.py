@@ -8,18 +8,20 @@ move.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
 from irc.errors import IrcError
-from irc.frontends.importers.pddl.task import EVENT
 from irc.model import DurationRange, Task
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
 from irc.validation import validate
 from irc.validation.ranked import NoRanksError, ScheduleRanks, ranks_of
+
+_VARIANT = re.compile(r" #\d+\Z")
 
 LARGEST_EPSILON = Fraction(1, 1000)
 """The usual epsilon of planners."""
@@ -47,12 +49,11 @@ def plan_text(task: Task, schedule: Schedule) -> str:
     epsilon = _epsilon(task, schedule.entries, moved)
     lines = []
     for entry, (at_start, at_end) in zip(schedule.entries, moved, strict=True):
-        if entry.id.startswith(EVENT):
-            continue
         start = entry.start + at_start * epsilon
         lasts = entry.end + at_end * epsilon - start
         duration = f" [{_decimal(lasts)}]" if lasts else ""
-        lines.append((start, entry.id, f"{_decimal(start)}: {entry.id}{duration}\n"))
+        name = _VARIANT.sub("", entry.id)
+        lines.append((start, entry.id, f"{_decimal(start)}: {name}{duration}\n"))
     return "".join(line for _, _, line in sorted(lines))
 
 
@@ -71,12 +72,13 @@ def _offsets(entries: Sequence[Entry], found: ScheduleRanks) -> list[int]:
     ties = [_Tie(a, b, least) for a, b, least in found.edges]
     instants: dict[Number, dict[int, set[int]]] = {}
     for entry, (start, end) in zip(entries, found.nodes, strict=True):
-        if entry.id.startswith(EVENT):
-            ties += [_Tie(origin, start, 0), _Tie(start, origin, 0)]
-        elif entry.start == 0:
+        if entry.start == 0:
             ties.append(_Tie(origin, start, 0))
         for time, node in ((entry.start, start), (entry.end, end)):
             instants.setdefault(time, {}).setdefault(found.ranks[node], set()).add(node)
+    for time, node in found.changes:
+        ties += [_Tie(origin, node, 0), _Tie(node, origin, 0)]
+        instants.setdefault(time, {}).setdefault(found.ranks[node], set()).add(node)
     for ranks in instants.values():
         # Happenings of one rank stay together.
         for level in ranks.values():

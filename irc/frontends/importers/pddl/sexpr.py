@@ -62,11 +62,15 @@ class Form:
 
 
 class SyntaxFault(IrcError, ValueError):
-    """The text is not one well-formed list; `offset` says where."""
+    """The text is not one well-formed list; `offset` says where.
 
-    def __init__(self, message: str, offset: int) -> None:
+    `form` is the list, where only what stands behind it is wrong.
+    """
+
+    def __init__(self, message: str, offset: int, form: Form | None = None) -> None:
         super().__init__(message)
         self.offset = offset
+        self.form = form
 
 
 def read_form(text: str) -> Form:
@@ -85,7 +89,8 @@ def read_form(text: str) -> Form:
                 raise SyntaxFault(f"this is nested more than {MAX_DEPTH} deep", offset)
         elif token == ")":
             if len(stack) == 1:
-                raise SyntaxFault("there is no '(' for this ')'", offset)
+                whole = root.forms[0] if len(root.items) == 1 else None
+                raise SyntaxFault("there is no '(' for this ')'", offset, whole)
             stack.pop()
         elif len(stack) == 1:
             raise SyntaxFault("expected '('", offset)

@@ -7,46 +7,45 @@ changes no schedule.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from irc.errors import IrcError
 from irc.frontends.importers.instances import without_empty
-from irc.frontends.importers.pddl.ground import Atom, Ground, atom_text
-from irc.frontends.importers.pddl.lifted import Fact, Lifted
+from irc.frontends.importers.pddl.formula import Atom, Test
+from irc.frontends.importers.pddl.ground import Grounded, formula_text, unreachable_goal
+from irc.frontends.importers.pddl.ground_action import Ground, atom_text
+from irc.frontends.importers.pddl.lifted import Fact, Lifted, Literal, conjuncts
+from irc.frontends.importers.pddl.metric import Objective
+from irc.frontends.importers.pddl.symmetry import Interchangeable
 from irc.model import Task
 from irc.model.quantities import exact
-from irc.model.times import json_number
-
-EVENT = "at "
-"""The beginning of the ids of timed initial literals; those of PDDL's actions begin with '('."""
 
 Raw = dict[str, Any]
 
 
-class UnreachableError(IrcError, ValueError):
-    """A goal that no plan can reach; `fact` is its fact."""
-
-    def __init__(self, message: str, fact: Fact) -> None:
-        super().__init__(message)
-        self.fact = fact
-
-
-def pddl_task(lifted: Lifted, actions: Sequence[Ground]) -> Task:
+def pddl_task(
+    lifted: Lifted,
+    grounded: Grounded,
+    objective: Objective,
+    equal: Sequence[Interchangeable] = (),
+) -> Task:
     """The IR task. Raises `UnreachableError`."""
-    builder = _Builder(lifted, tuple(actions))
+    builder = _Builder(lifted, grounded, objective, tuple(equal))
     goals = list(builder.goals())
     return Task.model_validate(
         without_empty(
             {
                 "name": lifted.problem,
                 "metadata": builder.metadata(),
+                "resources": [{"id": name} for name in builder.with_variants],
                 "state": builder.state(),
-                "actions": [*builder.events(), *map(builder.action, builder.useful)],
+                "actions": list(map(builder.action, builder.useful)),
                 "goals": goals,
+                **({} if objective.weights is None else {"objective": list(objective.names)}),
             }
         )
     )
@@ -55,7 +54,9 @@ def pddl_task(lifted: Lifted, actions: Sequence[Ground]) -> Task:
 @dataclass(frozen=True)
 class _Builder:
     lifted: Lifted
-    actions: tuple[Ground, ...]
+    grounded: Grounded
+    objective: Objective
+    equal: tuple[Interchangeable, ...] = ()
 
     @cached_property
     def written(self) -> dict[Fact, set[bool]]:
@@ -66,45 +67,112 @@ class _Builder:
         return values
 
     def _all_effects(self) -> Iterator[Atom]:
-        for action in self.actions:
-            yield from (atom for _, atom in action.effects)
-        yield from ((fact, value) for _, fact, value in self.lifted.timed)
+        for action in self.useful:
+            yield from (atom for _, atom in action.atoms)
+        yield from (Atom(fact, value) for _, fact, value in self.lifted.timed)
 
     @cached_property
     def kept(self) -> dict[Fact, None]:
         """The facts that are state variables, in the order of their first use."""
-        read = {fact for action in self.actions for _, (fact, _) in action.conditions}
-        read |= {fact for fact, _ in self.lifted.goal}
+        read = {test.fact for action in self.useful for _, test in action.conditions}
+        read |= {test.fact for test in self.grounded.goal}
+        both = self._written_both_ways
         return {
             fact: None
             for fact, _ in self._all_effects()
-            if fact in read or len(self.written[fact]) > 1
+            if fact in read or (fact in both and fact not in self.grounded.derived)
         }
 
     @cached_property
-    def useful(self) -> list[Ground]:
-        """The actions that change a state variable."""
-        return [action for action in self.actions if self._matters(action)]
+    def _written_both_ways(self) -> set[Fact]:
+        """The facts that useful actions both add and delete, which must not happen at once."""
+        values: dict[Fact, set[bool]] = {}
+        for action in self.useful:
+            for _, (fact, value) in action.atoms:
+                values.setdefault(fact, set()).add(value)
+        return {fact for fact, given in values.items() if len(given) > 1}
 
-    def _matters(self, action: Ground) -> bool:
-        return any(fact in self.kept for _, (fact, _) in action.effects)
+    @cached_property
+    def useful(self) -> list[Ground]:
+        """The actions that bring about what a goal or another useful action needs.
+
+        What the others do is needed nowhere, so a plan without them is as good.
+        """
+        actions = self.grounded.actions
+        givers: dict[Test, list[int]] = {}
+        for number, action in enumerate(actions):
+            for _, atom in action.atoms:
+                givers.setdefault(atom, []).append(number)
+        found: set[int] = set()
+        waiting = list(self.grounded.goal)
+        needed = set(waiting)
+        while waiting:
+            for number in givers.pop(waiting.pop(), ()):
+                if number not in found:
+                    found.add(number)
+                    new = {test for _, test in actions[number].conditions} - needed
+                    needed |= new
+                    waiting += new
+        gains = (n for n, action in enumerate(actions) if self.objective.cost(action) < 0)
+        found.update(gains)
+        return [action for number, action in enumerate(actions) if number in found]
+
+    @cached_property
+    def with_variants(self) -> dict[str, None]:
+        """The names in plans of actions with several variants, which must not overlap either."""
+        count = Counter(action.plan_name for action in self.useful if action.durative)
+        return {name: None for name, variants in count.items() if variants > 1}
 
     def state(self) -> list[Raw]:
-        initial = self.lifted.initial
+        initial = self.grounded.initial
+        changes: dict[Fact, dict[Fraction, bool]] = {}
+        for time, fact, value in self.lifted.timed:
+            at = changes.setdefault(fact, {})
+            at[time] = at.get(time, False) or value
         return [
-            {"id": atom_text(fact), **({"initial": True} if fact in initial else {})}
+            without_empty(
+                {
+                    "id": atom_text(fact),
+                    **({"initial": True} if fact in initial else {}),
+                    "changes": [
+                        {"at": exact(time), "value": value}
+                        for time, value in sorted(changes.get(fact, {}).items())
+                    ],
+                }
+            )
             for fact in self.kept
         ]
 
     def action(self, action: Ground) -> Raw:
+        tests = ((when, test) for when, test in action.conditions if isinstance(test, Atom))
+        cost = self.objective.cost(action)
         made: Raw = {
             "id": action.text,
-            "duration": _duration(action.shortest, action.longest),
+            "duration": self._duration(action),
             "occurs": "optional" if self._happens_once(action) else {"min": 0},
-            "conditions": self._atoms(action.conditions),
-            "effects": self._atoms(action.effects),
+            "uses": [{"resource": action.plan_name}] * (action.plan_name in self.with_variants),
+            "conditions": self._atoms(tests),
+            "effects": self._atoms(action.atoms),
+            **({"cost": cost} if cost else {}),
         }
         return without_empty(made)
+
+    def _duration(self, action: Ground) -> Any:
+        if action.shortest == action.longest:
+            return exact(action.shortest)
+        most = self.longest if action.longest is None else action.longest
+        if action.longest is None:
+            most += action.shortest
+        return {"min": exact(action.shortest), "max": exact(most)}
+
+    @cached_property
+    def longest(self) -> Fraction:
+        """The time that an action without a greatest duration may last beyond its least one.
+
+        It need not outlast all that the others take, one after another, and the last timed literal.
+        """
+        lengths = (a.shortest if a.longest is None else a.longest for a in self.useful)
+        return sum(lengths, max((time for time, _, _ in self.lifted.timed), default=Fraction(1)))
 
     def _atoms(self, atoms: Iterable[tuple[str, Atom]]) -> list[Raw]:
         return [
@@ -115,52 +183,43 @@ class _Builder:
 
     def _happens_once(self, action: Ground) -> bool:
         """Whether an action deletes a condition of its own for good, so that it can happen once."""
-        undone = {(fact, not value) for _, (fact, value) in action.effects}
+        undone = {atom.negated() for _, atom in action.atoms}
         return any(
-            atom in undone and atom[1] not in self.written.get(atom[0], set())
-            for _, atom in action.conditions
+            test in undone and test.value not in self.written.get(test.fact, set())
+            for _, test in action.conditions
+            if isinstance(test, Atom)
         )
 
-    def events(self) -> list[Raw]:
-        """The actions of timed initial literals, one for all literals of the same time."""
-        times: dict[Fraction, dict[Fact, bool]] = {}
-        for time, fact, value in self.lifted.timed:
-            if fact in self.kept:
-                happening = times.setdefault(time, {})
-                happening[fact] = happening.get(fact, False) or value
-        return [
-            {
-                "id": f"{EVENT}{json_number(exact(time))}",
-                "duration": 0,
-                "start": exact(time),
-                "effects": self._atoms(("start", atom) for atom in happening.items()),
-            }
-            for time, happening in sorted(times.items())
-        ]
-
     def goals(self) -> Iterator[Raw]:
-        for fact, value in self.lifted.goal:
-            text = atom_text(fact) if value else f"(not {atom_text(fact)})"
-            if value not in self.written.get(fact, set()) and (
-                (fact in self.lifted.initial) != value
+        places = {
+            Atom(part.fact({}), part.value): part.offset
+            for part in conjuncts(self.lifted.goal)
+            if isinstance(part, Literal)
+        }
+        for test in self.grounded.goal:
+            if not isinstance(test, Atom):
+                continue
+            if test.value not in self.written.get(test.fact, set()) and (
+                (test.fact in self.grounded.initial) != test.value
             ):
-                raise UnreachableError(
-                    f"the goal {text} can never hold: it does not hold at first, and no action"
-                    " that can happen brings it about",
-                    fact,
-                )
-            if fact in self.kept:
-                yield {"var": atom_text(fact), **({} if value else {"value": False})}
+                raise unreachable_goal(f"the goal {formula_text(test)}", places.get(test))
+            if test.fact in self.kept:
+                yield {"var": atom_text(test.fact), **({} if test.value else {"value": False})}
 
     def metadata(self) -> Raw:
-        useless = [action.text for action in self.actions if not self._matters(action)]
+        useful = set(map(id, self.useful))
+        useless = [a.text for a in self.grounded.actions if id(a) not in useful]
+        scale = self.objective.scale
+        equal = [
+            {"objects": list(one.tokens), "in_the_order_of": list(one.actions)}
+            for one in self.equal
+        ]
         return {
-            "pddl": {"domain": self.lifted.domain, "problem": self.lifted.problem},
+            "pddl": {
+                "domain": self.lifted.domain,
+                "problem": self.lifted.problem,
+                **({"cost_per_unit_of_the_metric": scale} if scale != 1 else {}),
+                **({"interchangeable": equal} if equal else {}),
+            },
             **({"actions_that_change_nothing_that_matters": useless} if useless else {}),
         }
-
-
-def _duration(shortest: Fraction, longest: Fraction) -> Any:
-    if shortest == longest:
-        return exact(shortest)
-    return {"min": exact(shortest), "max": exact(longest)}

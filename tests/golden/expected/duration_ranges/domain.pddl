@@ -34,8 +34,12 @@
     :duration (and (>= ?duration 20) (<= ?duration 60))
     :condition (and (at start (todo_simmer)) (at start (free_pan_1)) (at end (after_keep_chop_by_simmer)) (at end (during_keep_simmer_by_chop)))
     :effect (and (at start (not (todo_simmer))) (at start (not (free_pan_1))) (at end (done_simmer)) (at end (free_pan_1))))
-  (:durative-action rest
+  (:durative-action rest__pan_1
     :parameters ()
     :duration (and (>= ?duration 0) (<= ?duration 10))
     :condition (and (at start (todo_rest)) (at start (free_pan_1)))
-    :effect (and (at start (not (todo_rest))) (at start (not (free_pan_1))) (at end (done_rest)) (at end (free_pan_1)))))
+    :effect (and (at start (not (todo_rest))) (at start (not (free_pan_1))) (at end (done_rest)) (at end (free_pan_1))))
+  (:action rest__at_once
+    :parameters ()
+    :precondition (and (todo_rest))
+    :effect (and (not (todo_rest)) (done_rest))))

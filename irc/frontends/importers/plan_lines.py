@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from irc.diagnostics import Code, Findings, Report
+from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
-from irc.methods.answer import Answer, AnswerState
 from irc.schedule import Entry, Schedule
 
 _NUMBER = r"(\d+(?:\.\d+)?)"
@@ -70,20 +69,24 @@ def _parts(name: str, arguments: list[str]) -> tuple[str, tuple[str, ...]]:
     return name, tuple(arguments)
 
 
-def read_plan_answer(text: str) -> Answer:
-    """The plan that a model wrote as lines, as a schedule."""
+def import_plan(text: str, name: str) -> Schedule:
+    """The schedule that the lines of a plan describe. Raises `InputError` where there are none."""
     plan = read_plan(text)
-    if plan:
-        return Answer(AnswerState.OK, text, plan=plan)
-    state = AnswerState.MALFORMED if text.strip() else AnswerState.EMPTY
+    if not plan:
+        raise InputError(no_plan(text, name))
+    return plan_schedule(plan)
+
+
+def no_plan(text: str, name: str) -> Report:
+    """The report that a text has no line of a plan."""
     findings = Findings()
     findings.add(
         Code.BAD_SCHEDULE,
-        "the answer holds no line of a plan",
+        "there is no line of a plan in the text",
         offset=0,
         hint="expected lines such as 0.000: (cut robot1 apple) [3.000]",
     )
-    return Answer(state, text, report=Report(tuple(findings.items), Source("answer", text)))
+    return Report(tuple(findings.items), Source(name, text))
 
 
 def plan_schedule(plan: tuple[PlanLine, ...]) -> Schedule:

@@ -1,13 +1,43 @@
-"""Actions and edges of an answer's JSON, as most methods write them; faults as diagnostics."""
+"""Actions and edges as language models write them in JSON; every fault as a diagnostic."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
-from irc.diagnostics import Code, Findings, Report
-from irc.diagnostics.source import Source
-from irc.methods.answer import Answer, AnswerState, Duration, Edge, StepGraph, WrittenAction
+from irc.diagnostics import Code, Findings, did_you_mean
+
+Duration = int | float
+
+
+@dataclass(frozen=True)
+class WrittenAction:
+    """An action as the answer has it; `duration` is None where no number stands there."""
+
+    id: str
+    duration: Duration | None
+    fields: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One action before another, by at least `lag`."""
+
+    before: str
+    after: str
+    lag: Duration = 0
+
+
+@dataclass(frozen=True)
+class StepGraph:
+    """The actions and edges of an answer, in the order of the text."""
+
+    actions: tuple[WrittenAction, ...]
+    edges: tuple[Edge, ...]
+
 
 BEFORE = ("before", "predecessor")
 AFTER = ("after", "successor")
@@ -32,13 +62,17 @@ def read_graph(
 
 def _action(item: object, k: int, findings: Findings) -> WrittenAction | None:
     if not isinstance(item, Mapping) or not isinstance(item.get("id"), (str, int)):
-        findings.add(Code.MISSING_FIELD, "an action has no 'id'", ("actions", k))
+        shown = json.dumps(item, ensure_ascii=False, default=str)
+        message = f"action {k + 1} has no 'id': {shown if len(shown) < 60 else shown[:57] + '...'}"
+        findings.add(Code.MISSING_FIELD, message, ("actions", k), hint='add "id": …')
         return None
     duration = number(item.get("duration"))
     name = str(item["id"])
     if duration is None:
-        message = f"action {name!r} has no duration that is a number"
-        findings.add(Code.WRONG_TYPE, message, ("actions", k))
+        given = item.get("duration")
+        found = "" if given is None else f", found {given!r}"
+        message = f"action {name!r} has no duration that is a number{found}"
+        findings.add(Code.WRONG_TYPE, message, ("actions", k), hint='write "duration": 60')
     elif duration < 0:
         message = f"the duration of action {name!r} is negative"
         findings.add(Code.NEGATIVE_TIME, message, ("actions", k, "duration"))
@@ -46,10 +80,10 @@ def _action(item: object, k: int, findings: Findings) -> WrittenAction | None:
 
 
 def number(value: object) -> Duration | None:
-    """The value if it is a number of JSON; None for anything else."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value
-    return None
+    """The value if it is a finite number; None for anything else."""
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 def _edges(written: object, field: str, findings: Findings) -> tuple[Edge, ...]:
@@ -62,7 +96,10 @@ def _edges(written: object, field: str, findings: Findings) -> tuple[Edge, ...]:
     for k, item in enumerate(written):
         edge = _edge(item)
         if edge is None:
-            findings.add(Code.WRONG_TYPE, "an edge has no two ends", (field, k))
+            shown = json.dumps(item, ensure_ascii=False, default=str)
+            message = f"entry {k + 1} of '{field}' has no two ends: {shown[:60]}"
+            hint = 'write {"before": "…", "after": "…"}'
+            findings.add(Code.WRONG_TYPE, message, (field, k), hint=hint)
         else:
             edges.append(edge)
     return tuple(edges)
@@ -92,23 +129,8 @@ def check_names(graph: StepGraph, field: str, findings: Findings) -> None:
         for name in (edge.before, edge.after):
             if name not in known:
                 message = f"an edge names {name!r}, which is no action"
-                findings.add(Code.UNKNOWN_NAME, message, (field, k))
-
-
-def graph_answer(
-    text: str,
-    graph: StepGraph,
-    document: Mapping[str, Any],
-    findings: Findings,
-    stated_makespan: Duration | None = None,
-) -> Answer:
-    """The answer with this graph: ok, or invalid where there are errors."""
-    report = Report(tuple(findings.items), Source("answer", text))
-    if not report.ok:
-        return Answer(
-            AnswerState.INVALID, text, graph, stated_makespan=stated_makespan, report=report
-        )
-    return Answer(AnswerState.OK, text, graph, document, stated_makespan, report=report)
+                hint = did_you_mean(name, known) or "name an action by its 'id'"
+                findings.add(Code.UNKNOWN_NAME, message, (field, k), hint=hint)
 
 
 def precedence(graph: StepGraph) -> list[dict[str, Any]]:

@@ -1,0 +1,54 @@
+"""Asks an engine within a budget; where there is no time for one, the compiler answers itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from irc.driver.quick import quick_outcome
+from irc.schedule import Schedule, Status
+from irc.targets import Budget, Engine, EngineMissing, Outcome, Program, SolveOptions
+
+AFTERWARDS_SHARE = 0.05
+"""The part of a time limit that is kept for re-timing, the validator and the output, at most."""
+
+Accept = Callable[[Schedule], bool]
+
+
+def asked(
+    program: Program,
+    engine: Engine,
+    options: SolveOptions,
+    budget: Budget,
+    accept: Accept | None = None,
+    part: float = 1.0,
+) -> Outcome:
+    """The outcome of an engine, which may take a `part` of the time that is left.
+
+    If the budget is cancelled before the engine has an answer, or does not last until it could
+    begin, the outcome is the compiler's own schedule, if there is one that `accept` accepts. Raises
+    `EngineMissing` or `EngineFailed`.
+    """
+    reason = engine.missing()
+    if reason is not None:
+        raise EngineMissing(reason)
+    if not budget.is_cancelled:
+        import irc.validation  # noqa: F401 - now, while there is time: a search may be cut short
+    quick = None if engine.can_begin(budget) else _own(program, accept)
+    if quick is not None:
+        return quick
+    if budget.is_cancelled:
+        return Outcome(Status.UNKNOWN, engine.name)
+    # All that follows takes about as long as all that came before: reading and checking.
+    after = min(budget.elapsed, AFTERWARDS_SHARE * budget.limit)
+    outcome = engine.solve(program, options, budget.share(part).at_most(budget.left - after))
+    if outcome.status is Status.UNKNOWN and budget.is_cancelled:
+        quick = _own(program, accept)
+    return outcome if quick is None else replace(quick, notes=outcome.notes)
+
+
+def _own(program: Program, accept: Accept | None) -> Outcome | None:
+    outcome = quick_outcome(program.problem)
+    if outcome is None or outcome.schedule is None:
+        return None
+    return outcome if accept is None or accept(outcome.schedule) else None

@@ -1,0 +1,160 @@
+"""Reads a plan of an original PDDL problem as a schedule of the imported task.
+
+Taken are plan files, the output of planners (the last plan of the text counts) and
+unified-planning's print: `0.000: (move ann den hall) [5.000]`, `0.0: move(ann, den, hall) [5.0]`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
+from irc.diagnostics.source import Source
+from irc.model import Action, Task
+from irc.model.quantities import exact
+from irc.schedule import Entry, Schedule
+
+_NUMBER = r"\d{1,30}(?:\.\d{0,30})?"
+_STEP = re.compile(
+    rf"^[ \t]*(?P<start>{_NUMBER})[ \t]*:[ \t]*"
+    r"(?:\((?P<words>[^()\n;]{1,4000})\)|(?P<name>[\w-]{1,400})(?:\((?P<args>[^()\n]{0,4000})\))?)"
+    rf"[ \t]*(?:\[[ \t]*(?P<lasts>{_NUMBER})[ \t]*\])?[ \t]*(?:;.*)?$",
+    re.MULTILINE,
+)
+_VARIANT = re.compile(r" #\d+\Z")
+_HINT = "expected lines such as 0.000: (move ann den hall) [5.000]"
+
+
+def is_from_pddl(task: Task) -> bool:
+    """Whether a task was imported from PDDL."""
+    return "pddl" in task.metadata
+
+
+@dataclass(frozen=True)
+class _Step:
+    name: str
+    start: Fraction
+    lasts: Fraction
+    offset: int
+
+
+def read_plan(text: str, name: str, task: Task) -> Schedule:
+    """The schedule of a plan, with the plan's own times.
+
+    Steps that change nothing that matters are left out. Raises `InputError` where there is no plan,
+    or it has an action that the task does not have.
+    """
+    findings = Findings()
+    steps = list(_last_plan(_steps(text)))
+    if not steps and not re.search(r"found|plan", text, re.IGNORECASE):
+        findings.add(Code.BAD_ANSWER, "there is no plan in the text", offset=0, hint=_HINT)
+    ways: dict[str, list[Action]] = {}
+    for action in task.actions:
+        ways.setdefault(_VARIANT.sub("", action.id), []).append(action)
+    useless = task.metadata.get("actions_that_change_nothing_that_matters", ())
+    for equal in task.metadata.get("pddl", {}).get("interchangeable", ()):
+        steps = _matched(steps, equal["objects"], equal["in_the_order_of"])
+    known: list[_Step] = []
+    for step in steps:
+        if step.name in ways:
+            known.append(step)
+        elif step.name not in {_VARIANT.sub("", str(other)) for other in useless}:
+            message = f"the task has no action {step.name!r} that could ever happen"
+            hint = did_you_mean(step.name, ways)
+            findings.add(Code.BAD_ANSWER, message, offset=step.offset, hint=hint)
+    if findings.items:
+        raise InputError(Report(tuple(findings.items), Source(name, text)))
+    return Schedule(tuple(_numbered(task, _chosen(task, known, ways))))
+
+
+def _steps(text: str) -> Iterator[_Step]:
+    for found in _STEP.finditer(text):
+        words = found["words"]
+        if words is None:
+            words = f"{found['name']} {(found['args'] or '').replace(',', ' ')}"
+        yield _Step(
+            f"({' '.join(words.lower().split())})",
+            Fraction(found["start"]),
+            Fraction(found["lasts"] or 0),
+            found.start("start"),
+        )
+
+
+def _last_plan(steps: Iterable[_Step]) -> list[_Step]:
+    """The steps of the last plan: a step that goes back in time to 0 begins another one."""
+    plan: list[_Step] = []
+    for step in steps:
+        if plan and step.start < plan[-1].start and step.start <= plan[0].start:
+            plan = []
+        plan.append(step)
+    return plan
+
+
+def _matched(steps: list[_Step], objects: list[str], order: list[str]) -> list[_Step]:
+    """The steps with interchangeable objects renamed, as the task matches them with actions."""
+    place = {_VARIANT.sub("", name): k for k, name in reversed(list(enumerate(order)))}
+    used: list[tuple[int, Fraction, str]] = []
+    for step in steps:
+        words = step.name[1:-1].split()
+        for item in objects:
+            if item in words[1:]:
+                open_name = f"({' '.join('*' if word == item else word for word in words)})"
+                used.append((place.get(open_name, len(place)), step.start, item))
+    names = dict(zip(dict.fromkeys(item for _, _, item in sorted(used)), objects, strict=False))
+    return [
+        replace(step, name=f"({' '.join(names.get(w, w) for w in step.name[1:-1].split())})")
+        for step in steps
+    ]
+
+
+def _chosen(
+    task: Task, steps: list[_Step], ways: Mapping[str, list[Action]]
+) -> Iterator[tuple[_Step, str]]:
+    """Each step with the id of its action, the variant whose conditions hold where there are some.
+
+    The happenings are gone through in order; at one time ends come first.
+    """
+    values: dict[str, object] = {variable.id: variable.start_value for variable in task.state}
+    points: list[tuple[Fraction, int, int]] = []
+    for k, step in enumerate(steps):
+        points += [(step.start, 2, k), (step.start + step.lasts, 0 if step.lasts else 3, k)]
+    changes = list(_changes(task))
+    points += [(change[0], 1, k) for k, change in enumerate(changes)]
+    left = [list(ways[step.name]) for step in steps]
+    for _, stage, k in sorted(points):
+        if stage == 1:
+            values[changes[k][1]] = changes[k][2]
+            continue
+        when = "start" if stage == 2 else "end"
+        left[k] = [a for a in left[k] if _holds(a, when, values)] or left[k][:1]
+        for effect in left[k][0].effects:
+            if effect.at == when:
+                values[effect.var] = effect.value
+    for step, actions in zip(steps, left, strict=True):
+        yield step, actions[0].id
+
+
+def _changes(task: Task) -> Iterator[tuple[Fraction, str, bool | str]]:
+    for variable in task.state:
+        for change in variable.changes:
+            yield Fraction(task.number(change.at)), variable.id, change.value
+
+
+def _holds(action: Action, when: str, values: Mapping[str, object]) -> bool:
+    return all(values[c.var] == c.value for c in action.conditions if c.at == when)
+
+
+def _numbered(task: Task, steps: Iterable[tuple[_Step, str]]) -> Iterator[Entry]:
+    held = {
+        action.id: {use.resource: use.amount for use in action.uses if use.resource is not None}
+        for action in task.actions
+        if action.uses
+    }
+    count: dict[str, int] = {}
+    for step, id in sorted(steps, key=lambda pair: pair[0].start):
+        count[id] = count.get(id, 0) + 1
+        start, end = exact(step.start), exact(step.start + step.lasts)
+        yield Entry(id, start, end, held.get(id, {}), occurrence=count[id])

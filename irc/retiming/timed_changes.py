@@ -1,0 +1,180 @@
+"""Timed changes of state in re-timing: each becomes an activity of its own, at its time.
+
+At the instant of a change the starts that touch its variable come after it; ends come on either
+side (docs/semantics.md, rule 6). Re-timing moves nothing later, so what starts before a change
+stays before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from irc.problem import Activity, Details, Effect, Problem
+from irc.problem.decisions import AnswerError, Decision
+from irc.problem.temporal_network import Network
+from irc.problem.time_points import PointMap
+from irc.retiming.state import Happening, HappeningOrder, is_one_happening, state_orders
+
+_Key = tuple[Fraction | int, int]
+"""The time and the rank of a happening."""
+
+
+@dataclass(frozen=True)
+class ChangeActivity:
+    """The activity of a timed change of the variable `var`, at the tick `at`."""
+
+    index: int
+    var: int
+    at: int
+
+
+def with_change_activities(problem: Problem) -> tuple[Problem, list[ChangeActivity]]:
+    """The problem with an activity for each timed change until the deadline, behind all others."""
+    activities = list(problem.activities)
+    found = []
+    for v, variable in enumerate(problem.variables):
+        for at, value in variable.changes:
+            if problem.deadline is not None and at > problem.deadline:
+                break
+            found.append(ChangeActivity(len(activities), v, at))
+            details = Details(effects=(Effect(v, value, False),))
+            name = f"the timed change of {variable.id}"
+            activities.append(Activity(name, 0, 0, start=at, details=details))
+    if not found:
+        return problem, found
+    return replace(problem, activities=tuple(activities)), found
+
+
+def _touches(activity: Activity, var: int) -> set[str]:
+    """The times at which an activity reads, holds or changes a variable."""
+    found = {c.at for c in activity.details.conditions if c.var == var}
+    return found | {
+        "end" if e.at_end else "start" for e in activity.details.effects if e.var == var
+    }
+
+
+def in_their_order(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    changes: Sequence[ChangeActivity],
+    tolerance: Fraction | int,
+) -> list[Decision]:
+    """The decisions, in which each change has a place among the ends of its instant.
+
+    An engine does not say where a change comes; every place is tried until all conditions find
+    their values. (Ranks are spread, so that there is a place between any two.) Raises `AnswerError`
+    where no place suits.
+    """
+    spread = [replace(d, rank=3 * d.rank, end_rank=3 * d.end_rank) for d in decisions]
+    for change in changes:
+        spread[change.index] = Decision(change.at, change.at)
+    for change in changes:
+        moments: dict[_Key, None] = {(change.at, -1): None}
+        for i in range(len(problem.activities) - len(changes)):
+            end, rank = spread[i].end, spread[i].end_rank
+            if _touches(problem.activities[i], change.var) and (
+                spread[i].start < change.at <= end <= change.at + tolerance
+            ):
+                moments |= {(end, rank - 1): None, (end, rank): None, (end, rank + 1): None}
+        spread[change.index] = _best_place(problem, spread, change, sorted(moments), tolerance)
+    return spread
+
+
+def _best_place(
+    problem: Problem,
+    decisions: list[Decision],
+    change: ChangeActivity,
+    moments: Sequence[tuple[Fraction | int, int]],
+    tolerance: Fraction | int,
+) -> Decision:
+    """The first place that suits exactly, else the last one that suits within the tolerance."""
+    usable: Decision | None = None
+    error: AnswerError | None = None
+    for time, rank in moments:
+        place = Decision(time, time, rank=rank, end_rank=rank)
+        decisions[change.index] = place
+        if _suits(problem, decisions, change.var):
+            return place
+        try:
+            state_orders(problem, decisions, tolerance, only=change.var)
+        except AnswerError as found:
+            error = found
+        else:
+            usable = place
+    if usable is None:
+        raise error or AnswerError("the answer leaves a timed change no place")
+    return usable
+
+
+def _suits(problem: Problem, decisions: Sequence[Decision], var: int) -> bool:
+    """Whether all conditions and goals on a variable hold exactly, and nothing interferes."""
+    reads: list[tuple[_Key, int, int]] = []
+    writes: list[tuple[_Key, int, int]] = []
+    holds: list[tuple[_Key, _Key, int]] = []
+    last: Fraction | int = 0
+    for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
+        start, end = (decision.start, decision.rank), (decision.end, decision.end_rank)
+        if is_one_happening(activity, decision):
+            end = start
+        if activity.origin:
+            last = max(last, decision.end)
+        for c in activity.details.conditions:
+            if c.var == var and c.at == "all" and start != end:
+                holds.append((start, end, c.value))
+            elif c.var == var:
+                reads.append((end if c.at == "end" else start, i, c.value))
+        own = (e for e in activity.details.effects if e.var == var)
+        writes += [(end if e.at_end else start, i, e.value) for e in own]
+    initial = problem.variables[var].initial
+
+    def before(key: _Key) -> int:
+        found = [(at, value) for at, _, value in writes if at < key]
+        return max(found)[1] if found else initial
+
+    touched = [(at, i) for at, i, _ in (*writes, *reads)]
+    return (
+        all(at != k or i == j for at, i, _ in writes for k, j in touched)
+        and all(before(at) == value for at, _, value in reads)
+        and all(before((a[0], a[1] + 1)) == value for a, _, value in holds)
+        and all(not a < at < b or x == v for a, b, v in holds for at, _, x in writes)
+        and all(before((last + 1, 0)) == value for v, value in problem.goals if v == var)
+    )
+
+
+def change_orders(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    changes: Sequence[ChangeActivity],
+    points: PointMap,
+    network: Network,
+) -> Iterator[HappeningOrder]:
+    """The orders of changes and of the starts that come after them."""
+    for change in changes:
+        for i in range(len(problem.activities) - len(changes)):
+            touches = _touches(problem.activities[i], change.var)
+            if touches and decisions[i].start >= change.at:
+                one = is_one_happening(problem.activities[i], decisions[i])
+                world = Happening(change.index, False)
+                yield HappeningOrder(world, Happening(i, False), "start" in touches or one)
+    _keep_goals(problem, decisions, changes, points, network)
+
+
+def _keep_goals(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    changes: Sequence[ChangeActivity],
+    points: PointMap,
+    network: Network,
+) -> None:
+    """A goal that the last change brings about needs an end at that change or later."""
+    count = len(problem.activities) - len(changes)
+    last = max(range(count), key=lambda i: decisions[i].end, default=None)
+    if last is None:
+        return
+    for var, value in problem.goals:
+        own = [c for c in changes if c.var == var and c.at <= decisions[last].end]
+        if own and problem.activities[own[-1].index].details.effects[0].value == value:
+            change = points.start[own[-1].index]
+            network.add(change, points.end[last], -points.end_offset[last])

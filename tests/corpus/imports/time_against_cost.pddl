@@ -1,0 +1,6 @@
+(define (domain lamp)
+  (:constants bulb)
+  (:predicates (on ?x))
+  (:functions (total-cost))
+  (:action press :parameters (?x) :precondition (not (on ?x)) :effect (and (on ?x)
+    (increase (total-cost) 1))))

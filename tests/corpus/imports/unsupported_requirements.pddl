@@ -1,4 +1,0 @@
-(define (domain lamp)
-  (:requirements :strips :conditional-effects :derived-predicates)
-  (:predicates (on) (broken))
-  (:action press :parameters () :precondition (not (on)) :effect (when (not (broken)) (on))))

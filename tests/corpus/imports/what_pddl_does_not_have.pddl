@@ -1,0 +1,5 @@
+(define (domain lamp)
+  (:requirements :strips :conditional-effects :derived)
+  (:predicates (on) (broken))
+  (:derived (broken) (not (on)))
+  (:action press :parameters () :precondition (not (on)) :effect (scale-up (volts) 2)))

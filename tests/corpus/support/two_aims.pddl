@@ -1,0 +1,2 @@
+(define (problem dark) (:domain lamp) (:init) (:goal (on bulb))
+  (:metric minimize (+ (total-time) (total-cost))))

@@ -1,0 +1,26 @@
+(define (domain irc_task)
+  (:requirements :durative-actions :timed-initial-literals)
+  (:predicates
+    (is_bought_true)
+    (still_shop_true)
+    (todo_walk)
+    (done_walk)
+    (todo_buy)
+    (done_buy)
+    (todo_cook)
+    (done_cook))
+  (:durative-action walk
+    :parameters ()
+    :duration (= ?duration 20)
+    :condition (and (at start (todo_walk)))
+    :effect (and (at start (not (todo_walk))) (at end (done_walk))))
+  (:durative-action buy
+    :parameters ()
+    :duration (= ?duration 30)
+    :condition (and (at start (todo_buy)) (at start (done_walk)) (over all (still_shop_true)))
+    :effect (and (at start (not (todo_buy))) (at end (done_buy)) (at end (is_bought_true))))
+  (:durative-action cook
+    :parameters ()
+    :duration (= ?duration 20)
+    :condition (and (at start (todo_cook)) (at start (is_bought_true)))
+    :effect (and (at start (not (todo_cook))) (at end (done_cook)))))

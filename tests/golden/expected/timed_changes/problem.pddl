@@ -1,0 +1,15 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (still_shop_true)
+    (todo_walk)
+    (todo_buy)
+    (todo_cook)
+    (at 41 (not (still_shop_true)))
+    (at 90 (still_shop_true)))
+  (:goal (and
+    (done_walk)
+    (done_buy)
+    (done_cook)
+    (is_bought_true)))
+  (:metric minimize (total-time)))

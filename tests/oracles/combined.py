@@ -1,0 +1,274 @@
+"""Small random tasks that combine two or three features of the IR at a time.
+
+A feature is a function that adds something to a document that already has a few plain actions. Each
+seed draws two or three of them, so that every pair meets often, and few other things are in the
+way. All tasks are small enough for `oracles.state_brute_force`.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+Document = dict[str, Any]
+Feature = Callable[[random.Random, Document], None]
+
+_BOOLEANS = [False, True]
+
+
+def combined_document(seed: int, most: int = 3) -> Document:
+    """A task of 2 to 4 actions with 2 or `most` features; the same for the same seed."""
+    rng = random.Random(f"combined {seed}")
+    names = "abcd"[: rng.choice((2, 3, 3, 4))]
+    actions = [{"id": name, "duration": rng.choice((0, 1, 2, 3))} for name in names]
+    rng.shuffle(actions)
+    document: Document = {"actions": actions}
+    for name in rng.sample(sorted(FEATURES), rng.randint(2, most)):
+        FEATURES[name](rng, document)
+    return document
+
+
+def features_of(seed: int, most: int = 3) -> list[str]:
+    """The features that a seed draws."""
+    rng = random.Random(f"combined {seed}")
+    names = "abcd"[: rng.choice((2, 3, 3, 4))]
+    for _ in names:
+        rng.choice((0, 1, 2, 3))
+    rng.shuffle(list(names))
+    return rng.sample(sorted(FEATURES), rng.randint(2, most))
+
+
+def _some(rng: random.Random, document: Document, chance: float = 0.5) -> list[Document]:
+    """Some of the actions, at least one."""
+    actions = document["actions"]
+    return [a for a in actions if rng.random() < chance] or [rng.choice(actions)]
+
+
+def _ranges(rng: random.Random, document: Document) -> None:
+    for action in _some(rng, document):
+        if "modes" not in action:
+            least = rng.choice((0, 0, 1, 2))
+            action["duration"] = {"min": least, "max": least + rng.randint(0, 2)}
+
+
+def _unit(rng: random.Random, document: Document) -> None:
+    """One resource that several actions use."""
+    document.setdefault("resources", []).append({"id": "r", "capacity": rng.choice((1, 1, 2, 3))})
+    for action in _some(rng, document, 0.7):
+        uses = action.setdefault("uses", [])
+        for _ in range(rng.choice((1, 1, 1, 2))):
+            uses.append({"resource": "r", "amount": rng.choice((1, 1, 2))})
+
+
+def _alternatives(rng: random.Random, document: Document) -> None:
+    document.setdefault("resources", []).extend([{"id": "p"}, {"id": "q", "capacity": 2}])
+    for action in _some(rng, document, 0.7):
+        use: Document = rng.choice(
+            ({"one_of": ["p", "q"]}, {"one_of": ["p", "q"]}, {"resource": "p"}, {"one_of": ["q"]})
+        )
+        if rng.random() < 0.2:
+            use = {**use, "amount": 2}
+        action.setdefault("uses", []).append(use)
+
+
+def _calendar(rng: random.Random, document: Document) -> None:
+    begin = rng.choice((0, 1, 2, 3))
+    window = {"from": begin, "to": begin + rng.randint(1, 3), "capacity": rng.choice((0, 0, 1, 2))}
+    document.setdefault("resources", []).append({"id": "k", "availability": [window]})
+    for action in _some(rng, document, 0.6):
+        action.setdefault("uses", []).append({"resource": "k"})
+
+
+def _modes(rng: random.Random, document: Document) -> None:
+    document.setdefault("resources", []).append({"id": "m"})
+    for action in _some(rng, document, 0.4):
+        duration = action.pop("duration", 1)
+        slow = {"id": "slow", "duration": rng.choice((2, 3, duration))}
+        quick = {"id": "quick", "duration": rng.choice((0, 1, {"min": 0, "max": 2}))}
+        quick["uses"] = [{"resource": "m"}]
+        action["modes"] = [slow, quick]
+
+
+def _stock(rng: random.Random, document: Document) -> None:
+    initial = rng.randint(0, 2)
+    stock: Document = {"id": "s", "kind": "reservoir", "initial": initial}
+    if rng.random() < 0.5:
+        stock["max"] = initial + rng.randint(0, 2)
+    if rng.random() < 0.2:
+        stock["min"] = rng.randint(0, initial)
+    document.setdefault("resources", []).append(stock)
+    for action in _some(rng, document, 0.8):
+        change: Document = {"resource": "s", "amount": rng.choice((1, 1, 2))}
+        if rng.random() < 0.4:
+            change["at"] = rng.choice(("start", "end"))
+        action.setdefault(rng.choice(("consumes", "produces")), []).append(change)
+
+
+def _state(rng: random.Random, document: Document) -> None:
+    names = ["x", "y"][: rng.randint(1, 2)]
+    for name in names:
+        document.setdefault("state", []).append({"id": name, "initial": rng.random() < 0.5})
+    for action in _some(rng, document, 0.8):
+        for _ in range(rng.randint(1, 2)):
+            fact = {"var": rng.choice(names), "value": rng.choice(_BOOLEANS)}
+            if rng.random() < 0.5:
+                at = rng.choice(("start", "all", "end"))
+                action.setdefault("conditions", []).append({"at": at, **fact})
+            else:
+                at = rng.choice(("start", "end"))
+                action.setdefault("effects", []).append({"at": at, **fact})
+    if rng.random() < 0.3:
+        document.setdefault("goals", []).append(
+            {"var": rng.choice(names), "value": rng.choice(_BOOLEANS)}
+        )
+
+
+def _optional(rng: random.Random, document: Document) -> None:
+    grouped = _grouped(document)
+    for action in _some(rng, document, 0.6):
+        if action["id"] not in grouped and "occurs" not in action:
+            action["occurs"] = "optional"
+    if rng.random() < 0.3:
+        _goal(rng, document)
+
+
+def _goal(rng: random.Random, document: Document) -> None:
+    document.setdefault("goals", []).append(rng.choice(document["actions"])["id"])
+
+
+def _repeats(rng: random.Random, document: Document) -> None:
+    bound = {p for arc in document.get("precedence", ()) for p in (arc["before"], arc["after"])}
+    bound |= _grouped(document) | {a["id"] for a in document["actions"] if "start" in a}
+    free = [a for a in document["actions"] if a["id"] not in bound and "occurs" not in a]
+    if free:
+        least = rng.choice((0, 1, 2))
+        rng.choice(free)["occurs"] = {"min": least, "max": rng.randint(max(1, least), 3)}
+
+
+def _grouped(document: Document) -> set[str]:
+    return {name for group in document.get("groups", ()) for name in group["actions"]}
+
+
+def _groups(rng: random.Random, document: Document) -> None:
+    names = [a["id"] for a in document["actions"] if "occurs" not in a]
+    if not names:
+        return
+    rng.shuffle(names)
+    cut = rng.randint(1, len(names))
+    for k, members in enumerate((names[:cut], names[cut:])):
+        if not members or (k and rng.random() < 0.5):
+            continue
+        group: Document = {"id": f"g{k}", "actions": members, "required": rng.random() < 0.3}
+        if rng.random() < 0.3:
+            group["reward"] = rng.randint(1, 4)
+        if rng.random() < 0.2:
+            group["deadline"] = rng.randint(2, 8)
+        document.setdefault("groups", []).append(group)
+
+
+def _arcs(rng: random.Random, document: Document) -> None:
+    """Precedences of all types, minimum lags that may be negative, and maximum lags."""
+    ids = _single(document)
+    for _ in range(rng.randint(1, 3)):
+        if len(ids) < 2:
+            return
+        before, after = rng.sample(ids, 2)
+        arc: Document = {"before": before, "after": after}
+        if rng.random() < 0.6:
+            arc["type"] = rng.choice(
+                ("finish-start", "start-start", "finish-finish", "start-finish")
+            )
+        if rng.random() < 0.5:
+            arc["min_lag"] = rng.choice((-2, -1, 0, 1, 2))
+        if rng.random() < 0.4:
+            arc["max_lag"] = max(0, arc.get("min_lag", 0)) + rng.choice((0, 0, 1, 2))
+        document.setdefault("precedence", []).append(arc)
+
+
+def _single(document: Document) -> list[str]:
+    """The actions that happen at most once."""
+    return [a["id"] for a in document["actions"] if not isinstance(a.get("occurs"), dict)]
+
+
+def _chain(rng: random.Random, document: Document) -> None:
+    """Plain precedences; a cycle of them among optional actions keeps one of those out."""
+    ids = _single(document)
+    rng.shuffle(ids)
+    pairs = list(pairwise(ids))
+    if rng.random() < 0.2 and len(ids) > 1:
+        pairs.append((ids[-1], ids[0]))
+    for before, after in pairs:
+        document.setdefault("precedence", []).append({"before": before, "after": after})
+
+
+def _windows(rng: random.Random, document: Document) -> None:
+    """Releases, deadlines, fixed and latest starts."""
+    for action in _some(rng, document):
+        kind = rng.choice(("release", "deadline", "start", "latest_start"))
+        if kind == "start" and isinstance(action.get("occurs"), dict):
+            kind = "release"
+        action[kind] = rng.randint(0, 4) + (3 if kind == "deadline" else 0)
+
+
+def _deadline(rng: random.Random, document: Document) -> None:
+    document["deadline"] = rng.randint(3, 9)
+
+
+def _rewards(rng: random.Random, document: Document) -> None:
+    for action in _some(rng, document):
+        action["reward"] = rng.randint(1, 5)
+    _objective(rng, document, "maximize_reward")
+
+
+def _costs(rng: random.Random, document: Document) -> None:
+    for action in _some(rng, document):
+        action["cost"] = rng.randint(-1, 5)
+    _objective(rng, document, "minimize_cost")
+
+
+def _due(rng: random.Random, document: Document) -> None:
+    for action in _some(rng, document):
+        action["due"] = rng.randint(0, 5)
+        if rng.random() < 0.3:
+            action["weight"] = rng.randint(1, 3)
+    _objective(rng, document, "minimize_tardiness")
+
+
+def _objective(rng: random.Random, document: Document, name: str) -> None:
+    objectives = document.get("objective", ["minimize_makespan"] if rng.random() < 0.6 else [])
+    if name not in objectives:
+        objectives.insert(rng.randint(0, len(objectives)), name)
+    document["objective"] = objectives
+
+
+def _fractions(rng: random.Random, document: Document) -> None:
+    """Times that need a finer tick than one unit."""
+    factor = rng.choice(("0.5", "1/3", "2.5"))
+    for action in _some(rng, document, 0.4):
+        if isinstance(action.get("duration"), int):
+            action["duration"] = factor if rng.random() < 0.5 else f"{action['duration']}.5"
+
+
+FEATURES: dict[str, Feature] = {
+    "ranges": _ranges,
+    "unit": _unit,
+    "alternatives": _alternatives,
+    "calendar": _calendar,
+    "modes": _modes,
+    "stock": _stock,
+    "state": _state,
+    "optional": _optional,
+    "repeats": _repeats,
+    "groups": _groups,
+    "arcs": _arcs,
+    "chain": _chain,
+    "windows": _windows,
+    "deadline": _deadline,
+    "rewards": _rewards,
+    "costs": _costs,
+    "due": _due,
+    "fractions": _fractions,
+}
+"""What a task can have, by name."""
