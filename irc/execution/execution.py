@@ -68,8 +68,8 @@ class Execution:
         `"assume"` the plan is taken to happen unless something else is observed. Raises
         `InputError` where the schedule names what the task lacks.
         """
-        self.task = task_of(task)
-        _require_known(self.task, schedule)
+        self._told = task_of(task)
+        _require_known(self._told, schedule)
         if presume not in (known := get_args(Presume)):
             raise OptionError(f"presume is one of {', '.join(known)}, not {presume!r}")
         self._notes: tuple[Diagnostic, ...] = ()
@@ -125,17 +125,12 @@ class Execution:
             return self._schedule
         taken = as_of(self._history, self._told, self.now).entries.values()
         entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
-        return Schedule(tuple(entries), task=self.task.name)
+        return Schedule(tuple(entries), task=self._told.name)
 
     @property
     def pending(self) -> tuple[Event, ...]:
         """The events since the last plan."""
         return tuple(self._events)
-
-    @property
-    def unobserved(self) -> Task:
-        """The task as the events have revised it, without what was observed."""
-        return self._told
 
     @property
     def presume(self) -> Presume:
@@ -162,7 +157,7 @@ class Execution:
         time, rounding, notes = self._rounding.moment(self._told, exact, "the present, ", ("to",))
         if time < self.now:
             raise _in_the_past(
-                "the time to advance to is", time, self.now, self.task.time_unit, ("to",), None
+                "the time to advance to is", time, self.now, self._told.time_unit, ("to",), None
             )
         self._plannable = self._after(self._told, Event(at=time), self._history, None)
         if time > self.now:
@@ -323,7 +318,7 @@ class Execution:
         return replace(step, notes=(*self.take_notes(), *step.notes))
 
     def _late(self, entry: Entry) -> Diagnostic:
-        start = f"{format_number(entry.start)} {self.task.time_unit}"
+        start = f"{format_number(entry.start)} {self._told.time_unit}"
         return Diagnostic(
             Code.NOT_AS_PLANNED,
             f"{entry.id!r} was to begin at {start} and cannot have, by what is known: it is taken "
@@ -333,7 +328,7 @@ class Execution:
 
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
-        _require_known(self.task, schedule)
+        _require_known(self._told, schedule)
         adopt(self._history, schedule, self._told, self.now)
         self._schedule = schedule
         self._events.clear()

@@ -15,11 +15,13 @@ import pytest
 from crash_runs import MODES, Kitchen
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.files import parse_task
+from irc.targets import SolveOptions
 from laws import agree, answer_of, answered, faults_of_repairs, has_schedule, told_of
 from oracles.clock_sessions import faults_of_session
 from oracles.generators import big_capacity_task, contended_task, hostile_names, random_task
 from oracles.online_orders_play import play as play_orders
 from oracles.online_random import EACH
+from oracles.reality import play as play_session
 from oracles.state_brute_force import TooLargeError, optimum
 from oracles.state_generators import match_cellar, state_task
 
@@ -78,6 +80,14 @@ def test_half_done_orders_are_finished_while_they_can_be(seeds: Seeds) -> None:
         for one in play_orders(seed):
             assert one.judged.faults == []
             assert one.judged.worse is None
+
+
+@pytest.mark.parametrize("target", ["cpsat", "pddl21"])
+def test_no_session_has_an_impossible_history(seeds: Seeds, target: str) -> None:
+    if target == "pddl21":
+        pytest.importorskip("kairos")
+    for seed in seeds:
+        assert play_session(seed, SolveOptions(target, time_limit=5, workers=1)).faults == []
 
 
 def test_what_is_printed_in_the_dsl_is_read_back(seeds: Seeds) -> None:
