@@ -211,6 +211,7 @@ def test_of_counted_occurrences_it_is_not_known_what_is_left() -> None:
         step_of(task, schedule, 5, {"op": "retry_action", "action": "tick"})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_may_occur_at_will_can_be_tried_again(target: str) -> None:
     moves = [

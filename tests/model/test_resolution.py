@@ -28,6 +28,7 @@ numbers = st.fractions(min_value=-50, max_value=50, max_denominator=10**6)
 resolutions = st.fractions(min_value=Fraction(1, 1000), max_value=20, max_denominator=1000)
 
 
+@pytest.mark.slow
 @given(numbers, resolutions)
 def test_a_time_is_read_as_the_nearest_multiple_and_a_half_goes_up(
     value: Fraction, resolution: Fraction

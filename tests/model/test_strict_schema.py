@@ -74,6 +74,7 @@ RULES = ("resource' or", "one of", "'min'", "time unit", "origin")
 """Faults of shape that no schema without conditions can exclude."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", PARTS)
 def test_whatever_the_schema_allows_has_a_shape_that_the_readers_take(
     part: Literal["task", "event"],

@@ -75,6 +75,7 @@ ENOUGH = 5
 """So many disagreements show that a case did not tell by luck."""
 
 
+@pytest.mark.slow
 def test_they_tell_if_orders_of_levels_are_not_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     def needed(bound: BoundSchedule, timelines: Timelines) -> tuple[list[Edge], list[LevelCluster]]:
         return level_clusters(bound, timelines)[0], []
