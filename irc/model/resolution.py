@@ -157,7 +157,11 @@ _PLAIN = {"before", "after"}
 
 
 def _holds_raw(node: Node, unit: Fraction) -> bool:
-    for value in node.__dict__.values():
+    held = node.__dict__
+    for name in node.model_fields_set:  # No default is raw.
+        value = held[name]
+        if type(value) is int or type(value) is str:
+            continue
         if isinstance(value, tuple):
             if any(isinstance(item, Node) and _holds_raw(item, unit) for item in value):
                 return True
