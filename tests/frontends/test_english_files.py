@@ -79,6 +79,7 @@ def test_a_month_has_the_days_of_the_ir() -> None:
     assert (task.days_per_month, irc.solve(task).makespan) == (30, 30 * 86_400)
 
 
+@pytest.mark.slow
 def test_the_answer_may_be_asked_for_in_a_unit() -> None:
     text = QUESTION + "Give your answer in minutes.\n"
     assert irc.solve(irc.loads(text)).makespan == 10

@@ -686,6 +686,7 @@ def test_a_text_is_read_as_it_says(text: str, times: str, orders: str) -> None:
     assert (durations(task), order(task)) == (times, orders)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "code", "line", "column"), [*REFUSED_STEPS, *REFUSED_OTHER_AUTHORS]
 )
