@@ -53,7 +53,7 @@ def run_checks(
     # If the part that every schedule contains is infeasible, so is the whole task.
     core, _ = mandatory_part(problem)
     decided = decide_presence(problem)
-    required, _ = mandatory_part(decided)
+    required = core if decided is problem else mandatory_part(decided)[0]
     check_temporal(required, findings)
     if decided.has_calendars:
         from irc.checks.open_times import check_open_times

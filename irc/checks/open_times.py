@@ -11,7 +11,7 @@ from functools import cache
 
 from irc.diagnostics import Code, Findings
 from irc.problem import Problem
-from irc.problem.problem import Renewable, Requirement
+from irc.problem.problem import Requirement
 
 OpenTimes = tuple[tuple[int, int | None], ...]
 """Intervals in order, in ticks; the end None is never."""
@@ -23,7 +23,7 @@ def check_open_times(problem: Problem, findings: Findings) -> None:
 
     @cache
     def open_times(resource: int, amount: int) -> OpenTimes:
-        return tuple(_open_times(problem, resource, amount))
+        return tuple(problem.resources[resource].open_times(amount))
 
     for i, activity in enumerate(problem.activities):
         details = activity.details
@@ -44,30 +44,6 @@ def check_open_times(problem: Problem, findings: Findings) -> None:
             if not _fits(problem, i, shared):
                 single = [use for use in activity.uses if len(use.alternatives) == 1]
                 _report(problem, i, [shared], single, findings)
-
-
-def _open_times(problem: Problem, resource: int, amount: int) -> Iterator[tuple[int, int | None]]:
-    """The times in which a resource has at least this capacity; those that meet are one."""
-    begun: int | None = None
-    for start, capacity in _levels(problem.resources[resource]):
-        if capacity >= amount:
-            begun = start if begun is None else begun
-        elif begun is not None:
-            yield begun, start
-            begun = None
-    if begun is not None:
-        yield begun, None
-
-
-def _levels(renewable: Renewable) -> Iterator[tuple[int, int]]:
-    """(from when, capacity), in order of time; the last level stays."""
-    at = 0
-    for window in renewable.windows:
-        if at < window.start:
-            yield at, renewable.capacity
-        yield window.start, window.capacity
-        at = window.end
-    yield at, renewable.capacity
 
 
 def _both(one: OpenTimes, other: OpenTimes) -> Iterator[tuple[int, int | None]]:

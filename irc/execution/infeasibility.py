@@ -138,7 +138,9 @@ def _too_small(search: _LimitSearch) -> Iterator[_Reason]:
         for k, use in enumerate(activity.uses):
             if details.use_mode(k) is not None:
                 continue
-            greatest = max(_greatest(problem, r, activity.release) for r in use.alternatives)
+            greatest = max(
+                problem.resources[r].greatest_capacity(activity.release) for r in use.alternatives
+            )
             if greatest < use.amount:
                 names = " or ".join(repr(problem.resources[r].id) for r in use.alternatives)
                 why = f"{activity.id!r} needs {use.amount} of {names}, which has at most {greatest}"
@@ -147,13 +149,6 @@ def _too_small(search: _LimitSearch) -> Iterator[_Reason]:
 
 def _is_choice(problem: Problem, index: int) -> bool:
     return any(not g.required and index in g.members for g in problem.groups)
-
-
-def _greatest(problem: Problem, resource: int, since: int) -> int:
-    """The greatest capacity from a time on; the last window may have no end."""
-    r = problem.resources[resource]
-    later = [w.capacity for w in r.windows if w.end > since]
-    return max((r.capacity, *later))
 
 
 def _times(search: _LimitSearch) -> Iterator[_Reason]:

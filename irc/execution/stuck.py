@@ -148,7 +148,7 @@ class _Search:
             if any(_has_time(r, use.amount, length, begin) for r in its):
                 continue
             names = " or ".join(repr(r.id) for r in its)
-            most = max(_greatest(r, begin) for r in its)
+            most = max(r.greatest_capacity(begin) for r in its)
             needs = f"{activity.id!r} needs {use.amount} of {names}"
             if most < use.amount:
                 return f"{needs}, which has at most {most} from now on"
@@ -296,33 +296,9 @@ class _Search:
 _ENDLESS = 1 << 62
 
 
-def _greatest(resource: Renewable, since: int) -> int:
-    later = [w.capacity for w in resource.windows if w.end > since]
-    return max((resource.capacity, *later))
-
-
 def _has_time(resource: Renewable, amount: int, length: int, begin: int) -> bool:
     """Whether a resource has an amount for a length of time, from `begin` on."""
-    since = begin
-    for stop, capacity in _pieces(resource, begin):
-        if capacity >= amount:
-            if stop is None or stop - since >= length:
-                return True
-        elif stop is None:
-            return False
-        else:
-            since = stop
-    return False
-
-
-def _pieces(resource: Renewable, begin: int) -> Iterator[tuple[int | None, int]]:
-    """(end, capacity) of each piece of time from `begin` on; the last one has no end."""
-    at = begin
-    for window in sorted(resource.windows, key=lambda w: w.start):
-        if window.end <= at:
-            continue
-        if window.start > at:
-            yield window.start, resource.capacity
-        yield window.end, window.capacity
-        at = window.end
-    yield None, resource.capacity
+    return any(
+        end is None or (end > begin and end - max(start, begin) >= length)
+        for start, end in resource.open_times(amount)
+    )

@@ -27,7 +27,7 @@ def pool_of(resource: Renewable, k: int) -> ContendedPool:
     """The contended pool of one resource (the k-th) that is interchangeable with no other."""
     if not resource.windows:
         return ContendedPool(resource.id, resource.capacity, (k,))
-    greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
+    greatest = resource.greatest_capacity()
     return ContendedPool(resource.id, greatest, (k,), resource.capacity, resource.windows)
 
 

@@ -39,8 +39,7 @@ def mandatory_part(problem: Problem) -> Projected:
             a if a.details is PLAIN else replace(a, details=PLAIN) for a in core.activities
         ),
         resources=tuple(
-            replace(r, capacity=max((r.capacity, *(w.capacity for w in r.windows))), windows=())
-            for r in core.resources
+            replace(r, capacity=r.greatest_capacity(), windows=()) for r in core.resources
         ),
         contention=Contention(
             tuple(replace(p, base=None, windows=()) for p in core.contention.pools)

@@ -8,7 +8,7 @@ the same bytes, however its arrays were written.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
@@ -197,6 +197,20 @@ class Window(NamedTuple):
     capacity: int
 
 
+def capacity_levels(base: int, windows: Iterable[Window]) -> Iterator[tuple[int, int]]:
+    """(From when on, capacity), in order of time; the last level stays.
+
+    `base` is the capacity outside of the windows, which are in order and do not overlap.
+    """
+    at = 0
+    for window in windows:
+        if at < window.start:
+            yield at, base
+        yield window.start, window.capacity
+        at = window.end
+    yield at, base
+
+
 @dataclass(frozen=True, slots=True)
 class Renewable:
     """A resource of which `capacity` units can be held at once, save in its windows.
@@ -208,6 +222,23 @@ class Renewable:
     capacity: int
     origin: Pointer = ()
     windows: tuple[Window, ...] = ()
+
+    def greatest_capacity(self, since: int | None = None) -> int:
+        """The greatest capacity that there ever is, or from a time on."""
+        later = (w.capacity for w in self.windows if since is None or w.end > since)
+        return max((self.capacity, *later))
+
+    def open_times(self, amount: int) -> Iterator[tuple[int, int | None]]:
+        """The times with at least this capacity, in order; the end None is never."""
+        begun: int | None = None
+        for start, capacity in capacity_levels(self.capacity, self.windows):
+            if capacity >= amount:
+                begun = start if begun is None else begun
+            elif begun is not None:
+                yield begun, start
+                begun = None
+        if begun is not None:
+            yield begun, None
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,8 +309,16 @@ class ContendedPool:
     @property
     def least_capacity(self) -> int:
         """The capacity that the pool has at every instant."""
-        base = self.capacity if self.base is None else self.base
-        return min((base, *(w.capacity for w in self.windows)))
+        return min((self._outside, *(w.capacity for w in self.windows)))
+
+    def levels(self) -> Iterator[tuple[int, int]]:
+        """(From when on, capacity), in order of time; the last level stays."""
+        return capacity_levels(self._outside, self.windows)
+
+    @property
+    def _outside(self) -> int:
+        """The capacity outside of the windows."""
+        return self.capacity if self.base is None else self.base
 
 
 class Arc(NamedTuple):

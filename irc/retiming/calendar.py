@@ -26,7 +26,7 @@ FOREVER = 1 << 62
 
 def calendar_load(resource: Renewable) -> tuple[int, list[tuple[int, int, int]]]:
     """The greatest capacity, and the units that windows take away (from, until, units)."""
-    greatest = max((resource.capacity, *(w.capacity for w in resource.windows)))
+    greatest = resource.greatest_capacity()
     load: list[tuple[int, int, int]] = []
     last = -FOREVER
     for start, end, capacity in resource.windows:

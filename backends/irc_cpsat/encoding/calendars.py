@@ -33,15 +33,8 @@ def with_windows(
 
 def _steps(builder: Builder, pool: ContendedPool) -> list[tuple[int, int]]:
     """The times from which the resource has each capacity; the last one is after the horizon."""
-    base = pool.capacity if pool.base is None else pool.base
-    steps: list[tuple[int, int]] = []
-    at = 0
-    for window in pool.windows:
-        if at < window.start:
-            steps.append((at, base))
-        steps.append((window.start, window.capacity))
-        at = window.end
-    until = max(builder.horizon + 1, at)
-    if at < until:
-        steps.append((at, base))
+    *steps, last = pool.levels()
+    until = max(builder.horizon + 1, last[0])
+    if last[0] < until:
+        steps.append(last)
     return [*steps, (until, pool.capacity)]

@@ -13,7 +13,7 @@ def add_calendar(builder: Builder, pool: ContendedPool, tokens: list[str]) -> di
     The k-th unit is there while the capacity is at least k; units gone together share a fact. It
     goes a slack late: an action may end when its unit goes.
     """
-    steps = _capacities(pool)
+    steps = list(pool.levels())
     here: dict[str, str] = {}
     facts: dict[tuple[bool, ...], str] = {}
     for k, token in enumerate(tokens, start=1):
@@ -36,16 +36,3 @@ def _add_literals(builder: Builder, fact: str, times: list[int], there: tuple[bo
         if there[n] != there[n - 1]:
             time = times[n] * scale.units_per_tick + (0 if there[n] else scale.slack)
             builder.encoding.timed.append(TimedLiteral(time, fact, there[n]))
-
-
-def _capacities(pool: ContendedPool) -> list[tuple[int, int]]:
-    """(From when on, capacity), in order of time."""
-    base = pool.capacity if pool.base is None else pool.base
-    steps = [(0, base)]
-    for window in pool.windows:
-        if window.start <= steps[-1][0]:
-            steps[-1] = (window.start, window.capacity)
-        else:
-            steps.append((window.start, window.capacity))
-        steps.append((window.end, base))
-    return steps

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from irc.errors import IrcError
@@ -44,14 +43,6 @@ class Form:
     def words(self) -> list[str]:
         """The texts of the words directly inside it."""
         return [item.text for item in self.items if isinstance(item, Word)]
-
-    def all_forms(self) -> Iterator[Form]:
-        """This form and all inside it, in the order of the text."""
-        waiting = [self]
-        while waiting:
-            form = waiting.pop()
-            yield form
-            waiting.extend(reversed(form.forms))
 
     def after(self, key: str) -> Form | None:
         """The form after a keyword such as `:effect`; None if there is none."""
