@@ -41,6 +41,7 @@ class CpSat(Backend):
             Feature.PRESENCE_GOALS,
             Feature.STATE_GOALS,
             Feature.MODES,
+            Feature.MODE_ELEMENTS,
             Feature.OPTIONAL_ACTIONS,
             Feature.REPEATED_ACTIONS,
             Feature.DUE_DATE,

@@ -40,6 +40,7 @@ class Pddl21(Backend):
             Feature.AMOUNTS,
             Feature.ALTERNATIVES,
             Feature.MODES,
+            Feature.MODE_ELEMENTS,
             Feature.OPTIONAL_ACTIONS,
             Feature.REPEATED_ACTIONS,
             Feature.DUE_DATE,

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from irc.diagnostics import Code, Findings
 from irc.passes.unroll import MOST_OCCURRENCES
 from irc.problem import Activity, Problem
@@ -53,7 +55,7 @@ def _growing_objective(problem: Problem, activity: Activity) -> str | None:
     """The first objective that each further occurrence improves."""
     for name in problem.objectives:
         if (name == "reward" and activity.details.reward > 0) or (
-            name == "cost" and activity.details.cost < 0
+            name == "cost" and min(way.cost for way in activity.details.ways) < 0
         ):
             return name
     return None
@@ -69,11 +71,14 @@ def _is_bounded(problem: Problem, i: int, objective: str, refillers: dict[int, s
         or "makespan" in before
     ):
         return True
-    net: dict[int, int] = {}
-    for change in activity.details.stock:
-        net[change.reservoir] = net.get(change.reservoir, 0) + change.amount
-    # A stock that another repeated action refills does not run out.
-    return any(amount < 0 and refillers[k] <= {i} for k, amount in net.items())
+    # A stock that another repeated action, or a mode of this one, refills does not run out.
+    used_up = set(range(len(problem.reservoirs)))
+    for way in activity.details.ways:
+        net = Counter[int]()
+        for change in way.stock:
+            net[change.reservoir] += change.amount
+        used_up &= {k for k, amount in net.items() if amount < 0}
+    return any(refillers[k] <= {i} for k in used_up)
 
 
 def _refillers(problem: Problem) -> dict[int, set[int]]:
@@ -82,7 +87,7 @@ def _refillers(problem: Problem) -> dict[int, set[int]]:
     for i, activity in enumerate(problem.activities):
         repeats = activity.details.repeats
         if repeats is not None and repeats[1] is None:
-            for change in activity.details.stock:
+            for change in activity.details.all_stock:
                 if change.amount > 0:
                     refilled[change.reservoir].add(i)
     return refilled

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 from irc.diagnostics.source import Pointer
-from irc.model import Task
+from irc.model import Action, Mode, Task
 from irc.problem import Activity
 
 
@@ -29,11 +30,21 @@ def fact_places(
     task: Task, activity: Activity, field: Literal["conditions", "effects"]
 ) -> list[ShownFact]:
     """The conditions or effects of an action as they were written, in their order."""
-    facts = getattr(task.actions[int(activity.origin[1])], field)
-    return [
-        ShownFact(fact.at, fact.var, fact.value, (*activity.origin, field, k))
-        for k, fact in enumerate(facts)
-    ]
+    action = task.actions[int(activity.origin[1])]
+    return list(_facts(action, field, activity.origin))
+
+
+def mode_fact_places(
+    task: Task, activity: Activity, field: Literal["conditions", "effects"]
+) -> list[ShownFact]:
+    """The conditions or effects of an action's modes as they were written."""
+    modes = enumerate(task.actions[int(activity.origin[1])].modes)
+    return [f for m, mode in modes for f in _facts(mode, field, (*activity.origin, "modes", m))]
+
+
+def _facts(part: Action | Mode, field: str, at: Pointer) -> Iterator[ShownFact]:
+    for k, fact in enumerate(getattr(part, field)):
+        yield ShownFact(fact.at, fact.var, fact.value, (*at, field, k))
 
 
 def goal_places(task: Task) -> list[ShownFact]:

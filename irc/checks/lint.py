@@ -31,6 +31,8 @@ def check_lint(task: Task, problem: Problem, findings: Findings) -> None:
     for action in (*task.actions, *added):
         used.update(r for u in action.uses for r in u.alternatives)
         used.update(c.resource for c in (*action.consumes, *action.produces))
+        for mode in action.modes:
+            used.update(c.resource for c in (*mode.consumes, *mode.produces))
         used.update(r for m in action.modes for u in m.uses for r in u.alternatives)
     unknown = used.difference(r.id for r in task.resources)
     for i, resource in enumerate(task.resources):

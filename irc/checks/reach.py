@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import product
 
-from irc.checks.facts import ShownFact, fact_places, goal_places
+from irc.checks.facts import ShownFact, fact_places, goal_places, mode_fact_places
 from irc.checks.required import is_ruled_out
 from irc.diagnostics import Code, Findings
 from irc.model import Task
 from irc.model.state_values import value_text
-from irc.problem import Activity, Problem
+from irc.problem import Activity, Details, Problem
 
 Fact = tuple[int, int]
 """(variable, value), by index."""
@@ -39,49 +40,55 @@ def reach_of(problem: Problem) -> Reach:
     all of its conditions can hold.
     """
     reach = Reach(set())
-    waiting: dict[Fact, list[tuple[int, bool]]] = defaultdict(list)
-    missing: dict[tuple[int, bool], int] = {}
-    ready: list[tuple[int, bool]] = []
+    waiting: dict[Fact, list[_Step]] = defaultdict(list)
+    missing: dict[_Step, int] = {}
+    ready: list[_Step] = []
+    ways = [activity.details.ways for activity in problem.activities]
     for i, activity in enumerate(problem.activities):
         if is_ruled_out(activity):
             continue
-        for to_end in (False, True):
-            needs = set(_needs(activity, to_end))
+        whole = activity.duration_max == 0
+        for mode, to_end in product(range(len(ways[i])), (False, True)):
+            step = i, mode, to_end
+            needs = set(_needs(ways[i][mode], to_end, whole))
             for fact in needs:
-                waiting[fact].append((i, to_end))
+                waiting[fact].append(step)
             # (The end waits for the start as well.)
-            missing[i, to_end] = len(needs) + to_end
-            if not missing[i, to_end]:
-                ready.append((i, to_end))
+            missing[step] = len(needs) + to_end
+            if not missing[step]:
+                ready.append(step)
     todo: deque[Fact] = deque()
     known = ((v, x) for v, variable in enumerate(problem.variables) for x in variable.known_values)
     _reached(reach, todo, known)
     while ready or todo:
         while ready:
-            i, to_end = ready.pop()
+            i, mode, to_end = ready.pop()
             (reach.ended if to_end else reach.started).add(i)
-            _reached(reach, todo, _gives(problem.activities[i], to_end))
+            _reached(reach, todo, _gives(ways[i][mode], to_end))
             if not to_end:
-                _count_down(missing, (i, True), ready)
+                _count_down(missing, (i, mode, True), ready)
         if todo:
             for step in waiting.get(todo.popleft(), ()):
                 _count_down(missing, step, ready)
     return reach
 
 
-def _needs(activity: Activity, to_end: bool) -> Iterator[Fact]:
+_Step = tuple[int, int, bool]
+"""An activity, a mode of it (0 where it has none), and whether it is the end, not the start."""
+
+
+def _needs(way: Details, to_end: bool, whole: bool) -> Iterator[Fact]:
     """The values that the start of an activity needs, or those that its end needs in addition.
 
-    The start of an activity that takes no time needs all of them.
+    The start of an activity that takes no time (`whole`) needs all of them.
     """
-    whole = activity.duration_max == 0
-    for condition in activity.details.conditions:
+    for condition in way.conditions:
         if (condition.at != "start" and not whole) is to_end:
             yield condition.var, condition.value
 
 
-def _gives(activity: Activity, at_end: bool) -> Iterator[Fact]:
-    return ((e.var, e.value) for e in activity.details.effects if e.at_end is at_end)
+def _gives(way: Details, at_end: bool) -> Iterator[Fact]:
+    return ((e.var, e.value) for e in way.effects if e.at_end is at_end)
 
 
 def _reached(reach: Reach, todo: deque[Fact], facts: Iterable[Fact]) -> None:
@@ -92,9 +99,9 @@ def _reached(reach: Reach, todo: deque[Fact], facts: Iterable[Fact]) -> None:
 
 
 def _count_down(
-    missing: dict[tuple[int, bool], int],
-    step: tuple[int, bool],
-    ready: list[tuple[int, bool]],
+    missing: dict[_Step, int],
+    step: _Step,
+    ready: list[_Step],
 ) -> None:
     missing[step] -= 1
     if not missing[step]:
@@ -118,9 +125,9 @@ class _Reporter:
         self.givers: dict[Fact, list[int]] = defaultdict(list)
         self.takers: dict[Fact, list[int]] = defaultdict(list)
         for i, activity in enumerate(problem.activities):
-            for effect in activity.details.effects:
+            for effect in activity.details.all_effects:
                 self.givers[effect.var, effect.value].append(i)
-            for condition in activity.details.conditions:
+            for condition in activity.details.all_conditions:
                 self.takers[condition.var, condition.value].append(i)
         self.indexes = {v.id: k for k, v in enumerate(problem.variables)}
         self.values = [{(type(x), x): k for k, x in enumerate(v.values)} for v in problem.variables]
@@ -154,10 +161,15 @@ class _Reporter:
         return v, self.values[v][shown.key]
 
     def _missing(self, i: int) -> list[Fact]:
-        """The values that an activity needs and that are unreachable."""
-        conditions = self.problem.activities[i].details.conditions
-        facts = dict.fromkeys((c.var, c.value) for c in conditions)
-        return [fact for fact in facts if fact not in self.reach.facts]
+        """The values that an activity needs and that are unreachable; none if it can do without."""
+        found: list[Fact] = []
+        for way in self.problem.activities[i].details.ways:
+            facts = dict.fromkeys((c.var, c.value) for c in way.conditions)
+            missing = [fact for fact in facts if fact not in self.reach.facts]
+            if not missing:
+                return []
+            found += missing
+        return list(dict.fromkeys(found))
 
     def _explain(self, root: int) -> None:
         """Marks the activities that depend, directly or not, on an activity already reported."""
@@ -167,7 +179,7 @@ class _Reporter:
             if i in self.explained:
                 continue
             self.explained.add(i)
-            for effect in self.problem.activities[i].details.effects:
+            for effect in self.problem.activities[i].details.all_effects:
                 fact = (effect.var, effect.value)
                 if fact not in self.reach.facts:
                     todo += self.takers.get(fact, ())
@@ -217,6 +229,7 @@ class _Reporter:
     def _place(self, activity: Activity, fact: Fact) -> ShownFact:
         """The place of the condition in which an action asks for a value."""
         places = fact_places(self.task, activity, "conditions")
+        places += mode_fact_places(self.task, activity, "conditions")
         return next(place for place in places if self._fact(place) == fact)
 
     def _initially(self, fact: Fact) -> str:
@@ -277,7 +290,7 @@ def _check_lost_goals(
     """Adds goals that hold at first, that a required action breaks, and that no effect restores."""
     if not problem.goals:
         return
-    given = {(e.var, e.value) for a in problem.activities for e in a.details.effects}
+    given = {(e.var, e.value) for a in problem.activities for e in a.details.all_effects}
     given |= {(v, c.value) for v, own in enumerate(problem.variables) for c in own.changes}
     at_first = {v.id: v for v in problem.variables}
     ended_by: dict[int, int] = {}

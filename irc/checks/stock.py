@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from irc.checks.required import greatest_occurrences, least_occurrences
 from irc.diagnostics import Code, Findings
 from irc.diagnostics.source import Pointer
-from irc.model import Task
+from irc.model import Action, Mode, Task
 from irc.problem import Activity, Problem, Reservoir, StockChange
 
 _UNLIMITED = float("inf")
@@ -41,23 +42,30 @@ def check_stock(task: Task, problem: Problem, required: frozenset[int], findings
 
 
 def _count(activity: Activity, is_required: bool, totals: list[_Totals]) -> None:
-    if not activity.details.stock:
+    if not activity.details.all_stock:
         return
     greatest = greatest_occurrences(activity)
     most = _UNLIMITED if greatest is None else greatest
     least = min(max(least_occurrences(activity), int(is_required)), most)
-    net: dict[int, int] = {}
-    for change in activity.details.stock:
-        total = totals[change.reservoir]
-        net[change.reservoir] = net.get(change.reservoir, 0) + change.amount
-        if change.amount > 0:
-            total.made += _times(most, change.amount)
-        else:
-            total.taken += _times(most, -change.amount)
-    for k, amount in net.items():
-        ends = (_times(least, amount), _times(most, amount))
+    for k in _concerned(activity):
+        amounts = [_amounts(way.stock, k) for way in activity.details.ways]
+        totals[k].made += _times(most, max(made for made, _ in amounts))
+        totals[k].taken += _times(most, max(taken for _, taken in amounts))
+        nets = [made - taken for made, taken in amounts]
+        ends = [_times(count, net) for count in (least, most) for net in nets]
         totals[k].highest += max(ends)
         totals[k].lowest += min(ends)
+
+
+def _concerned(activity: Activity) -> list[int]:
+    """The reservoirs that an activity changes, in some mode."""
+    return sorted({change.reservoir for change in activity.details.all_stock})
+
+
+def _amounts(stock: Iterable[StockChange], k: int) -> tuple[int, int]:
+    """How much some changes put into a reservoir, and how much they take out of it."""
+    own = [change.amount for change in stock if change.reservoir == k]
+    return sum(a for a in own if a > 0), -sum(a for a in own if a < 0)
 
 
 def _times(count: float, amount: int) -> float:
@@ -76,25 +84,33 @@ def _check_single(
     """Checks one action, with the best levels that all other actions could give before it."""
     activity = problem.activities[i]
     most = greatest_occurrences(activity)
-    if not activity.details.stock or most is None or most == 0:
+    if not activity.details.all_stock or most is None or most == 0:
         return
-    for k in sorted({change.reservoir for change in activity.details.stock}):
-        own = [c for c in activity.details.stock if c.reservoir == k]
-        made = sum(c.amount for c in own if c.amount > 0)
-        taken = -sum(c.amount for c in own if c.amount < 0)
+    for k in _concerned(activity):
+        ways = [[c for c in way.stock if c.reservoir == k] for way in activity.details.ways]
         reservoir = problem.reservoirs[k]
         # What the action itself makes or takes helps only its other occurrences.
-        highest = reservoir.initial + totals[k].made - made
-        lowest = reservoir.initial - totals[k].taken + taken
-        for change in _levels(activity, own):
-            if highest + change < reservoir.least:
-                reported.add(k)
-                _report_lack(task, activity, reservoir, highest, -change, findings)
-                break
-            if reservoir.greatest is not None and lowest + change > reservoir.greatest:
-                reported.add(k)
-                _report_excess(task, activity, reservoir, lowest, change, findings)
-                break
+        highest = reservoir.initial + totals[k].made - max(_amounts(own, k)[0] for own in ways)
+        lowest = reservoir.initial - totals[k].taken + max(_amounts(own, k)[1] for own in ways)
+        lacks = [_lack(_levels(activity, own), highest, reservoir) for own in ways]
+        excesses = [_excess(_levels(activity, own), lowest, reservoir) for own in ways]
+        if all(lacks):
+            reported.add(k)
+            _report_lack(task, activity, reservoir, highest, min(map(int, lacks)), findings)
+        elif all(excesses):
+            reported.add(k)
+            _report_excess(task, activity, reservoir, lowest, min(map(int, excesses)), findings)
+
+
+def _lack(levels: Sequence[int], highest: float, reservoir: Reservoir) -> int:
+    """How much the first change takes that cannot be there; 0 where all can."""
+    return next((-change for change in levels if highest + change < reservoir.least), 0)
+
+
+def _excess(levels: Sequence[int], lowest: float, reservoir: Reservoir) -> int:
+    """How much the first change puts in for which there is no room; 0 where there is for all."""
+    most = reservoir.greatest
+    return next((c for c in levels if most is not None and lowest + c > most), 0)
 
 
 def _levels(activity: Activity, own: list[StockChange]) -> list[int]:
@@ -197,10 +213,11 @@ def _parties(problem: Problem, k: int, required: frozenset[int], sign: int) -> t
     amount = 0
     for i in sorted(required):
         activity = problem.activities[i]
-        net = sum(c.amount for c in activity.details.stock if c.reservoir == k)
-        if net * sign > 0:
+        amounts = [_amounts(way.stock, k) for way in activity.details.ways]
+        net = min(sign * (made - taken) for made, taken in amounts)
+        if net > 0:
             names.append(repr(activity.id))
-            amount += net * sign * max(1, least_occurrences(activity))
+            amount += net * max(1, least_occurrences(activity))
     if len(names) == 1:
         return f"the occurrences of action {names[0]}", amount
     if len(names) > _MOST_NAMED:
@@ -211,7 +228,10 @@ def _parties(problem: Problem, k: int, required: frozenset[int], sign: int) -> t
 def _place(task: Task, activity: Activity, field: str, reservoir: str) -> Pointer:
     """The place at which an action names a reservoir in what it consumes or produces."""
     action = task.actions[int(activity.origin[1])]
-    for j, change in enumerate(getattr(action, field)):
-        if change.resource == reservoir:
-            return (*activity.origin, field, j)
+    places: list[tuple[Action | Mode, Pointer]] = [(action, activity.origin)]
+    places += [(m, (*activity.origin, "modes", k)) for k, m in enumerate(action.modes)]
+    for part, at in places:
+        for j, change in enumerate(getattr(part, field)):
+            if change.resource == reservoir:
+                return (*at, field, j)
     return activity.origin

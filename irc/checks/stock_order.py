@@ -25,9 +25,10 @@ _Level = tuple[int, int]
 
 @dataclass
 class _Happening:
-    """A start, an end, or both at once. `missing` demands keep it from happening."""
+    """A start, an end, or both at once, in a mode. `missing` demands keep it from happening."""
 
     activity: int
+    mode: int
     changes: Mapping[int, int]
     times: float
     missing: int = 0
@@ -41,7 +42,13 @@ def impossible_stock(problem: Problem) -> Diagnostic | None:
         return None
     late = _unreached(problem)
     required = required_activities(problem)
-    stuck = [h for h in late if h.activity in required]
+    late_in: dict[int, set[int]] = {}
+    for h in late:
+        late_in.setdefault(h.activity, set()).add(h.mode)
+    ways = [len(activity.details.ways) for activity in problem.activities]
+    stuck = [
+        h for h in late if h.activity in required and len(late_in[h.activity]) == ways[h.activity]
+    ]
     if not stuck:
         return None
     names = list(dict.fromkeys(repr(problem.activities[h.activity].id) for h in stuck))
@@ -100,16 +107,17 @@ def _unreached(problem: Problem) -> list[_Happening]:
 def _happenings(i: int, activity: Activity) -> Iterator[_Happening]:
     """The start and the end of what changes stock; without the start there is no end."""
     most = greatest_occurrences(activity)
-    if not activity.details.stock or most == 0:
+    if not activity.details.all_stock or most == 0:
         return
     times = float("inf") if most is None else float(most)
-    start, end = Counter[int](), Counter[int]()
-    for change in activity.details.stock:
-        at_end = change.at_end and activity.duration_max > 0
-        (end if at_end else start)[change.reservoir] += change.amount
-    last = _Happening(i, _nonzero(end), times, missing=1)
-    yield _Happening(i, _nonzero(start), times, end=last)
-    yield last
+    for mode, way in enumerate(activity.details.ways):
+        start, end = Counter[int](), Counter[int]()
+        for change in way.stock:
+            at_end = change.at_end and activity.duration_max > 0
+            (end if at_end else start)[change.reservoir] += change.amount
+        last = _Happening(i, mode, _nonzero(end), times, missing=1)
+        yield _Happening(i, mode, _nonzero(start), times, end=last)
+        yield last
 
 
 def _nonzero(changes: Counter[int]) -> dict[int, int]:

@@ -17,7 +17,7 @@ from irc.model.times import Clock, Instant
 if TYPE_CHECKING:
     from irc.checks.unknown_names import Guesses
     from irc.diagnostics.fix import Fix
-    from irc.model import Condition, Effect, Group, StateGoal, StateVariable
+    from irc.model import Condition, Effect, Group, Mode, StateGoal, StateVariable
     from irc.model.events import SetState
 
 
@@ -440,7 +440,7 @@ def check_action(
         _check_occurs(action, at, findings)
 
 
-def _check_stock(action: Action, at: Pointer, names: DeclaredNames) -> None:
+def _check_stock(action: Action | Mode, at: Pointer, names: DeclaredNames) -> None:
     for field in ("consumes", "produces"):
         for i, change in enumerate(getattr(action, field)):
             pointer = (*at, field, i, "resource")
@@ -448,7 +448,7 @@ def _check_stock(action: Action, at: Pointer, names: DeclaredNames) -> None:
                 require_kind(names.resources[change.resource], "reservoir", field, pointer, names)
 
 
-def _check_facts(action: Action, at: Pointer, names: DeclaredNames) -> None:
+def _check_facts(action: Action | Mode, at: Pointer, names: DeclaredNames) -> None:
     for field in ("conditions", "effects"):
         for i, fact in enumerate(getattr(action, field)):
             check_value(fact, (*at, field, i), names)
@@ -507,6 +507,10 @@ def _check_modes(action: Action, at: Pointer, names: DeclaredNames, times: TimeC
         pointer = (*at, "modes", i)
         times.duration(mode.duration, f"mode {mode.id!r}", (*pointer, "duration"))
         _check_uses(mode.uses, (*pointer, "uses"), owner, names)
+        if mode.consumes or mode.produces:
+            _check_stock(mode, pointer, names)
+        if mode.conditions or mode.effects:
+            _check_facts(mode, pointer, names)
     if action.duration is not None:
         names.findings.add(
             Code.WITHOUT_EFFECT,

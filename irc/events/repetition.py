@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from irc.model import Action, DurationRange, Group, Precedence
+from irc.model import Action, DurationRange, Group, Mode, Precedence
 from irc.model.cancellation import latest
 from irc.model.details import Lapsed
 from irc.model.events import RetryAction
@@ -51,12 +51,19 @@ def repetition_of(
     done = clock.number(change.done)
     if done:
         fields |= _rest(action, done, change.mode, clock)
-        fields["conditions"] = tuple(c for c in action.conditions if c.at != "start")
-        fields["effects"] = tuple(e for e in action.effects if e.at != "start")
-        fields["consumes"] = tuple(c for c in action.consumes if c.at == "end")
-        fields["produces"] = tuple(c for c in action.produces if c.at != "start")
+        fields |= _left_to_come(action)
     defaults = {f: Action.model_fields[f].default for f in fields if f not in ("id", "duration")}
     return Action(**{f: v for f, v in fields.items() if f not in defaults or v != defaults[f]})
+
+
+def _left_to_come(part: Action | Mode) -> dict[str, Any]:
+    """The state and the stock of an action, or of its mode, without what belongs to its start."""
+    return {
+        "conditions": tuple(c for c in part.conditions if c.at != "start"),
+        "effects": tuple(e for e in part.effects if e.at != "start"),
+        "consumes": tuple(c for c in part.consumes if c.at == "end"),
+        "produces": tuple(c for c in part.produces if c.at != "start"),
+    }
 
 
 def _rest(action: Action, done: Number, mode: str | None, clock: Clock) -> dict[str, Any]:
@@ -67,7 +74,12 @@ def _rest(action: Action, done: Number, mode: str | None, clock: Clock) -> dict[
     whole = clock.number(own.max if isinstance(own, DurationRange) else own)
     left = max(Fraction(0), 1 - Fraction(done) / whole) if whole else Fraction(0)
     modes = tuple(
-        m.model_copy(update={"duration": _shorter(m.duration, lambda d: d * left, clock)})
+        m.model_copy(
+            update={
+                "duration": _shorter(m.duration, lambda d: d * left, clock),
+                **{f: v for f, v in _left_to_come(m).items() if f in m.model_fields_set},
+            }
+        )
         for m in action.modes
     )
     return {"modes": modes}

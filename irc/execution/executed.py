@@ -193,5 +193,7 @@ def _in_mode(activity: Activity, past: ExecutedActivity) -> Activity:
         with_uses(activity, kept),
         duration_min=mode.duration_min,
         duration_max=mode.duration_max,
-        details=replace(details, modes=(mode,), use_modes=tuple(None for _ in kept)),
+        details=replace(
+            details.in_mode(past.mode), modes=(mode.bare,), use_modes=tuple(None for _ in kept)
+        ),
     )

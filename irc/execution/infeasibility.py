@@ -17,7 +17,7 @@ from irc.execution.freeze import with_groups
 from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
 from irc.model.state_values import value_text
 from irc.passes import order_from_state
-from irc.problem import IMPOSSIBLE_DEADLINE, Activity, PreviousPlan, Problem
+from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Condition, PreviousPlan, Problem
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, Status
 from irc.targets import Budget, EngineFailed, Refusal, get_backend
@@ -192,7 +192,7 @@ def _state(search: _LimitSearch) -> Iterator[_Reason]:
             {
                 (a.id, value_text(variable.values[c.value]))
                 for _, a in search.open
-                for c in a.details.conditions
+                for c in a.details.all_conditions
                 if c.var == v
             }
         )
@@ -206,13 +206,19 @@ def _state(search: _LimitSearch) -> Iterator[_Reason]:
 
 
 def _without_conditions(activity: Activity, var: int) -> Activity:
-    kept = tuple(c for c in activity.details.conditions if c.var != var)
-    return replace(activity, details=replace(activity.details, conditions=kept))
+    details = activity.details
+
+    def kept(conditions: tuple[Condition, ...]) -> tuple[Condition, ...]:
+        return tuple(c for c in conditions if c.var != var)
+
+    modes = tuple(m._replace(conditions=kept(m.conditions)) for m in details.modes)
+    details = replace(details, conditions=kept(details.conditions), modes=modes)
+    return replace(activity, details=details)
 
 
 def _stock(search: _LimitSearch) -> Iterator[_Reason]:
     problem = search.problem
-    changes = [c for a in problem.activities for c in a.details.stock]
+    changes = [c for a in problem.activities for c in a.details.all_stock]
     for r, reservoir in enumerate(problem.reservoirs):
         taken = sum(-c.amount for c in changes if c.reservoir == r and c.amount < 0)
         fuller = replace(reservoir, initial=reservoir.initial + taken, greatest=None)

@@ -115,7 +115,7 @@ def stock_past_first(
     activities = list(problem.activities)
     for i, activity in enumerate(activities):
         details = activity.details
-        if details.stock and details.not_before is None and _begins(executed.get(i), now, now):
+        if details.all_stock and details.not_before is None and _begins(executed.get(i), now, now):
             activities[i] = replace(activity, details=replace(details, not_before=(now, 0)))
     return replace(problem, activities=tuple(activities))
 
@@ -126,8 +126,7 @@ def _begins(past: ExecutedActivity | None, time: int, now: int) -> bool:
 
 
 def _is_concerned(problem: Problem, i: int) -> bool:
-    details = problem.activities[i].details
-    return bool(details.conditions or details.effects or details.stock)
+    return problem.activities[i].details.touches_world
 
 
 def _end_rank(problem: Problem, i: int) -> int | None:

@@ -60,7 +60,7 @@ class Happened:
 
     def faults(self, entry: Entry) -> list[bool]:
         """Whether each of window, predecessors, resources, conditions and stock forbids a start."""
-        action = self.actions.get(entry.id)
+        action = self._carried_out(entry)
         if action is None:
             return [False] * 5
         return [
@@ -70,6 +70,11 @@ class Happened:
             bool(action.conditions) and not self._world_allows(action, entry),
             bool(action.consumes) and not self._stock_lasts(action, entry),
         ]
+
+    def _carried_out(self, entry: Entry) -> Action | None:
+        """The action of an entry, in its mode."""
+        action = self.actions.get(entry.id)
+        return None if action is None else action.in_mode(entry.mode)
 
     @cached_property
     def actions(self) -> Mapping[str, Action]:
@@ -162,9 +167,8 @@ class Happened:
                 elif before is None or time >= before[0]:
                     before = time, value
         if with_own:
-            here |= {
-                e.value for e in self.actions[entry.id].effects if (e.var, e.at) == (var, "start")
-            }
+            own = self.actions[entry.id].in_mode(entry.mode).effects
+            here |= {e.value for e in own if (e.var, e.at) == (var, "start")}
         for change, time, name, value in self.world_changes:
             if name != var or time > entry.start or (change, 1) in self.begun:
                 continue
@@ -178,7 +182,7 @@ class Happened:
         return here | {initial if before is None else before[1]}
 
     def _effects(self, past: Entry) -> Iterable[tuple[Number, str, object]]:
-        action = self.actions.get(past.id)
+        action = self._carried_out(past)
         for effect in () if action is None else action.effects:
             if effect.at == "start":
                 yield past.start, effect.var, effect.value
@@ -192,7 +196,7 @@ class Happened:
                 continue
             level = resource.initial + self._taken(action, name, at_end=False)
             for past in self.begun.values():
-                its = self.actions.get(past.id)
+                its = self._carried_out(past)
                 if its is None or key_of(past) == key_of(entry):
                     continue
                 for time, amount in (

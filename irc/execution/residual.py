@@ -23,12 +23,15 @@ from irc.passes.unroll import unroll
 from irc.problem import (
     IMPOSSIBLE_DEADLINE,
     Activity,
+    Condition,
     ContendedPool,
     Details,
+    Effect,
     PreviousPlan,
     Problem,
     Renewable,
     Reservoir,
+    StockChange,
     TimedChange,
     Variable,
     Window,
@@ -237,11 +240,20 @@ def _residual(
         names[name] += 1
         shortest = longest = max(0, past.end - now)
     own = Details(
-        modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
+        modes=tuple(
+            m._replace(
+                duration_min=shortest,
+                duration_max=longest,
+                stock=_stock_left(m.stock, elapsed),
+                conditions=_conditions_left(m.conditions, elapsed),
+                effects=_effects_left(m.effects, elapsed),
+            )
+            for m in details.modes
+        ),
         use_modes=details.use_modes,
-        stock=tuple(c for c in details.stock if c.at_end or not elapsed),
-        conditions=tuple(c for c in details.conditions if c.at != "start" or not elapsed),
-        effects=tuple(e for e in details.effects if e.at_end or not elapsed),
+        stock=_stock_left(details.stock, elapsed),
+        conditions=_conditions_left(details.conditions, elapsed),
+        effects=_effects_left(details.effects, elapsed),
         due=None if details.due is None else details.due - now,
         weight=details.weight,
         reward=details.reward,
@@ -260,6 +272,19 @@ def _residual(
         duration_max=longest,
         details=own,
     )
+
+
+def _stock_left(stock: tuple[StockChange, ...], elapsed: int) -> tuple[StockChange, ...]:
+    """The changes of stock that come after the start, if that was before now."""
+    return tuple(c for c in stock if c.at_end or not elapsed)
+
+
+def _conditions_left(conditions: tuple[Condition, ...], elapsed: int) -> tuple[Condition, ...]:
+    return tuple(c for c in conditions if c.at != "start" or not elapsed)
+
+
+def _effects_left(effects: tuple[Effect, ...], elapsed: int) -> tuple[Effect, ...]:
+    return tuple(e for e in effects if e.at_end or not elapsed)
 
 
 def _later(resource: Renewable, now: int) -> Renewable:

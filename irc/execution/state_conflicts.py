@@ -30,7 +30,7 @@ def without_broken_conditions(
         (e.var, e.value)
         for i, a in enumerate(problem.activities)
         if i not in executed
-        for e in a.details.effects
+        for e in a.details.all_effects
     }
     activities = list(problem.activities)
     helpers: list[tuple[Activity, ExecutedActivity]] = []
@@ -92,15 +92,20 @@ def _still_read(
         for j, activity in enumerate(activities):
             if j != i and j in executed and not executed[j].running:
                 continue
-            own = [Effect(index, 0, at_end)] if j == i else []
-            more = own or [
-                Effect(index, 0, e.at_end) for e in activity.details.effects if e.var == var
-            ]
-            if more:
-                effects = (*activity.details.effects, *more)
-                details = replace(activity.details, effects=effects)
+            details = activity.details
+            own = (Effect(index, 0, at_end),) if j == i else _alike(details.effects, var, index)
+            modes = tuple(
+                m._replace(effects=m.effects + _alike(m.effects, var, index)) for m in details.modes
+            )
+            if own or modes != details.modes:
+                details = replace(details, effects=details.effects + own, modes=modes)
                 activities[j] = replace(activity, details=details)
     return added
+
+
+def _alike(effects: tuple[Effect, ...], var: int, other: int) -> tuple[Effect, ...]:
+    """Effects on another variable, which has one value, where these change a variable."""
+    return tuple(Effect(other, 0, e.at_end) for e in effects if e.var == var)
 
 
 def _held_until_broken(

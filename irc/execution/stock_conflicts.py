@@ -73,23 +73,23 @@ def _open_changes(
     problem: Problem, executed: Mapping[int, ExecutedActivity], k: int
 ) -> tuple[int | None, int | None]:
     """The greatest amounts that open activities can put in and take out; None: no limit."""
-    changes = [
-        (change.amount, activity.details.repeats)
+    open_details = [
+        activity.details
         for i, activity in enumerate(problem.activities)
         if i not in executed and not _is_too_late(activity)
-        for change in activity.details.stock
-        if change.reservoir == k
     ]
 
     def most(sign: int) -> int | None:
         total = 0
-        for amount, repeats in changes:
-            if sign * amount <= 0:
-                continue
-            times = 1 if repeats is None else repeats[1]
-            if times is None:
+        for details in open_details:
+            amount = max(
+                sum(max(0, sign * c.amount) for c in way.stock if c.reservoir == k)
+                for way in details.ways
+            )
+            times = 1 if details.repeats is None else details.repeats[1]
+            if amount and times is None:
                 return None
-            total += sign * amount * times
+            total += amount * (times or 0)
         return total
 
     return most(1), most(-1)
@@ -130,9 +130,15 @@ def _with_twin(problem: Problem, k: int) -> tuple[Problem, int]:
     name = fresh_name(f"{reservoir.id} at most", {r.id for r in problem.reservoirs})
 
     def doubled(activity: Activity) -> Activity:
-        stock = activity.details.stock
-        again = tuple(c._replace(reservoir=twin) for c in stock if c.reservoir == k)
-        return _with_stock(activity, (*stock, *again)) if again else activity
+        details = activity.details
+        if all(c.reservoir != k for c in details.all_stock):
+            return activity
+        modes = tuple(m._replace(stock=m.stock + again(m.stock)) for m in details.modes)
+        details = replace(details, stock=details.stock + again(details.stock), modes=modes)
+        return replace(activity, details=details)
+
+    def again(stock: tuple[StockChange, ...]) -> tuple[StockChange, ...]:
+        return tuple(c._replace(reservoir=twin) for c in stock if c.reservoir == k)
 
     reservoirs = list(problem.reservoirs)
     reservoirs[k] = replace(reservoir, greatest=None)
@@ -171,13 +177,15 @@ def _pay_back(
         i
         for i, activity in enumerate(activities)
         if i not in executed
-        for change in activity.details.stock
+        for change in activity.details.all_stock
         if change.reservoir == k and change.amount * loan > 0
     }
     if len(suppliers) != 1:
         return
     (i,) = suppliers
     stock = activities[i].details.stock
+    if stock != activities[i].details.all_stock:
+        return  # Which of its modes would pay is open.
     brought = sum(c.amount for c in stock if c.reservoir == k)
     place = next(n for n, c in enumerate(stock) if c.reservoir == k and c.amount * loan > 0)
     if activities[i].details.repeats is None and abs(brought) >= abs(loan):

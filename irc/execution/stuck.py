@@ -220,7 +220,7 @@ class _Search:
             past = self.frozen.executed.get(i)
             if past is None and i not in self._open_set:
                 continue
-            for change in activity.details.stock:
+            for change in activity.details.all_stock:
                 if change.reservoir >= len(levels):
                     continue  # What is lent to the history, which nothing else takes.
                 if past is not None:
@@ -257,7 +257,7 @@ class _Search:
         needed = (c for c in details.conditions if at_end or c.at == "start")
         if not all((c.var, c.value) in values for c in needed):
             return False
-        values |= {(e.var, e.value) for e in details.effects if e.at_end == at_end}
+        values |= {(e.var, e.value) for e in details.all_effects if e.at_end == at_end}
         return True
 
     def _runs(self, i: int) -> bool:

@@ -18,6 +18,7 @@ from irc.lowering.elements import (
 )
 from irc.model import Action, Task
 from irc.model import Group as GroupNode
+from irc.model import Mode as ModeNode
 from irc.problem import (
     IMPOSSIBLE_DEADLINE,
     PLAIN,
@@ -135,7 +136,14 @@ class _Lowering:
         use_modes: list[int | None] = [None] * len(uses)
         modes: list[Mode] = []
         for node in sorted({m.id: m for m in action.modes}.values(), key=lambda m: m.id):
-            mode = Mode(node.id, *span(node.duration, self.to_ticks))
+            mode = Mode(
+                node.id,
+                *span(node.duration, self.to_ticks),
+                stock=self._stock(node),
+                conditions=self._conditions(node),
+                effects=self._effects(node),
+                cost=node.cost or 0,
+            )
             own = requirements(node.uses, self.resource_index)
             uses += own
             use_modes += [len(modes)] * len(own)
@@ -148,7 +156,7 @@ class _Lowering:
             details=replace(activity.details, modes=tuple(modes), use_modes=tuple(use_modes)),
         )
 
-    def _stock(self, action: Action) -> tuple[StockChange, ...]:
+    def _stock(self, action: Action | ModeNode) -> tuple[StockChange, ...]:
         changes = [
             StockChange(self.reservoir_index[c.resource], sign * c.amount, (c.at or usual) == "end")
             for part, sign, usual in ((action.consumes, -1, "start"), (action.produces, 1, "end"))
@@ -157,7 +165,7 @@ class _Lowering:
         ]
         return tuple(sorted(changes))
 
-    def _conditions(self, action: Action) -> tuple[Condition, ...]:
+    def _conditions(self, action: Action | ModeNode) -> tuple[Condition, ...]:
         return tuple(
             sorted(
                 {
@@ -168,7 +176,7 @@ class _Lowering:
             )
         )
 
-    def _effects(self, action: Action) -> tuple[Effect, ...]:
+    def _effects(self, action: Action | ModeNode) -> tuple[Effect, ...]:
         return tuple(
             sorted(
                 {

@@ -50,12 +50,20 @@ class Effect(Node):
 
 
 class Mode(Node):
-    """One way to carry out an action: its duration, and its uses besides the action's own."""
+    """One way to carry out an action: its duration.
+
+    What it uses, consumes, produces, needs, sets and costs comes on top of the action's own.
+    """
 
     id: Name
     label: Text | None = None
     duration: Duration
     uses: tuple[Use, ...] = ()
+    consumes: tuple[StockChange, ...] = ()
+    produces: tuple[StockChange, ...] = ()
+    conditions: tuple[Condition, ...] = ()
+    effects: tuple[Effect, ...] = ()
+    cost: Annotated[int, Field(strict=True)] | None = None
 
 
 class OccurrenceRange(Node):

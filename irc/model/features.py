@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from irc.diagnostics.source import Pointer
 from irc.model import Action, DurationRange, Resource, Task
+from irc.model.parts import OF_MODES
 
 if TYPE_CHECKING:
     from irc.model import Group
@@ -24,6 +25,7 @@ class Feature(Enum):
     DURATION_RANGE = "durations the solver chooses"
     ZERO_DURATION = "zero durations"
     MODES = "modes"
+    MODE_ELEMENTS = "cost, stock and state of modes"
     OPTIONAL_ACTIONS = "optional actions"
     REPEATED_ACTIONS = "actions that may occur more than once"
     PRECEDENCE = "precedence"
@@ -111,6 +113,8 @@ _ACTION_FIELDS = (
     ("cost", Feature.COST),
 )
 
+_FEATURES = dict(_ACTION_FIELDS)
+
 
 def _of_action(action: Action, index: int) -> Iterator[FeatureUse]:
     name = f"action {action.id!r}"
@@ -129,6 +133,13 @@ def _of_action(action: Action, index: int) -> Iterator[FeatureUse]:
     for field, feature in _ACTION_FIELDS:
         if fields[field] not in (None, ()):
             yield FeatureUse(feature, ("actions", index, field), name)
+    for m, mode in enumerate(action.modes):
+        for field in OF_MODES:
+            if getattr(mode, field) not in (None, ()):
+                pointer: Pointer = ("actions", index, "modes", m, field)
+                its = f"mode {mode.id!r} of {name}"
+                yield FeatureUse(Feature.MODE_ELEMENTS, pointer, its)
+                yield FeatureUse(_FEATURES[field], pointer, its)
     if action.occurrence_bounds != (1, 1):
         greatest = action.occurrence_bounds[1]
         repeated = greatest is None or greatest > 1

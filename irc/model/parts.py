@@ -74,6 +74,9 @@ class Use(Node):
         return () if self.resource is None else (self.resource,)
 
 
+OF_MODES = ("consumes", "produces", "conditions", "effects", "cost")
+"""What a mode adds to its action, besides uses."""
+
 _SIMPLE = frozenset(["id", "label", "description", "duration"])
 
 
@@ -108,6 +111,23 @@ class Action(Node):
         Most actions of large tasks are like this, so code that visits all actions can skip work.
         """
         return self.model_fields_set <= _SIMPLE and type(self.duration) is int and self.duration > 0
+
+    @property
+    def ways(self) -> tuple[Action, ...]:
+        """The action as each of its modes has it; the action itself where it has no modes."""
+        return tuple(self.in_mode(mode.id) for mode in self.modes) or (self,)
+
+    def in_mode(self, mode: str | None) -> Action:
+        """The action with the stock, state and cost of a mode (by name) among its own.
+
+        Its modes stay. Without a mode, or with an unknown one, it is the action itself.
+        """
+        own = next((m for m in self.modes if m.id == mode), None)
+        if own is None or own.model_fields_set.isdisjoint(OF_MODES):
+            return self
+        fields = {name: getattr(self, name) + getattr(own, name) for name in OF_MODES[:-1]}
+        cost = None if self.cost is None is own.cost else (self.cost or 0) + (own.cost or 0)
+        return self.model_copy(update={**fields, "cost": cost})
 
     @property
     def may_repeat(self) -> bool:

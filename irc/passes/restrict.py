@@ -75,7 +75,7 @@ def drop_ample_stock(problem: Problem) -> Problem:
     highest = [r.initial for r in problem.reservoirs]
     endless: set[int] = set()
     for activity in problem.activities:
-        for change in activity.details.stock:
+        for change in activity.details.all_stock:
             if activity.details.repeats is not None:
                 endless.add(change.reservoir)
             extreme = lowest if change.amount < 0 else highest

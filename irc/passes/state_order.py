@@ -54,11 +54,15 @@ class _Index:
         self.effects: list[list[_Touch]] = [[] for _ in problem.variables]
         self.conditions: list[list[_Touch]] = [[] for _ in problem.variables]
         self.goals: list[set[int]] = [set() for _ in problem.variables]
+        self.by_mode: set[int] = set()
+        """The variables that some mode alone reads or changes."""
         for i, activity in enumerate(problem.activities):
             for e in activity.details.effects:
                 self.effects[e.var].append(_Touch(i, e.value, "end" if e.at_end else "start"))
             for c in activity.details.conditions:
                 self.conditions[c.var].append(_Touch(i, c.value, c.at))
+            for mode in activity.details.modes:
+                self.by_mode |= {c.var for c in mode.conditions} | {e.var for e in mode.effects}
         for v, value in problem.goals:
             self.goals[v].add(value)
         self.chooser = {
@@ -74,7 +78,7 @@ def _orders(index: _Index, v: int) -> set[tuple[int, int]] | None:
     problem = index.problem
     effects, conditions = index.effects[v], index.conditions[v]
     touching = {t.activity for t in (*effects, *conditions)}
-    if not _same_presence(index, touching):
+    if v in index.by_mode or not _same_presence(index, touching):
         return None
     if index.goals[v] and any(problem.activities[i].details.optional for i in touching):
         return None  # The goal also says which activity must be present.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem.problem import Activity, Arc, ContendedPool, Mode, Problem, Window
+from irc.problem.problem import Activity, Arc, ContendedPool, Problem, Window
 
 
 def safe_horizon(problem: Problem) -> int:
@@ -28,7 +28,7 @@ def safe_horizon(problem: Problem) -> int:
     total = 0
     for activity in problem.activities:
         floor = max(floor, activity.release, activity.start or 0)
-        if activity.details.stock or activity.details.conditions or activity.details.effects:
+        if activity.details.touches_world:
             total += 2
         # A range longer than the task's deadline can never be used up.
         longest = activity.duration_max
@@ -89,7 +89,9 @@ def _activity_within(activity: Activity, never: int) -> Activity:
             details,
             due=None if details.due is None else min(details.due, never),
             modes=tuple(
-                Mode(m.id, min(m.duration_min, never), min(m.duration_max, never))
+                m._replace(
+                    duration_min=min(m.duration_min, never), duration_max=min(m.duration_max, never)
+                )
                 for m in details.modes
             ),
         ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from irc.model.quantities import Number
-from irc.problem.problem import Activity, Group, PreviousPlace, Problem
+from irc.problem.problem import Activity, Details, Group, PreviousPlace, Problem
 from irc.schedule import CANCELLED, Entry, Schedule
 
 TIMES = frozenset(["makespan", "tardiness"])
@@ -29,7 +29,7 @@ def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number
     by_id: dict[str, list[Entry]] = {}
     for entry in schedule.entries:
         details = activities[entry.id].details
-        cost += details.cost
+        cost += details.cost + _cost_of_mode(details, entry)
         if entry.status == CANCELLED:
             continue
         by_id.setdefault(entry.id, []).append(entry)
@@ -49,6 +49,10 @@ def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number
         "cost": cost,
         "changes": _changes(problem, by_id),
     }
+
+
+def _cost_of_mode(details: Details, entry: Entry) -> int:
+    return next((m.cost for m in details.modes if m.id == entry.mode), 0)
 
 
 def costs(problem: Problem, schedule: Schedule) -> dict[str, Number]:

@@ -43,14 +43,6 @@ class OpenDemand(NamedTuple):
     amount: int
 
 
-class Mode(NamedTuple):
-    """One way to carry out an activity; a fixed duration has both the same."""
-
-    id: str
-    duration_min: int
-    duration_max: int
-
-
 class StockChange(NamedTuple):
     """A change of a reservoir by an activity at one of its ends; a negative amount takes."""
 
@@ -78,6 +70,26 @@ class Effect(NamedTuple):
     at_end: bool
 
 
+class Mode(NamedTuple):
+    """One way to carry out an activity; a fixed duration has both the same.
+
+    Its stock, conditions, effects and cost come on top of the activity's own.
+    """
+
+    id: str
+    duration_min: int
+    duration_max: int
+    stock: tuple[StockChange, ...] = ()
+    conditions: tuple[Condition, ...] = ()
+    effects: tuple[Effect, ...] = ()
+    cost: int = 0
+
+    @property
+    def bare(self) -> Mode:
+        """The mode with its durations alone."""
+        return Mode(self.id, self.duration_min, self.duration_max)
+
+
 class Ranks(NamedTuple):
     """The ranks of an executed start and end; None where a rank is still to be found.
 
@@ -98,8 +110,10 @@ class Details:
     (None: no greatest) where more than one is possible; `irc.passes.unroll` makes an activity of
     each, the k-th with `occurrence` k and the index of its predecessor as `previous_occurrence`.
 
-    With `modes` exactly one is chosen. `use_modes` says for each of the activity's `uses` in which
-    mode (index) it is held, None: in all; empty stands for all None.
+    With `modes` exactly one is chosen; each may have stock, conditions, effects and a cost besides
+    those here, which are of every mode (see `in_mode`, `all_stock` and so on). `use_modes` says for
+    each of the activity's `uses` in which mode (index) it is held, None: in all; empty stands for
+    all None.
 
     `ranks` are those that its start and its end are known to have; where it starts at the time of
     `not_before`, (time, rank), its start has that rank at least, and changes stock behind all that
@@ -125,6 +139,48 @@ class Details:
     def use_mode(self, use: int) -> int | None:
         """The mode in which a use is held; None: in all."""
         return self.use_modes[use] if self.use_modes else None
+
+    def in_mode(self, mode: int | None) -> Details:
+        """The details with what a mode (index) adds among their own; the modes become bare.
+
+        None: as they are.
+        """
+        if mode is None or self.modes[mode] == self.modes[mode].bare:
+            return self
+        own = self.modes[mode]
+        return replace(
+            self,
+            modes=tuple(m.bare for m in self.modes),
+            stock=tuple(sorted(self.stock + own.stock)),
+            conditions=tuple(sorted({*self.conditions, *own.conditions})),
+            effects=tuple(sorted({*self.effects, *own.effects})),
+            cost=self.cost + own.cost,
+        )
+
+    @property
+    def ways(self) -> tuple[Details, ...]:
+        """The details in each mode; the details themselves where there are no modes."""
+        return tuple(self.in_mode(m) for m in range(len(self.modes))) or (self,)
+
+    @property
+    def all_stock(self) -> tuple[StockChange, ...]:
+        """The changes of stock of the activity and of all its modes, of which one is chosen."""
+        return self.stock + tuple(c for mode in self.modes for c in mode.stock)
+
+    @property
+    def all_conditions(self) -> tuple[Condition, ...]:
+        """The conditions of the activity and of all its modes, of which one is chosen."""
+        return self.conditions + tuple(c for mode in self.modes for c in mode.conditions)
+
+    @property
+    def all_effects(self) -> tuple[Effect, ...]:
+        """The effects of the activity and of all its modes, of which one is chosen."""
+        return self.effects + tuple(e for mode in self.modes for e in mode.effects)
+
+    @property
+    def touches_world(self) -> bool:
+        """Whether it reads or changes state or stock, in any mode."""
+        return bool(self.all_stock or self.all_conditions or self.all_effects)
 
 
 PLAIN = Details()

@@ -20,13 +20,16 @@ from irc.problem.problem import (
     Activity,
     Arc,
     Bounds,
+    Condition,
     ContendedPool,
     Contention,
     Details,
+    Effect,
     Group,
     PreviousPlace,
     PreviousPlan,
     Problem,
+    StockChange,
 )
 
 T = TypeVar("T")
@@ -312,25 +315,44 @@ def _activity(activity: Activity, i: int, way: Projection) -> Activity:
 
 def _details(details: Details, way: Projection) -> Details:
     changed = details
-    if details.stock and not way.reservoirs.is_all:
-        new = way.reservoirs.new
-        stock = tuple(
-            c._replace(reservoir=new[c.reservoir]) for c in details.stock if c.reservoir in new
-        )
-        changed = replace(changed, stock=stock)
-    if (details.conditions or details.effects) and not way.variables.is_all:
-        new = way.variables.new
+    if details.touches_world and not (way.reservoirs.is_all and way.variables.is_all):
         changed = replace(
             changed,
-            conditions=tuple(
-                c._replace(var=new[c.var]) for c in details.conditions if c.var in new
+            stock=_stock(details.stock, way.reservoirs),
+            conditions=_conditions(details.conditions, way.variables),
+            effects=_effects(details.effects, way.variables),
+            modes=tuple(
+                m._replace(
+                    stock=_stock(m.stock, way.reservoirs),
+                    conditions=_conditions(m.conditions, way.variables),
+                    effects=_effects(m.effects, way.variables),
+                )
+                for m in details.modes
             ),
-            effects=tuple(e._replace(var=new[e.var]) for e in details.effects if e.var in new),
         )
     if details.previous_occurrence is not None and not way.activities.is_all:
         previous = way.activities.new.get(details.previous_occurrence)
         changed = replace(changed, previous_occurrence=previous)
     return PLAIN if changed == PLAIN else changed
+
+
+def _stock(changes: tuple[StockChange, ...], reservoirs: Kept) -> tuple[StockChange, ...]:
+    if reservoirs.is_all:
+        return changes
+    new = reservoirs.new
+    return tuple(c._replace(reservoir=new[c.reservoir]) for c in changes if c.reservoir in new)
+
+
+def _conditions(conditions: tuple[Condition, ...], variables: Kept) -> tuple[Condition, ...]:
+    if variables.is_all:
+        return conditions
+    return tuple(c._replace(var=variables.new[c.var]) for c in conditions if c.var in variables.new)
+
+
+def _effects(effects: tuple[Effect, ...], variables: Kept) -> tuple[Effect, ...]:
+    if variables.is_all:
+        return effects
+    return tuple(e._replace(var=variables.new[e.var]) for e in effects if e.var in variables.new)
 
 
 def with_uses(activity: Activity, kept: Sequence[int]) -> Activity:

@@ -56,6 +56,7 @@ class Past(NamedTuple):
 class Occurrence(NamedTuple):
     """An entry of the schedule with the action it is an occurrence of.
 
+    `action` has the stock, state and cost of the chosen mode among its own.
     `shortest` and `longest` bound its duration; both are None where the mode is not known. A
     cancelled occurrence could end at any time.
     `number` is its place in `BoundSchedule.occurrences`; `past` is None for an occurrence that may
@@ -266,7 +267,7 @@ def _occurrence(
     return Occurrence(
         number,
         entry,
-        action,
+        action.in_mode(entry.mode),
         mode,
         shortest,
         longest,
@@ -361,13 +362,15 @@ def _check_action(
     for use in _all_uses(action):
         for name in use.alternatives:
             _require(name, renewable, f"a use of {where}")
-    stock_changes: tuple[StockChange, ...] = action.consumes + action.produces
-    for change in stock_changes:
-        _require(change.resource, stocks, f"a consumption or production of {where}")
-    for condition in action.conditions:
-        _require(condition.var, variables, f"a condition of {where}")
-    for effect in action.effects:
-        _require(effect.var, variables, f"an effect of {where}")
+    parts: tuple[Action | Mode, ...] = (action, *action.modes)
+    for part in parts:
+        stock_changes: tuple[StockChange, ...] = part.consumes + part.produces
+        for change in stock_changes:
+            _require(change.resource, stocks, f"a consumption or production of {where}")
+        for condition in part.conditions:
+            _require(condition.var, variables, f"a condition of {where}")
+        for effect in part.effects:
+            _require(effect.var, variables, f"an effect of {where}")
 
 
 def _all_uses(action: Action) -> Iterator[Use]:

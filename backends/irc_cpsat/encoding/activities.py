@@ -83,9 +83,7 @@ def _add_ranks(builder: Builder) -> None:
     constrained = {i for arc in builder.problem.arcs for i in (arc.before, arc.after)}
     for i, activity in enumerate(builder.problem.activities):
         details = activity.details
-        touches = bool(
-            details.conditions or details.effects or details.stock or activity.open_demands
-        )
+        touches = details.touches_world or bool(activity.open_demands)
         last = builder.rank_count - 1 if touches or i in constrained else 0
         known = details.ranks or Ranks(None, None)
         start = _rank(builder, last, known.start, f"rank {name_of(activity)}", known.at_least)

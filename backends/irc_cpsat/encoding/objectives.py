@@ -54,9 +54,14 @@ def values_of(
         ]
         values["reward"] = _sum_of_present(rewards)
     if "cost" in problem.objectives:
-        values["cost"] = _sum_of_present(
-            [(a.details.cost, p) for a, p in _occurring(builder) if a.details.cost]
-        )
+        costs = [(a.details.cost, p) for a, p in _occurring(builder) if a.details.cost]
+        costs += [
+            (mode.cost, chosen)
+            for a, literals in zip(problem.activities, builder.modes, strict=True)
+            for mode, chosen in zip(a.details.modes, literals, strict=True)
+            if mode.cost
+        ]
+        values["cost"] = _sum_of_present(costs)
     if "changes" in problem.levels:
         values["changes"] = _changes(builder, literals)
     return values

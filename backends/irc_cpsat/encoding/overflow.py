@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from irc.problem import Problem
+from irc.problem import Details, Problem
 from irc.targets import Refusal
 
 MAX_SUM = 2**62
@@ -63,7 +63,7 @@ def _refuse_weights(problem: Problem, horizon: int, times: int) -> None:
 
 
 def _refuse_reward_and_cost(problem: Problem) -> None:
-    total = sum(abs(a.details.reward) + abs(a.details.cost) for a in problem.activities)
+    total = sum(abs(a.details.reward) + _most_cost(a.details) for a in problem.activities)
     total += sum(abs(g.reward) for g in problem.groups)
     if total >= MAX_SUM:
         raise Refusal(
@@ -73,10 +73,14 @@ def _refuse_reward_and_cost(problem: Problem) -> None:
         )
 
 
+def _most_cost(details: Details) -> int:
+    return abs(details.cost) + sum(abs(mode.cost) for mode in details.modes)
+
+
 def _refuse_stock(problem: Problem) -> None:
     moved = [0] * len(problem.reservoirs)
     for activity in problem.activities:
-        for change in activity.details.stock:
+        for change in activity.details.all_stock:
             moved[change.reservoir] += abs(change.amount)
     for reservoir, amount in zip(problem.reservoirs, moved, strict=True):
         if amount and amount + abs(reservoir.initial) + abs(reservoir.least) >= MAX_SUM:

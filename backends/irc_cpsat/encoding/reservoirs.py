@@ -17,11 +17,15 @@ from irc_cpsat.encoding.builder import Builder
 
 
 class _Happening(NamedTuple):
-    """A start or an end, or both where an activity takes no time, and its net changes."""
+    """A start or an end, or both where an activity takes no time, and its net changes.
+
+    `mode`: the mode in which it has these changes; None: in all.
+    """
 
     activity: int
     at_end: bool
     amounts: dict[int, int]
+    mode: int | None = None
 
 
 @dataclass
@@ -41,12 +45,12 @@ def add_reservoirs(builder: Builder) -> None:
     """Adds every reservoir. Raises `Refusal` where one has more than `MOST_CHANGES`."""
     happenings = list(_happenings(builder.problem))
     finer = _reservoirs_that_want_order(builder.problem, happenings)
-    ordered = [h for h in happenings if not finer.isdisjoint(h.amounts)]
-    places = _places(builder, ordered)
+    ordered = {(h.activity, h.at_end): h for h in happenings if not finer.isdisjoint(h.amounts)}
+    places = _places(builder, list(ordered.values()))
     changes = [_StockChanges() for _ in builder.problem.reservoirs]
     for happening in happenings:
-        i, at_end, amounts = happening
-        present = builder.present[i]
+        i, at_end, amounts, mode = happening
+        present = builder.present[i] if mode is None else builder.modes[i][mode]
         for r, amount in amounts.items():
             own = changes[r]
             own.places.append(places[i, at_end] if r in finer else builder.point(i, at_end=at_end))
@@ -81,15 +85,19 @@ def _add_reservoir(builder: Builder, reservoir: Reservoir, changes: _StockChange
 
 def _happenings(problem: Problem) -> Iterator[_Happening]:
     for i, activity in enumerate(problem.activities):
-        found: dict[bool, dict[int, int]] = {}
-        for change in activity.details.stock:
-            at_end = change.at_end and activity.duration_max > 0
-            amounts = found.setdefault(at_end, {})
-            amounts[change.reservoir] = amounts.get(change.reservoir, 0) + change.amount
-        for at_end, amounts in found.items():
-            changed = {r: amount for r, amount in amounts.items() if amount}
-            if changed:
-                yield _Happening(i, at_end, changed)
+        details = activity.details
+        by_mode = any(mode.stock for mode in details.modes)
+        modes = range(len(details.modes)) if by_mode else (None,)
+        for mode in modes:
+            found: dict[bool, dict[int, int]] = {}
+            for change in details.in_mode(mode).stock:
+                at_end = change.at_end and activity.duration_max > 0
+                amounts = found.setdefault(at_end, {})
+                amounts[change.reservoir] = amounts.get(change.reservoir, 0) + change.amount
+            for at_end, amounts in found.items():
+                changed = {r: amount for r, amount in amounts.items() if amount}
+                if changed:
+                    yield _Happening(i, at_end, changed, mode)
 
 
 # --- an order of the happenings of one instant ---
@@ -113,7 +121,7 @@ def _places(builder: Builder, ordered: Sequence[_Happening]) -> dict[tuple[int, 
     last = 4 * (builder.horizon + 1) * builder.rank_count * max(1, count)
     reach = max((a.duration_min + (a.start or 0) for a in builder.problem.activities), default=0)
     last += 2 * reach * builder.rank_count * max(1, count)
-    for i, at_end, _ in ordered:
+    for i, at_end, *_ in ordered:
         number = model.new_int_var(0, count - 1, "")
         place = model.new_int_var(0, last, "")
         numbers.append(number)

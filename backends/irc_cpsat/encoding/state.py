@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
-from irc.problem import Condition
+from irc.problem import Condition, Effect
 from irc_cpsat.encoding.builder import Builder, Literal
 
 _BEFORE_ALL = -1
@@ -22,7 +22,9 @@ _BEFORE_ALL = -1
 
 @dataclass(frozen=True)
 class _Owner:
-    """An effect (or the initial value: no activity) and the moments it owns: [start, end)."""
+    """An effect (or the initial value: no activity) and the moments it owns: [start, end).
+
+    `mode`: the mode of its activity that has the effect; None: all have it."""
 
     activity: int | None
     value: int
@@ -30,6 +32,25 @@ class _Owner:
     start: Any
     end: Any
     literal: Literal | None
+    mode: int | None = None
+
+
+class _Effect(NamedTuple):
+    """An effect on a variable; `mode`: the mode that has it, None: all have it."""
+
+    activity: int
+    value: int
+    at_end: bool
+    mode: int | None
+
+
+class _Need(NamedTuple):
+    """A condition of an activity in a mode (None: in all), and literals under which it binds."""
+
+    activity: int
+    value: int
+    mode: int | None = None
+    when: tuple[Any, ...] = ()
 
 
 def add_state(builder: Builder) -> None:
@@ -51,19 +72,31 @@ class _StateEncoder:
         self.last = (builder.horizon + 1) * builder.rank_count
         self.stretched: dict[int, Literal] = {}
         self.last_end: Any = None
-        self.effects: list[list[tuple[int, int, bool]]] = [[] for _ in self.problem.variables]
-        self.conditions: list[list[tuple[int, Condition]]] = [[] for _ in self.problem.variables]
+        self.effects: list[list[_Effect]] = [[] for _ in self.problem.variables]
+        self.conditions: list[list[tuple[_Need, str]]] = [[] for _ in self.problem.variables]
         for i, activity in enumerate(self.problem.activities):
-            for effect in activity.details.effects:
-                self.effects[effect.var].append((i, effect.value, effect.at_end))
-            for condition in activity.details.conditions:
-                self.conditions[condition.var].append((i, condition))
+            details = activity.details
+            self._collect(i, None, details.effects, details.conditions)
+            for m, mode in enumerate(details.modes):
+                self._collect(i, m, mode.effects, mode.conditions)
+
+    def _collect(
+        self,
+        i: int,
+        mode: int | None,
+        effects: Sequence[Effect],
+        conditions: Sequence[Condition],
+    ) -> None:
+        for var, value, at_end in effects:
+            self.effects[var].append(_Effect(i, value, at_end, mode))
+        for var, value, at in conditions:
+            self.conditions[var].append((_Need(i, value, mode), at))
 
     def add_variable(self, v: int) -> None:
         """Adds the effects, conditions and goals of one variable."""
         owners = self._owners(v)
-        for i, condition in self.conditions[v]:
-            self._add_condition(i, condition, owners)
+        for need, at in self.conditions[v]:
+            self._add_condition(need, at, owners)
         for var, value in self.problem.goals:
             if var == v and self.problem.variables[v].changes:
                 self._add_goal_in_time(value, owners)
@@ -101,6 +134,10 @@ class _StateEncoder:
             self.stretched[i] = literal
         return self.stretched[i]
 
+    def _carried_out(self, i: int, mode: int | None) -> Literal | None:
+        """A literal that says that an activity is present, in a mode; None where it always is."""
+        return self.builder.present[i] if mode is None else self.builder.modes[i][mode]
+
     # --- effects ---
 
     def _owners(self, v: int) -> list[_Owner]:
@@ -110,11 +147,12 @@ class _StateEncoder:
         intervals = [
             self.model.new_interval_var(_BEFORE_ALL, until - _BEFORE_ALL, until, variable.id)
         ]
-        for i, value, at_end in self._distinct_effects(v):
+        for effect in self._distinct_effects(v):
+            i, value, at_end, mode = effect
             start = self._point(i, at_end=at_end)
             size = self.model.new_int_var(1, 3 * self.last + 2, "")
             end = self.model.new_int_var(0, 3 * self.last + 2, "")
-            literal = self._effect_literal(i, value, at_end, v)
+            literal = self._effect_literal(effect, v)
             if literal is None:
                 interval = self.model.new_interval_var(start, size, end, variable.id)
             else:
@@ -122,7 +160,7 @@ class _StateEncoder:
                     start, size, end, literal, variable.id
                 )
             intervals.append(interval)
-            owners.append(_Owner(i, value, at_end, start, end, literal))
+            owners.append(_Owner(i, value, at_end, start, end, literal, mode))
         for at, value in variable.changes:
             if at <= self.builder.horizon:
                 owners.append(self._change_owner(v, at, value, intervals))
@@ -138,19 +176,21 @@ class _StateEncoder:
         end = self.model.new_int_var(0, 3 * self.last + 2, "")
         name = f"{self.problem.variables[v].id} at {at}"
         intervals.append(self.model.new_interval_var(start, size, end, name))
-        touching = {i for i, *_ in self.effects[v]} | {i for i, _ in self.conditions[v]}
-        for i in sorted(touching):
-            self._start_around(i, first, start)
+        touching = {(e.activity, e.mode) for e in self.effects[v]}
+        touching |= {(need.activity, need.mode) for need, _ in self.conditions[v]}
+        for i, mode in sorted(touching, key=lambda t: (t[0], -1 if t[1] is None else t[1])):
+            if mode is None or (i, None) not in touching:
+                self._start_around(i, mode, first, start)
         return _Owner(None, value, False, start, end, None)
 
-    def _start_around(self, i: int, first: int, change: Any) -> None:
+    def _start_around(self, i: int, mode: int | None, first: int, change: Any) -> None:
         """An activity starts before the instant of a change, or no earlier than the change."""
         opening = self._point(i, at_end=False)
         early = self.model.new_bool_var("")
         late = self.model.new_bool_var("")
         self.model.add(opening < first).only_enforce_if(early)
         self.model.add(opening >= change).only_enforce_if(late)
-        present = self.builder.present[i]
+        present = self._carried_out(i, mode)
         self.model.add_bool_or([early, late, *([] if present is None else [~present])])
 
     def _end_of_all(self) -> Any:
@@ -183,72 +223,104 @@ class _StateEncoder:
             supporters.append(chosen)
         self.model.add_exactly_one(supporters)
 
-    def _distinct_effects(self, v: int) -> list[tuple[int, int, bool]]:
+    def _distinct_effects(self, v: int) -> list[_Effect]:
         """The effects on a variable; an instant gives a value once, though both its ends do."""
-        effects = self.effects[v]
-        given = set(effects)
-        return [
-            (i, value, at_end)
-            for i, value, at_end in effects
-            if not (at_end and self._one_happening(i) is True and (i, value, False) in given)
-        ]
+        given = set(self.effects[v])
 
-    def _effect_literal(self, i: int, value: int, at_end: bool, v: int) -> Literal | None:
-        present = self.builder.present[i]
-        repeated = at_end and (i, value, False) in self.effects[v]
-        if not repeated or self._one_happening(i) is not None:
-            return present
-        stretched = self._is_stretched(i)
-        return stretched if present is None else self.builder.both(stretched, present)
+        def is_repeated(effect: _Effect) -> bool:
+            if effect.mode is not None and effect._replace(mode=None) in given:
+                return True
+            if not effect.at_end or self._one_happening(effect.activity) is not True:
+                return False
+            first = effect._replace(at_end=False)
+            return first in given or first._replace(mode=None) in given
+
+        return [effect for effect in self.effects[v] if not is_repeated(effect)]
+
+    def _effect_literal(self, effect: _Effect, v: int) -> Literal | None:
+        """A literal that says that an effect happens, and not as one with the start's."""
+        i, value, at_end, mode = effect
+        literal = self._carried_out(i, mode)
+        one = self._one_happening(i)
+        if not at_end or one is False:
+            return literal
+        for other in self.effects[v]:
+            if (other.activity, other.value, other.at_end) != (i, value, False):
+                continue
+            if other.mode is None or other.mode == mode:
+                own: Any = self._is_stretched(i)
+            elif mode is None:
+                own = ~self.builder.modes[i][other.mode]
+                if one is None:
+                    own = self._either(own, self._is_stretched(i))
+            else:
+                continue
+            literal = own if literal is None else self.builder.both(own, literal)
+        return literal
+
+    def _either(self, a: Any, b: Any) -> Literal:
+        """A literal that is true where one of two is."""
+        either = self.model.new_bool_var("")
+        self.model.add_bool_or(a, b).only_enforce_if(either)
+        self.model.add_bool_and(~a, ~b).only_enforce_if(~either)
+        return either
 
     # --- conditions ---
 
-    def _add_condition(self, i: int, condition: Condition, owners: Sequence[_Owner]) -> None:
-        if condition.at != "all":
-            self._add_read(i, condition.value, condition.at == "end", owners, ())
+    def _add_condition(self, need: _Need, at: str, owners: Sequence[_Owner]) -> None:
+        if at != "all":
+            self._add_read(need, at == "end", owners)
             return
-        one = self._one_happening(i)
+        one = self._one_happening(need.activity)
         if one is True:
-            self._add_read(i, condition.value, False, owners, ())
+            self._add_read(need, False, owners)
         elif one is False:
-            self._add_hold(i, condition.value, owners, ())
+            self._add_hold(need, owners)
         else:
-            stretched = self._is_stretched(i)
-            self._add_read(i, condition.value, False, owners, (~stretched,))
-            self._add_hold(i, condition.value, owners, (stretched,))
+            stretched = self._is_stretched(need.activity)
+            self._add_read(need._replace(when=(~stretched,)), False, owners)
+            self._add_hold(need._replace(when=(stretched,)), owners)
 
-    def _add_read(
-        self, i: int, value: int, at_end: bool, owners: Sequence[_Owner], when: Sequence[Any]
-    ) -> None:
+    def _add_read(self, need: _Need, at_end: bool, owners: Sequence[_Owner]) -> None:
         """The variable has the value just before a happening, and no other change is at it."""
-        point = self._point(i, at_end=at_end)
-        own = [o for o in owners if o.activity == i]
-        for owner, chosen in self._supporters(i, value, owners, when):
+        point = self._point(need.activity, at_end=at_end)
+        changing = self._own_changes(need, at_end, owners)
+        for owner, chosen in self._supporters(need, owners):
             self.model.add(owner.start + 1 <= point).only_enforce_if(chosen)
-            self._owned_up_to(i, point, at_end, own, owner, chosen)
-
-    def _owned_up_to(
-        self, i: int, point: Any, at_end: bool, own: list[_Owner], owner: _Owner, chosen: Literal
-    ) -> None:
-        """Until its own change at that happening, or beyond the happening if it makes none."""
-        if any(o.at_end == at_end for o in own):
+            # Until its own change at that happening, or beyond the happening if it makes none.
             self.model.add(owner.end >= point).only_enforce_if(chosen)
-            return
+            if changing is not None:
+                beyond = self.model.add(owner.end >= point + 1)
+                beyond.only_enforce_if(chosen, *(~literal for literal in changing))
+
+    def _own_changes(self, need: _Need, at_end: bool, owners: Sequence[_Owner]) -> list[Any] | None:
+        """Literals of which one is true where the reader itself changes the variable as it reads.
+
+        None where it always does.
+        """
+        i = need.activity
         one = self._one_happening(i)
-        if not own or one is False:
-            self.model.add(owner.end >= point + 1).only_enforce_if(chosen)
-        elif one is True:
-            self.model.add(owner.end >= point).only_enforce_if(chosen)
-        else:
-            stretched = self._is_stretched(i)
-            self.model.add(owner.end >= point + 1).only_enforce_if(chosen, stretched)
-            self.model.add(owner.end >= point).only_enforce_if(chosen, ~stretched)
+        found: list[Any] = []
+        for own in owners:
+            if own.activity != i or (one is False and own.at_end != at_end):
+                continue
+            always = own.mode is None or own.mode == need.mode
+            literals: list[Any] = []
+            if not always and own.mode is not None:
+                literals.append(self.builder.modes[i][own.mode])
+            if own.at_end != at_end and one is None:
+                literals.append(~self._is_stretched(i))
+            if not literals:
+                return None
+            found.append(literals[0] if len(literals) == 1 else self.builder.both(*literals))
+        return found
 
-    def _add_hold(self, i: int, value: int, owners: Sequence[_Owner], when: Sequence[Any]) -> None:
+    def _add_hold(self, need: _Need, owners: Sequence[_Owner]) -> None:
         """From just after the start to just before the end; the same value may be given again."""
+        i, value = need.activity, need.value
         start, end = self._point(i, at_end=False), self._point(i, at_end=True)
         alone = sum(o.value == value for o in owners) == 1
-        for owner, chosen in self._supporters(i, value, owners, when):
+        for owner, chosen in self._supporters(need, owners):
             self.model.add(owner.start <= start).only_enforce_if(chosen)
             last = end if alone else start + 1
             self.model.add(owner.end >= last).only_enforce_if(chosen)
@@ -258,9 +330,9 @@ class _StateEncoder:
             # (Its own effects are at its ends, never between them.)
             ever = other is not owners[0] and other.activity != i
             if ever and other.value != value:
-                self._keep_out(i, start, end, other, when)
+                self._keep_out(need, start, end, other)
 
-    def _keep_out(self, i: int, start: Any, end: Any, other: _Owner, when: Sequence[Any]) -> None:
+    def _keep_out(self, need: _Need, start: Any, end: Any, other: _Owner) -> None:
         """Another value is given before the hold opens or after it closes."""
         early = self.model.new_bool_var("")
         late = self.model.new_bool_var("")
@@ -269,11 +341,12 @@ class _StateEncoder:
         escapes: list[Any] = [early, late]
         if other.literal is not None:
             escapes.append(~other.literal)
-        present = self.builder.present[i]
-        if present is not None:
-            escapes.append(~present)
-        escapes += [~literal for literal in when]
-        self.model.add_bool_or(escapes)
+        self.model.add_bool_or([*escapes, *self._unneeded(need)])
+
+    def _unneeded(self, need: _Need) -> list[Any]:
+        """Literals of which one is true where a condition does not bind."""
+        present = self._carried_out(need.activity, need.mode)
+        return [*([] if present is None else [~present]), *(~literal for literal in need.when)]
 
     def _add_goal(self, value: int, owners: Sequence[_Owner]) -> None:
         supporters = []
@@ -287,23 +360,17 @@ class _StateEncoder:
             supporters.append(chosen)
         self.model.add_exactly_one(supporters)
 
-    def _supporters(
-        self, i: int, value: int, owners: Sequence[_Owner], when: Sequence[Any]
-    ) -> list[tuple[_Owner, Literal]]:
+    def _supporters(self, need: _Need, owners: Sequence[_Owner]) -> list[tuple[_Owner, Literal]]:
         """One literal for each owner that gives the value; exactly one holds where it is needed."""
         found = []
         for owner in owners:
-            if owner.value != value:
+            if owner.value != need.value:
                 continue
             chosen = self.model.new_bool_var("")
             if owner.literal is not None:
                 self.model.add_implication(chosen, owner.literal)
             found.append((owner, chosen))
-        unneeded: list[Any] = []
-        present = self.builder.present[i]
-        if present is not None:
-            unneeded.append(~present)
-        unneeded += [~literal for literal in when]
+        unneeded = self._unneeded(need)
         literals: list[Any] = [chosen for _, chosen in found]
         if len(unneeded) < 2:
             self.model.add_exactly_one([*literals, *unneeded])

@@ -51,10 +51,10 @@ def _node(activity: Activity, i: int, *, at_end: bool) -> Node:
     return i, at_end and not activity.is_fixed
 
 
-def _touched(activity: Activity, *, at_end: bool) -> dict[int, bool]:
+def _touched(activity: Activity, mode: int | None, *, at_end: bool) -> dict[int, bool]:
     """The variables that matter at one end of an activity, and whether it changes them."""
     at = "end" if at_end else "start"
-    details = activity.details
+    details = activity.details.in_mode(mode)
     touched = {c.var: False for c in details.conditions if c.at in (at, "all")}
     return touched | {e.var: True for e in details.effects if e.at_end == at_end}
 
@@ -69,7 +69,7 @@ def _pairs(problem: Problem, decisions: Sequence[Decision]) -> Iterator[tuple[No
     for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
         if decision.present:
             for at_end, time in ((False, decision.start), (True, decision.end)):
-                for v, changes in _touched(activity, at_end=at_end).items():
+                for v, changes in _touched(activity, decision.mode, at_end=at_end).items():
                     own = accesses.setdefault((v, _nearest(time)), [])
                     own.append((time, _node(activity, i, at_end=at_end), changes))
     for own in accesses.values():

@@ -9,7 +9,7 @@ from irc.problem import PLAIN, Activity
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.grounded import Meaning
-from irc_pddl21.encoding.modes import span_of
+from irc_pddl21.encoding.modes import in_mode, span_of
 from irc_pddl21.encoding.objectives import ObjectiveCounter
 from irc_pddl21.encoding.occurrences import Occurrences, occurrences_of
 from irc_pddl21.encoding.pddl import NumericCondition, NumericEffect, Operator
@@ -74,7 +74,7 @@ class _ActivityEncoder:
         variants = [
             v
             for v in variants_of(self.builder.problem, activity, self.elements.units)
-            if not contradicts_itself(activity, instant=not v.span[1])
+            if not contradicts_itself(in_mode(activity, v.mode), instant=not v.span[1])
         ]
         if not variants and occurrences.least:
             raise _impossible(activity)
@@ -150,6 +150,7 @@ class _ActivityEncoder:
     def _operator(self, i: int, name: str, variant: Variant, facts: _OccurrenceFacts) -> Operator:
         """One variant of an occurrence, with the activity's own conditions and effects."""
         activity, state = self.builder.problem.activities[i], self.elements.state
+        activity = in_mode(activity, variant.mode)
         units, conditions = self.elements.units, self.builder.conditions
         span = variant.span
         here = list(dict.fromkeys(units.here[t] for t in variant.tokens if t in units.here))
@@ -170,7 +171,7 @@ class _ActivityEncoder:
             end_adds=[*facts.end_adds, *end_adds, *variant.tokens],
             takes=dict(variant.takes),
             needs=[*facts.needs, *level_needs],
-            changes=[*facts.changes, *level_changes, *self._counted(i)],
+            changes=[*facts.changes, *level_changes, *self._counted(i, variant.mode)],
         )
 
     def _meaning(self, activity: Activity, variant: Variant) -> Meaning:
@@ -191,10 +192,10 @@ class _ActivityEncoder:
         deadline_facts = self.builder.deadline_facts
         return [deadline_facts[i]] if i in deadline_facts else []
 
-    def _counted(self, i: int) -> list[NumericEffect]:
+    def _counted(self, i: int, mode: int | None) -> list[NumericEffect]:
         """The effect on the counter of the first objective."""
         objective = self.elements.objective
-        amount = objective.amounts.get(i, 0)
+        amount = objective.amounts.get(i, 0) + objective.of_modes.get((i, mode), 0)
         return [NumericEffect(True, objective.counter, amount)] if amount else []
 
 

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from irc.problem import Activity, OpenDemand
 
 
 def modes_of(activity: Activity) -> range | tuple[None]:
     """The indexes of an activity's modes; None alone where it has none."""
     return range(len(activity.details.modes)) if activity.details.modes else (None,)
+
+
+def in_mode(activity: Activity, mode: int | None) -> Activity:
+    """The activity with the stock, state and cost of a mode among its own."""
+    details = activity.details.in_mode(mode)
+    return activity if details is activity.details else replace(activity, details=details)
 
 
 def span_of(activity: Activity, mode: int | None) -> tuple[int, int]:

@@ -27,7 +27,7 @@ class ReservoirLevels:
         self.problem = problem
         self.counters: dict[int, str] = {}
         self.meanings: dict[str, str] = {}
-        touched = {c.reservoir for a in problem.activities for c in a.details.stock}
+        touched = {c.reservoir for a in problem.activities for c in a.details.all_stock}
         for k in sorted(touched):
             reservoir = problem.reservoirs[k]
             name = names.new(f"level_of_{reservoir.id}")

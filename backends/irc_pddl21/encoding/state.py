@@ -39,9 +39,9 @@ def add_state(builder: Builder) -> StateFacts:
 def _refuse_many_changes(problem: Problem, state: StateFacts) -> None:
     changes: Counter[int] = Counter()
     for activity in problem.activities:
-        ways = max(1, len(activity.details.modes))
-        for effect in activity.details.effects:
-            changes[effect.var] += ways * state.values_asked(effect.var)
+        for way in activity.details.ways:
+            for effect in way.effects:
+                changes[effect.var] += state.values_asked(effect.var)
     if changes.total() > MOST_CHANGES:
         largest, _ = changes.most_common(1)[0]
         variable = problem.variables[largest]
@@ -65,7 +65,7 @@ class StateFacts:
     def __init__(self, problem: Problem, names: NameTable) -> None:
         asked = set(problem.goals)
         for activity in problem.activities:
-            asked.update((c.var, c.value) for c in activity.details.conditions)
+            asked.update((c.var, c.value) for c in activity.details.all_conditions)
         self.facts: dict[tuple[int, int], tuple[str, ...]] = {}
         self.meanings: dict[str, str] = {}
         self.initial: list[str] = []

@@ -42,12 +42,12 @@ def reachable_values(problem: Problem) -> set[Value]:
 
 
 def _needs(activity: Activity) -> set[Value]:
-    """The values that an activity requires, without those that it gives itself."""
+    """The values that an activity requires in every mode, without those that it gives itself."""
     return {(c.var, c.value) for c in activity.details.conditions} - _gives(activity)
 
 
 def _gives(activity: Activity) -> set[Value]:
-    return {(e.var, e.value) for e in activity.details.effects}
+    return {(e.var, e.value) for e in activity.details.all_effects}
 
 
 def _must_happen(activity: Activity) -> bool:

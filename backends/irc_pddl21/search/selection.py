@@ -371,8 +371,11 @@ def _certain_change(problem: Problem, i: int, reservoir: int, *, optional: bool)
 
 
 def _net(problem: Problem, i: int, reservoir: int) -> int:
-    stock = problem.activities[i].details.stock
-    return sum(change.amount for change in stock if change.reservoir == reservoir)
+    """The change of a level by an activity, in the mode that leaves most."""
+    return max(
+        sum(change.amount for change in way.stock if change.reservoir == reservoir)
+        for way in problem.activities[i].details.ways
+    )
 
 
 def _density(value: int, weight: int) -> float:
