@@ -156,11 +156,14 @@ def name_of(element: Element[Any] | str) -> str:
     return element.id if isinstance(element, Element) else element
 
 
-class _Uses(ABC):
-    """The base of elements that hold resources: actions, and their modes."""
+class _CarriedOut(ABC):
+    """The base of what holds resources and changes stock and state: actions, and their modes."""
 
     @abstractmethod
     def _more(self, field: str, *items: Any) -> Self: ...
+
+    @abstractmethod
+    def _set(self, **fields: Any) -> Self: ...
 
     def uses(self, *resources: Resource | str, amount: int = 1) -> Self:
         """Holds `amount` units of each of these resources from its start to its end."""
@@ -170,13 +173,62 @@ class _Uses(ABC):
         """Holds `amount` units of one of these resources, which the solver chooses."""
         return self._more("uses", _use("one_of", [name_of(r) for r in resources], amount))
 
+    def cost(self, amount: int) -> Self:
+        """Sets the cost of each occurrence, for the objective `minimize_cost`."""
+        return self._set(cost=amount)
+
+    def consumes(
+        self,
+        reservoir: Resource | str,
+        amount: int = 1,
+        *,
+        at: Literal["start", "end"] | None = None,
+    ) -> Self:
+        """Takes an amount from a stock, by default at its start."""
+        change = without_none(resource=name_of(reservoir), amount=amount, at=at)
+        return self._more("consumes", change)
+
+    def produces(
+        self,
+        reservoir: Resource | str,
+        amount: int = 1,
+        *,
+        at: Literal["start", "end"] | None = None,
+    ) -> Self:
+        """Puts an amount into a stock, by default at its end."""
+        change = without_none(resource=name_of(reservoir), amount=amount, at=at)
+        return self._more("produces", change)
+
+    def condition(
+        self,
+        variable: StateVariable | str,
+        value: Value = True,
+        *,
+        at: Literal["start", "all", "end"] = "start",
+    ) -> Self:
+        """Demands that `variable` has `value` when it starts, when it ends, or throughout."""
+        return self._more("conditions", {"at": at, "var": name_of(variable), "value": value})
+
+    def effect(
+        self,
+        variable: StateVariable | str,
+        value: Value = True,
+        *,
+        at: Literal["start", "end"] = "end",
+    ) -> Self:
+        """Gives `variable` the `value` at its end (or start)."""
+        return self._more("effects", {"at": at, "var": name_of(variable), "value": value})
+
 
 def _use(key: str, what: Any, amount: int) -> dict[str, Any]:
     return {key: what} if amount == 1 else {key: what, "amount": amount}
 
 
-class Mode(_Uses):
-    """One way to carry out an action: its duration, and its uses besides the action's own."""
+class Mode(_CarriedOut):
+    """One way to carry out an action: its duration, and what it adds to the action's own.
+
+    Its uses, stock, conditions, effects and cost come on top of those of the action.
+    """
 
     def __init__(self, action: Action, raw: Mapping[str, Any]) -> None:
         self.action = action
@@ -194,7 +246,10 @@ class Mode(_Uses):
         return shown
 
     def _more(self, field: str, *items: Any) -> Self:
-        old, new = self._raw, {**self._raw, field: [*self._raw.get(field, ()), *items]}
+        return self._set(**{field: [*self._raw.get(field, ()), *items]})
+
+    def _set(self, **fields: Any) -> Self:
+        old, new = self._raw, {**self._raw, **fields}
         self.action.change_mode(old, new)
         self._raw = new
         return self
@@ -240,7 +295,7 @@ class Group(_Wanted[IrGroup]):
         return self._set(required=False)
 
 
-class Action(_Wanted[IrAction], _Uses):
+class Action(_Wanted[IrAction], _CarriedOut):
     """An action: something that takes time.
 
     With `a >> b`, b starts after the end of a; `a >> [b, c]` and `[a, b] >> c` work likewise.
@@ -346,54 +401,6 @@ class Action(_Wanted[IrAction], _Uses):
     def change_mode(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> None:
         """Replaces a mode by another one."""
         self._set(modes=[new if m._raw is old else m._raw for m in self._modes])
-
-    def cost(self, amount: int) -> Self:
-        """Sets the cost of each occurrence, for the objective `minimize_cost`."""
-        return self._set(cost=amount)
-
-    # --- stock and state ----------------------------------------------------------------------
-
-    def consumes(
-        self,
-        reservoir: Resource | str,
-        amount: int = 1,
-        *,
-        at: Literal["start", "end"] | None = None,
-    ) -> Self:
-        """Takes an amount from a stock, by default at its start."""
-        change = without_none(resource=name_of(reservoir), amount=amount, at=at)
-        return self._more("consumes", change)
-
-    def produces(
-        self,
-        reservoir: Resource | str,
-        amount: int = 1,
-        *,
-        at: Literal["start", "end"] | None = None,
-    ) -> Self:
-        """Puts an amount into a stock, by default at its end."""
-        change = without_none(resource=name_of(reservoir), amount=amount, at=at)
-        return self._more("produces", change)
-
-    def condition(
-        self,
-        variable: StateVariable | str,
-        value: Value = True,
-        *,
-        at: Literal["start", "all", "end"] = "start",
-    ) -> Self:
-        """Demands that `variable` has `value` when it starts, when it ends, or throughout."""
-        return self._more("conditions", {"at": at, "var": name_of(variable), "value": value})
-
-    def effect(
-        self,
-        variable: StateVariable | str,
-        value: Value = True,
-        *,
-        at: Literal["start", "end"] = "end",
-    ) -> Self:
-        """Gives `variable` the `value` at its end (or start)."""
-        return self._more("effects", {"at": at, "var": name_of(variable), "value": value})
 
     def _home(self) -> Task:
         if self._task is None:

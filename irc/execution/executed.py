@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks
 from irc.problem.choices import UnexplainedError, choices_of
-from irc.problem.projection import with_uses
+from irc.problem.projection import in_one_mode
 from irc.schedule import CANCELLED, Entry
 
 
@@ -80,7 +80,8 @@ def as_executed(
     """
     if activity.details.modes and past.mode is None:
         return _begun(activity, past)
-    activity = _in_mode(activity, past)
+    if activity.details.modes and past.mode is not None:
+        activity = in_one_mode(activity, past.mode)
     shortest = longest = past.end - past.start
     if past.running and not activity.is_fixed and not past.cancelled:
         least = max(now, past.least_end)
@@ -179,21 +180,4 @@ def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
         latest_start=None,
         release=min(activity.release, past.start),
         details=replace(activity.details, optional=False, repeats=None),
-    )
-
-
-def _in_mode(activity: Activity, past: ExecutedActivity) -> Activity:
-    """The activity with only the mode that was chosen, and the uses of that mode."""
-    details = activity.details
-    if not details.modes or past.mode is None:
-        return activity
-    mode = details.modes[past.mode]
-    kept = activity.uses_in(past.mode)
-    return replace(
-        with_uses(activity, kept),
-        duration_min=mode.duration_min,
-        duration_max=mode.duration_max,
-        details=replace(
-            details.in_mode(past.mode), modes=(mode.bare,), use_modes=tuple(None for _ in kept)
-        ),
     )

@@ -200,8 +200,9 @@ class Descriptions:
 def _used(action: Action) -> Iterator[str]:
     for use in (*action.uses, *(u for mode in action.modes for u in mode.uses)):
         yield from use.alternatives
-    for stock in (*action.consumes, *action.produces):
-        yield stock.resource
+    for part in action.ways:
+        for stock in (*part.consumes, *part.produces):
+            yield stock.resource
 
 
 def _use(use: Use, mark: Mark) -> str:

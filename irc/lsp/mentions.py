@@ -68,13 +68,19 @@ def _parts(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
 def _action(action: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
     yield from _name(action, "id", at, Kind.ACTION, declares=True)
     yield from _uses(action, at)
+    yield from _stock_and_state(action, at)
     for pointer, mode in _objects(action, "modes", at):
         yield from _uses(mode, pointer)
+        yield from _stock_and_state(mode, pointer)
+
+
+def _stock_and_state(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    """What an action, or a mode, consumes, produces, needs and sets."""
     for key in ("consumes", "produces"):
-        for pointer, stock in _objects(action, key, at):
+        for pointer, stock in _objects(holder, key, at):
             yield from _name(stock, "resource", pointer, Kind.RESOURCE)
     for key in ("conditions", "effects"):
-        for pointer, fact in _objects(action, key, at):
+        for pointer, fact in _objects(holder, key, at):
             yield from _fact(fact, pointer)
 
 

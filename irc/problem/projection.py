@@ -371,6 +371,21 @@ def with_uses(activity: Activity, kept: Sequence[int]) -> Activity:
     )
 
 
+def in_one_mode(activity: Activity, mode: int) -> Activity:
+    """The activity with one of its modes alone, and the uses of that mode."""
+    details = activity.details
+    chosen = details.modes[mode]
+    kept = activity.uses_in(mode)
+    return replace(
+        with_uses(activity, kept),
+        duration_min=chosen.duration_min,
+        duration_max=chosen.duration_max,
+        details=replace(
+            details.in_mode(mode), modes=(chosen.bare,), use_modes=tuple(None for _ in kept)
+        ),
+    )
+
+
 def with_demands_on(activity: Activity, pools: Mapping[int, int]) -> Activity:
     """The activity with demands on other pools: `pools` has the new index of each that is left.
 

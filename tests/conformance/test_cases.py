@@ -30,6 +30,8 @@ def objective(schedule: irc.Schedule) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("name", "target", "seconds", "expected"),
     [
+        ("mode_cost.json", "cpsat", 20, {"cost": 20}),
+        ("mode_cost.json", "pddl21", 5, {"cost": 20}),
         ("changeover.json", "cpsat", 20, {"makespan": 13}),
         ("changeover.json", "pddl21", 5, {"makespan": 13}),
         ("same_truck.irc", "cpsat", 20, {"makespan": 90}),

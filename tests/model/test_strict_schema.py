@@ -51,7 +51,7 @@ def test_the_schema_has_only_what_every_reader_of_schemas_takes(
             assert node["required"] == list(node["properties"])
     assert schema["type"] == "object"
     assert depth(schema) <= 6
-    assert len(json.dumps(schema, separators=(",", ":"))) < 11_000
+    assert len(json.dumps(schema, separators=(",", ":"))) < 20_000
 
 
 def drawn(schema: dict[str, Any], rng: random.Random) -> Any:

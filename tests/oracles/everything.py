@@ -57,7 +57,15 @@ EVERYTHING: dict[str, Any] = {
             "id": "cool",
             "modes": [
                 {"id": "fast", "label": "outside", "duration": 3, "uses": [{"one_of": ["r1"]}]},
-                {"id": "slow", "duration": 30},
+                {
+                    "id": "slow",
+                    "duration": 30,
+                    "consumes": [{"resource": "flour", "amount": 3}],
+                    "produces": [{"resource": "flour", "at": "start"}],
+                    "conditions": [{"at": "end", "var": "lit", "value": False}],
+                    "effects": [{"at": "end", "var": "lit", "value": True}],
+                    "cost": 4,
+                },
             ],
             "occurs": "optional",
         },

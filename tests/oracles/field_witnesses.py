@@ -108,6 +108,12 @@ def _task(*actions: Document, **fields: Any) -> Document:
     return {"actions": list(actions), **fields}
 
 
+def _quick_or_slow(**fields: Any) -> Document:
+    """An action of 1 in a mode with these fields, or of 6 without them."""
+    quick = {"id": "quick", "duration": 1, **fields}
+    return {"id": "a", "modes": [quick, {"id": "slow", "duration": 6}]}
+
+
 def _at(at: str, var: str, value: Any = True) -> Document:
     return {"at": at, "var": var, "value": value}
 
@@ -564,6 +570,56 @@ _ACTIONS = (
         REMOVED,
         (5,),
         (3,),
+    ),
+    Witness(
+        "Mode.consumes",
+        _task(_quick_or_slow(consumes=_EGG), _act("b", 3, produces=_EGG), resources=[_stock(0)]),
+        ("actions", 0, "modes", 0, "consumes"),
+        REMOVED,
+        (4,),
+        (3,),
+    ),
+    Witness(
+        "Mode.produces",
+        _task(
+            _quick_or_slow(produces=_EGG), _act("b", 3, produces=_EGG), resources=[_stock(0, max=1)]
+        ),
+        ("actions", 0, "modes", 0, "produces"),
+        REMOVED,
+        (6,),
+        (3,),
+    ),
+    Witness(
+        "Mode.conditions",
+        _task(
+            _quick_or_slow(conditions=[_at("start", "lit")]),
+            _act("b", 3, effects=[_at("end", "lit")]),
+            state=[{"id": "lit"}],
+        ),
+        ("actions", 0, "modes", 0, "conditions"),
+        REMOVED,
+        (4,),
+        (3,),
+    ),
+    Witness(
+        "Mode.effects",
+        _task(
+            _quick_or_slow(effects=[_at("end", "lit")]),
+            _act("b", 3, conditions=[_at("start", "lit")]),
+            state=[{"id": "lit"}],
+        ),
+        ("actions", 0, "modes", 0, "effects"),
+        REMOVED,
+        (4,),
+        None,
+    ),
+    Witness(
+        "Mode.cost",
+        _task(_quick_or_slow(cost=5), objective=["minimize_cost", "minimize_makespan"]),
+        ("actions", 0, "modes", 0, "cost"),
+        REMOVED,
+        (0, 6),
+        (0, 1),
     ),
 )
 

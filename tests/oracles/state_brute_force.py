@@ -33,6 +33,7 @@ from types import MappingProxyType
 from irc.model import Task
 from irc.model.quantities import Number
 from irc.schedule import Schedule
+from oracles.mode_elements import has_mode_elements, tasks_by_choice
 from oracles.state_relaxation import Windows, promises, relaxed_windows
 from oracles.state_task import Plain, read
 from oracles.state_walk import Past, TooLargeError, Walk, Worth
@@ -74,6 +75,12 @@ def optimum(
     Raises `ValueError` for what this oracle does not know, `TooLargeError` where it would have to
     look at more than `max_situations`.
     """
+    if has_mode_elements(task):
+        answers = [
+            optimum(one, most_occurrences, max_situations, past) for one in tasks_by_choice(task)
+        ]
+        found = [answer for answer in answers if answer is not None]
+        return min(found, key=lambda answer: _rank(task, answer), default=None)
     plain = read(task)
     best: Walk | None = None
     incumbent: tuple[int, ...] | None = None
@@ -87,6 +94,14 @@ def optimum(
         if walk.best is not None:
             best, incumbent = walk, walk.best.vector
     return None if best is None or best.best is None else _optimum(plain, best)
+
+
+def _rank(task: Task, answer: Optimum) -> tuple[Number, ...]:
+    """The worth of an answer, less is better."""
+    return tuple(
+        -value if name == "maximize_reward" else value
+        for name, value in zip(task.objective, answer.vector, strict=True)
+    )
 
 
 def _selections(

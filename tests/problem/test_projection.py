@@ -81,14 +81,19 @@ MEANING: dict[type, dict[str, str]] = {
         "details": "part",
     },
     Details: {
-        **dict.fromkeys(("optional", "repeats", "occurrence", "modes", "due", "weight"), PLAIN),
+        **dict.fromkeys(("optional", "repeats", "occurrence", "due", "weight"), PLAIN),
         **dict.fromkeys(("reward", "cost", "not_before"), PLAIN),
         "ranks": "part",
+        "modes": "part",
         "previous_occurrence": "activities",
         "use_modes": "own uses",
         "stock": "part",
         "conditions": "part",
         "effects": "part",
+    },
+    Mode: {
+        **dict.fromkeys(("id", "duration_min", "duration_max", "cost"), PLAIN),
+        **dict.fromkeys(("stock", "conditions", "effects"), "part"),
     },
     Requirement: {"alternatives": "resources", "amount": PLAIN, "origin": PLAIN},
     OpenDemand: {"use": "use", "alternatives": "pools", "amount": PLAIN},
@@ -121,7 +126,6 @@ MEANING: dict[type, dict[str, str]] = {
         kind: dict.fromkeys(names, PLAIN)
         for kind, names in {
             Bound: ("value", "reason"),
-            Mode: ("id", "duration_min", "duration_max"),
             Ranks: ("start", "end", "at_least"),
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows"),

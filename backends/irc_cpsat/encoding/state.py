@@ -287,11 +287,19 @@ class _StateEncoder:
         changing = self._own_changes(need, at_end, owners)
         for owner, chosen in self._supporters(need, owners):
             self.model.add(owner.start + 1 <= point).only_enforce_if(chosen)
-            # Until its own change at that happening, or beyond the happening if it makes none.
+            self._owned_up_to(point, changing, owner, chosen)
+
+    def _owned_up_to(
+        self, point: Any, changing: list[Any] | None, owner: _Owner, chosen: Literal
+    ) -> None:
+        """Until the reader's own change at that happening, or beyond it if it makes none."""
+        if changing is not None:
+            beyond = self.model.add(owner.end >= point + 1)
+            beyond.only_enforce_if(chosen, *(~literal for literal in changing))
+        if changing is None or len(changing) > 1:
             self.model.add(owner.end >= point).only_enforce_if(chosen)
-            if changing is not None:
-                beyond = self.model.add(owner.end >= point + 1)
-                beyond.only_enforce_if(chosen, *(~literal for literal in changing))
+        elif changing:
+            self.model.add(owner.end >= point).only_enforce_if(chosen, *changing)
 
     def _own_changes(self, need: _Need, at_end: bool, owners: Sequence[_Owner]) -> list[Any] | None:
         """Literals of which one is true where the reader itself changes the variable as it reads.

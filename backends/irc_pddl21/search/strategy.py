@@ -14,6 +14,8 @@ from irc.schedule import Status
 from irc.targets import Budget, ObjectiveLevel, Outcome, Program, SolveOptions
 from irc_pddl21.objective_values import objective_values
 from irc_pddl21.planners.planner import Planner
+from irc_pddl21.search.choice_search import ChoiceSearch
+from irc_pddl21.search.choices import choices_of
 from irc_pddl21.search.makespan import shorten
 from irc_pddl21.search.planner_session import ALL_TACTICS, PlannerSession, Tactics, ticks
 from irc_pddl21.search.selection import (
@@ -93,6 +95,8 @@ def _by_selection(
     session: PlannerSession, problem: Problem, names: tuple[str, ...], makespan: bool
 ) -> dict[str, int]:
     """The bounds of the selection first; then of the makespan of the best selection."""
+    if "cost" in names and any(m.cost for a in problem.activities for m in a.details.modes):
+        return _by_choices(session, problem, names, makespan)
     items, weights, all_there = optional_items(problem, names)
     part = session.budget.share(PREPARING_SHARE)
     search = SelectionSearch(session, SelectionSpace(problem, items, lambda: part.is_over))
@@ -105,6 +109,24 @@ def _by_selection(
         if bound is not None:
             bounds["makespan"] = bound
     return bounds
+
+
+def _by_choices(
+    session: PlannerSession, problem: Problem, names: tuple[str, ...], makespan: bool
+) -> dict[str, int]:
+    """The bounds where modes have costs: of the best choice of modes and of optional items."""
+    choices, base, all_there = choices_of(problem, names)
+    search = ChoiceSearch(session, problem, names, choices, base)
+    search.run()
+    if makespan and search.plan is not None and search.planned is not None:
+        shorten(session, search.planned, search.plan)
+    if not all_there or search.bound is None:
+        return {}
+    if search.value == search.bound:
+        known = dict(zip(names, search.bound, strict=True))
+    else:
+        known = {names[0]: search.bound[0]}
+    return {name: -value if name == "reward" else value for name, value in known.items()}
 
 
 def _bounds_of(

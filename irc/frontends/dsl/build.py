@@ -174,10 +174,11 @@ class Builder:
                 begin.name.end,
                 "write it after the name, as in `mode fast 4 min`",
             )
-        for clause in parts(node, "uses"):
-            self._uses(mode, clause, pointer)
-        for clause in parts(node, "label"):
-            self._text(mode, clause, pointer)
+        for clause in node.children:
+            if clause is None or isinstance(clause, Lexeme):
+                continue
+            if (read := _ACTION_CLAUSES.get(str(clause.data))) is not None:
+                read(self, mode, clause, pointer)
         modes.append(mode)
 
     def _stock(self, element: Element, clause: Any, at: Pointer) -> None:

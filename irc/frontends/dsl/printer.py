@@ -230,7 +230,16 @@ class _Printer:
 
     def _mode(self, mode: Mode) -> str:
         return " ".join(
-            [f"mode {_head(mode.id, mode.duration)}", *self.uses(mode.uses), *_texts(mode)]
+            [
+                f"mode {_head(mode.id, mode.duration)}",
+                *self.uses(mode.uses),
+                *_facts("needs", mode.conditions, "start"),
+                *_facts("sets", mode.effects, "end"),
+                *_stock("consumes", mode.consumes),
+                *_stock("produces", mode.produces),
+                *_numbers(mode, "cost"),
+                *_texts(mode),
+            ]
         )
 
     # --- events ---

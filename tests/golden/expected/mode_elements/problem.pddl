@@ -1,0 +1,12 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (is_power_true)
+    (todo_heat_pie)
+    (todo_light_lamp)
+    (= (level_of_wood) 3)
+    (= (sum_of_cost) 0))
+  (:goal (and
+    (done_heat_pie)
+    (done_light_lamp)))
+  (:metric minimize (sum_of_cost)))

@@ -1,0 +1,27 @@
+"""Random small tasks for each element of the vocabulary, each with its best answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from element_laws import Best
+from irc.model import Task
+from oracles.mode_generators import mode_task
+from oracles.state_brute_force import TooLargeError, optimum
+
+
+class TooHardError(Exception):
+    """Trying everything would take too long."""
+
+
+def _modes(seed: int) -> tuple[Task, Best]:
+    task = mode_task(seed)
+    try:
+        best = optimum(task, max_situations=100_000)
+    except TooLargeError:
+        raise TooHardError from None
+    return task, None if best is None else best.vector
+
+
+KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {"modes": _modes}
+"""For each kind a task by its seed, with the best values of its objectives."""
