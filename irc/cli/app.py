@@ -327,13 +327,22 @@ def convert(
         Path, typer.Option("-o", "--output", help="The file to write, or the folder for many.")
     ],
     source: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--from",
-            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, "
-            "planner, schedule-spec, plan-lines, pddl, pddl-plan, schedule.",
+            help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, psplib, "
+            "rcpsp-max, patterson, job-shop, flexible-job-shop, planner, schedule-spec, "
+            "plan-lines, pddl, pddl-plan, schedule. Without it, the suffix of the file says which.",
         ),
-    ] = "irc",
+    ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            help="The format of the output: irc, psplib, rcpsp-max, patterson, job-shop, "
+            "flexible-job-shop. Without it, the suffix of the output says which.",
+        ),
+    ] = None,
     problem: Annotated[
         str | None, typer.Option("--problem", help="The problem file for a PDDL domain.")
     ] = None,
@@ -352,7 +361,7 @@ def convert(
     ] = False,
     format: FormatOption = Format.text,
 ) -> None:
-    """Write a task as IR JSON, or in the DSL if the output file ends in .irc.
+    """Write a task as IR JSON, in the DSL if the output file ends in .irc, or in another format.
 
     An importer writes one task for each instance into a folder.
     """
@@ -366,6 +375,7 @@ def convert(
                 source,
                 output,
                 beside,
+                target=target,
                 on_report=lambda report: print_notes(report, report.source),
             )
         except ConversionUseError as error:

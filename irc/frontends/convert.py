@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.files import write_folder, write_whole
 from irc.errors import IrcError
 from irc.frontends.files import read_task, read_text
@@ -27,8 +27,40 @@ IMPORTERS: Mapping[str, str] = {
     "robo": "irc.frontends.importers.robo:import_robo",
     "robo-online": "irc.frontends.importers.robo_online:import_robo_online",
     "robotouille": "irc.frontends.importers.robotouille:import_robotouille",
+    "psplib": "irc.frontends.importers.scheduling_files.psplib:import_psplib",
+    "rcpsp-max": "irc.frontends.importers.scheduling_files.rcpsp_max:import_rcpsp_max",
+    "patterson": "irc.frontends.importers.scheduling_files.patterson:import_patterson",
+    "job-shop": "irc.frontends.importers.scheduling_files.job_shop:import_job_shop",
+    "flexible-job-shop": (
+        "irc.frontends.importers.scheduling_files.flexible_job_shop:import_flexible_job_shop"
+    ),
 }
-"""Formats with many instances in a file, and their `Importer`s, which are loaded when needed."""
+"""Formats of instances, perhaps many in a file, and their `Importer`s, loaded when needed."""
+
+Exporter = Callable[[Task], str]
+"""A task → its text in another format. Raises `InputError` with what the format cannot say."""
+
+EXPORTERS: Mapping[str, str] = {
+    "psplib": "irc.frontends.exporters.projects:write_psplib",
+    "rcpsp-max": "irc.frontends.exporters.projects:write_rcpsp_max",
+    "patterson": "irc.frontends.exporters.projects:write_patterson",
+    "job-shop": "irc.frontends.exporters.shops:write_job_shop",
+    "flexible-job-shop": "irc.frontends.exporters.shops:write_flexible_job_shop",
+}
+"""The formats that tasks are written in, and their `Exporter`s, loaded when needed."""
+
+SUFFIXES: Mapping[str, tuple[str, ...]] = {
+    "psplib": (".sm", ".mm"),
+    "rcpsp-max": (".sch",),
+    "patterson": (".rcp",),
+    "job-shop": (".jsp", ".txt"),
+    "flexible-job-shop": (".fjs",),
+}
+"""The suffixes of a format's files, for those that are not `.json`."""
+
+_FORMAT_OF = {
+    suffix: name for name, suffixes in SUFFIXES.items() for suffix in suffixes if suffix != ".txt"
+}
 
 PLANNER = "planner"
 """The JSON of a Planner: steps, dependencies and a makespan."""
@@ -94,28 +126,42 @@ class Beside:
 OnReport = Callable[[Report], None]
 
 
+def format_of(file: str) -> str:
+    """The input format that a file's suffix names; `irc` where it names none."""
+    return _FORMAT_OF.get(Path(file).suffix.lower(), "irc")
+
+
 def convert_file(
     file: str,
-    source: str,
+    source: str | None,
     output: Path,
     beside: Beside = Beside(),
     *,
+    target: str | None = None,
     on_report: OnReport = lambda report: None,
 ) -> list[Path]:
     """Writes the task (or one task for each instance) and returns the written files.
 
-    A task is written in the DSL if `output` ends in `.irc`, else as JSON. `lenient` reads PDDL as
-    models write it; `on_report` gets the warnings about PDDL.
+    `source` is one of `FORMATS`, and `target` one of `EXPORTERS` or `irc`; None is what the suffix
+    of the file or of `output` names. As `irc`, a task is written in the DSL if `output` ends in
+    `.irc`, else as JSON. `lenient` reads PDDL as models write it;
+    `on_report` gets the warnings about PDDL.
 
-    An importer of instances also accepts a folder, whose `.json` files it reads in order of name.
+    An importer of instances also accepts a folder, whose files of the format it reads in order of
+    name. It writes a folder; one instance is written as a file if the suffix of `output` names a
+    format.
     Raises `InputError`, `WriteError`, `ConversionUseError`, `EngineMissing` if an importer needs an
     extra that is not installed, or `UnknownTarget` for an unknown format.
     """
+    source = format_of(file) if source is None else source
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
+    target = _FORMAT_OF.get(output.suffix.lower(), "irc") if target is None else target
+    if target not in ("irc", *EXPORTERS):
+        raise UnknownTarget("output format", target, ["irc", *EXPORTERS])
     _require_fitting(source, beside)
     if source in IMPORTERS:
-        return _convert_instances(file, load_importer(source), output)
+        return _convert_instances(file, source, output, target)
     if source == PLAN_LINES:
         from irc.frontends.importers.plan_lines import import_plan
 
@@ -124,7 +170,8 @@ def convert_file(
         task = _read_pddl(beside.domain, beside, on_report)
         write_whole(output, _converted_plan(file, source, task))
     else:
-        write_whole(output, written_as(output, _read_one(file, source, beside, on_report)))
+        task = _read_one(file, source, beside, on_report)
+        write_whole(output, _exported(output, task, target))
     return [output]
 
 
@@ -216,26 +263,54 @@ def load_importer(source: str) -> Importer:
     return importer
 
 
-def _convert_instances(file: str, importer: Importer, output: Path) -> list[Path]:
+def _exported(output: Path, task: Task, target: str) -> str:
+    """The text of a task in the format `target`. Raises `InputError` with what it cannot say."""
+    if target == "irc":
+        return written_as(output, task)
+    from irc.checks.structure import check_structure
+
+    findings = Findings()
+    check_structure(task, findings)
+    if findings.has_errors:
+        raise InputError(Report(tuple(findings.items), task.source))
+    module, _, function = EXPORTERS[target].partition(":")
+    exporter: Exporter = getattr(import_module(module), function)
+    return exporter(task)
+
+
+def _convert_instances(file: str, source: str, output: Path, target: str) -> list[Path]:
     # All instances are read before the first file is written.
-    files: dict[str, str] = {}
-    for one in _files(file):
+    importer = load_importer(source)
+    files: dict[str, Task] = {}
+    for one in _files(file, SUFFIXES.get(source, (".json",))):
         for stem, task in importer(*read_text(one)):
             safe = _UNSAFE.sub("_", stem)[:100]
-            while f"{safe}.json" in files:
+            while safe in files:
                 safe += "_"
-            files[f"{safe}.json"] = dump_json(written_task(task))
-    write_folder(output, files)
-    return [output / name for name in files]
+            files[safe] = task
+    named = output.suffix.lower() in (".json", DSL_SUFFIX, *_FORMAT_OF)
+    if named and not output.is_dir():
+        if len(files) != 1:
+            message = f"{len(files)} tasks need a folder: -o {output.stem} instead of {output.name}"
+            raise ConversionUseError(message)
+        write_whole(output, _exported(output, next(iter(files.values())), target))
+        return [output]
+    suffix = SUFFIXES.get(target, (".json",))[0]
+    written = {
+        f"{stem}{suffix}": _exported(Path("task.json"), task, target)
+        for stem, task in files.items()
+    }
+    write_folder(output, written)
+    return [output / name for name in written]
 
 
-def _files(file: str) -> list[str]:
+def _files(file: str, suffixes: tuple[str, ...]) -> list[str]:
     folder = Path(file)
     if not folder.is_dir():
         return [file]
-    found = sorted(str(path) for path in folder.iterdir() if path.suffix == ".json")
+    found = sorted(str(path) for path in folder.iterdir() if path.suffix.lower() in suffixes)
     if not found:
-        message = f"the folder {file!r} has no .json files"
+        message = f"the folder {file!r} has no {' or '.join(suffixes)} files"
         raise InputError(Report((Diagnostic(Code.UNREADABLE, message),)))
     return found
 
