@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from irc.diagnostics import InputError
 from irc.execution import simulate
-from irc.frontends.convert import load_importer
+from irc.frontends.formats import load_importer
 from irc.model import Task
 from irc.targets import EngineFailed, SolveOptions
 from oracles.online_robo import Verdict, judge

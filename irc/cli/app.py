@@ -332,7 +332,7 @@ def convert(
             "--from",
             help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, psplib, "
             "rcpsp-max, patterson, job-shop, flexible-job-shop, planner, schedule-spec, "
-            "plan-lines, pddl, pddl-plan, schedule. Without it, the suffix of the file says which.",
+            "plan-lines, tables, pddl, pddl-plan, schedule. Without it, the suffix says which.",
         ),
     ] = None,
     target: Annotated[
@@ -340,7 +340,7 @@ def convert(
         typer.Option(
             "--to",
             help="The format of the output: irc, psplib, rcpsp-max, patterson, job-shop, "
-            "flexible-job-shop. Without it, the suffix of the output says which.",
+            "flexible-job-shop, tables. Without it, the suffix of the output says which.",
         ),
     ] = None,
     problem: Annotated[

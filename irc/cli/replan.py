@@ -28,8 +28,9 @@ from irc.events.apply import apply
 from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
 from irc.execution.step import Step
-from irc.frontends.convert import DSL_SUFFIX, written_as
+from irc.frontends.convert import written_as
 from irc.frontends.events import PlacedEvent, read_events, wrong_time
+from irc.frontends.formats import DSL_SUFFIX
 from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number, TimeError

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -13,83 +12,29 @@ from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.files import write_folder, write_whole
 from irc.errors import IrcError
 from irc.frontends.files import read_task, read_text
+from irc.frontends.formats import (
+    DSL_SUFFIX,
+    FORMATS,
+    IMPORTERS,
+    KNOWN_SUFFIXES,
+    PDDL,
+    PDDL_PLAN,
+    PLAN_LINES,
+    PLANNER,
+    SCHEDULE,
+    SCHEDULE_SPEC,
+    SUFFIXES,
+    TABLES,
+    TARGET_FORMATS,
+    format_of,
+    load_exporter,
+    load_importer,
+)
 from irc.frontends.json.document import read_document
 from irc.model import Task
 from irc.model.canonical import written_task
 from irc.schedule import dump_json, schedule_from_json
 from irc.targets import UnknownTarget
-
-Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
-"""(text, name) → (file stem, task) of each instance in the text."""
-
-IMPORTERS: Mapping[str, str] = {
-    "asyncplan": "irc.frontends.importers.asyncplan:import_asyncplan",
-    "robo": "irc.frontends.importers.robo:import_robo",
-    "robo-online": "irc.frontends.importers.robo_online:import_robo_online",
-    "robotouille": "irc.frontends.importers.robotouille:import_robotouille",
-    "psplib": "irc.frontends.importers.scheduling_files.psplib:import_psplib",
-    "rcpsp-max": "irc.frontends.importers.scheduling_files.rcpsp_max:import_rcpsp_max",
-    "patterson": "irc.frontends.importers.scheduling_files.patterson:import_patterson",
-    "job-shop": "irc.frontends.importers.scheduling_files.job_shop:import_job_shop",
-    "flexible-job-shop": (
-        "irc.frontends.importers.scheduling_files.flexible_job_shop:import_flexible_job_shop"
-    ),
-}
-"""Formats of instances, perhaps many in a file, and their `Importer`s, loaded when needed."""
-
-Exporter = Callable[[Task], str]
-"""A task → its text in another format. Raises `InputError` with what the format cannot say."""
-
-EXPORTERS: Mapping[str, str] = {
-    "psplib": "irc.frontends.exporters.projects:write_psplib",
-    "rcpsp-max": "irc.frontends.exporters.projects:write_rcpsp_max",
-    "patterson": "irc.frontends.exporters.projects:write_patterson",
-    "job-shop": "irc.frontends.exporters.shops:write_job_shop",
-    "flexible-job-shop": "irc.frontends.exporters.shops:write_flexible_job_shop",
-}
-"""The formats that tasks are written in, and their `Exporter`s, loaded when needed."""
-
-SUFFIXES: Mapping[str, tuple[str, ...]] = {
-    "psplib": (".sm", ".mm"),
-    "rcpsp-max": (".sch",),
-    "patterson": (".rcp",),
-    "job-shop": (".jsp", ".txt"),
-    "flexible-job-shop": (".fjs",),
-}
-"""The suffixes of a format's files, for those that are not `.json`."""
-
-_FORMAT_OF = {
-    suffix: name for name, suffixes in SUFFIXES.items() for suffix in suffixes if suffix != ".txt"
-}
-
-PLANNER = "planner"
-"""The JSON of a Planner: steps, dependencies and a makespan."""
-
-SCHEDULE_SPEC = "schedule-spec"
-"""The JSON of a CP-SAT formalizer: actions with stations and robots, dependencies."""
-
-PLAN_LINES = "plan-lines"
-"""Lines such as `0: (cut apple) [3]`; what is written is a schedule."""
-
-PDDL = "pddl"
-"""The format with two files, a domain and a problem, for one task."""
-
-PDDL_PLAN, SCHEDULE = "pddl-plan", "schedule"
-"""A plan of an original PDDL problem as a schedule, and the way back."""
-
-FORMATS = (
-    "irc",
-    *IMPORTERS,
-    PLANNER,
-    SCHEDULE_SPEC,
-    PLAN_LINES,
-    PDDL,
-    PDDL_PLAN,
-    SCHEDULE,
-)
-
-DSL_SUFFIX = ".irc"
-"""The suffix of a file in the DSL; every other file is written as JSON."""
 
 _UNSAFE = re.compile(r"[^\w.-]+")
 
@@ -126,11 +71,6 @@ class Beside:
 OnReport = Callable[[Report], None]
 
 
-def format_of(file: str) -> str:
-    """The input format that a file's suffix names; `irc` where it names none."""
-    return _FORMAT_OF.get(Path(file).suffix.lower(), "irc")
-
-
 def convert_file(
     file: str,
     source: str | None,
@@ -156,9 +96,9 @@ def convert_file(
     source = format_of(file) if source is None else source
     if source not in FORMATS:
         raise UnknownTarget("input format", source, list(FORMATS))
-    target = _FORMAT_OF.get(output.suffix.lower(), "irc") if target is None else target
-    if target not in ("irc", *EXPORTERS):
-        raise UnknownTarget("output format", target, ["irc", *EXPORTERS])
+    target = format_of(output) if target is None else target
+    if target not in TARGET_FORMATS:
+        raise UnknownTarget("output format", target, list(TARGET_FORMATS))
     _require_fitting(source, beside)
     if source in IMPORTERS:
         return _convert_instances(file, source, output, target)
@@ -170,8 +110,7 @@ def convert_file(
         task = _read_pddl(beside.domain, beside, on_report)
         write_whole(output, _converted_plan(file, source, task))
     else:
-        task = _read_one(file, source, beside, on_report)
-        write_whole(output, _exported(output, task, target))
+        return _write_task(output, _read_one(file, source, beside, on_report), target)
     return [output]
 
 
@@ -195,6 +134,11 @@ def _read_one(file: str, source: str, beside: Beside, on_report: OnReport) -> Ta
         return import_planner(*read_text(file))
     if source == SCHEDULE_SPEC:
         return _read_schedule_spec(file, beside)
+    if source == TABLES:
+        from irc.frontends.tables.files import read_sheets
+        from irc.frontends.tables.reader import task_of_sheets
+
+        return task_of_sheets(read_sheets(file), file)
     return read_task(file).task if source == "irc" else _read_pddl(file, beside, on_report)
 
 
@@ -256,26 +200,43 @@ def _capacities(stations: tuple[str, ...]) -> dict[str, int]:
     return found
 
 
-def load_importer(source: str) -> Importer:
-    """The importer of a format in `IMPORTERS`."""
-    module, _, function = IMPORTERS[source].partition(":")
-    importer: Importer = getattr(import_module(module), function)
-    return importer
+def _write_task(output: Path, task: Task, target: str) -> list[Path]:
+    """Writes a task in a format: a file, or a folder of CSV files."""
+    if target != TABLES:
+        write_whole(output, _exported(output, task, target))
+        return [output]
+    from irc.frontends.tables.files import csv_text, workbook_bytes
+    from irc.frontends.tables.writer import sheets_of_task
+
+    sheets = sheets_of_task(_sound(task))
+    if output.suffix.lower() == ".xlsx":
+        write_whole(output, workbook_bytes(sheets))
+        return [output]
+    if output.suffix:
+        raise ConversionUseError(
+            f"tables are written as a workbook or as a folder of CSV files: -o {output.stem}.xlsx "
+            f"or -o {output.stem} --to {TABLES}"
+        )
+    write_folder(output, {f"{sheet.name}.csv": csv_text(sheet) for sheet in sheets})
+    return [output / f"{sheet.name}.csv" for sheet in sheets]
 
 
-def _exported(output: Path, task: Task, target: str) -> str:
-    """The text of a task in the format `target`. Raises `InputError` with what it cannot say."""
-    if target == "irc":
-        return written_as(output, task)
+def _sound(task: Task) -> Task:
+    """The task, whose names all refer to something. Raises `InputError` otherwise."""
     from irc.checks.structure import check_structure
 
     findings = Findings()
     check_structure(task, findings)
     if findings.has_errors:
         raise InputError(Report(tuple(findings.items), task.source))
-    module, _, function = EXPORTERS[target].partition(":")
-    exporter: Exporter = getattr(import_module(module), function)
-    return exporter(task)
+    return task
+
+
+def _exported(output: Path, task: Task, target: str) -> str:
+    """The text of a task in the format `target`. Raises `InputError` with what it cannot say."""
+    if target == "irc":
+        return written_as(output, task)
+    return load_exporter(target)(_sound(task))
 
 
 def _convert_instances(file: str, source: str, output: Path, target: str) -> list[Path]:
@@ -288,13 +249,14 @@ def _convert_instances(file: str, source: str, output: Path, target: str) -> lis
             while safe in files:
                 safe += "_"
             files[safe] = task
-    named = output.suffix.lower() in (".json", DSL_SUFFIX, *_FORMAT_OF)
+    named = output.suffix.lower() in (".json", DSL_SUFFIX, *KNOWN_SUFFIXES)
     if named and not output.is_dir():
         if len(files) != 1:
             message = f"{len(files)} tasks need a folder: -o {output.stem} instead of {output.name}"
             raise ConversionUseError(message)
-        write_whole(output, _exported(output, next(iter(files.values())), target))
-        return [output]
+        return _write_task(output, next(iter(files.values())), target)
+    if target == TABLES:
+        raise ConversionUseError("write one task as tables: -o FILE.xlsx")
     suffix = SUFFIXES.get(target, (".json",))[0]
     written = {
         f"{stem}{suffix}": _exported(Path("task.json"), task, target)

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import irc
-from irc.frontends.convert import IMPORTERS
+from irc.frontends.formats import IMPORTERS
 from irc.model.features import Feature
 from runs import run_irc
 

@@ -11,10 +11,11 @@ import pytest
 
 import irc
 from irc.diagnostics import InputError
-from irc.frontends.convert import EXPORTERS, convert_file, format_of, load_importer
+from irc.frontends.convert import convert_file
 from irc.frontends.exporters.projects import write_psplib, write_rcpsp_max
 from irc.frontends.exporters.shops import write_flexible_job_shop, write_job_shop
 from irc.frontends.files import parse_task
+from irc.frontends.formats import EXPORTERS, format_of, load_importer
 from irc.model import Task
 from irc.model.canonical import canonical_task
 
