@@ -397,8 +397,8 @@ def fmt(
     format: FormatOption = Format.text,
 ) -> None:
     """Rewrite a task file in the standard layout of its language; its meaning stays the same."""
-    from irc.frontends.files import STANDARD_INPUT
     from irc.frontends.layout import lay_out_file
+    from irc.frontends.texts import STANDARD_INPUT
 
     with reporting_errors(format):
         found = lay_out_file(file, check=check)

@@ -11,8 +11,9 @@ from irc.cli.output import Format, fail, print_notes
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.execution.execution import Execution, Presume
-from irc.frontends.files import STANDARD_INPUT, read_task, read_text
+from irc.frontends.files import read_task
 from irc.frontends.json.document import read_document
+from irc.frontends.texts import STANDARD_INPUT, read_text
 from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number

@@ -8,9 +8,10 @@ from irc.driver.extract import extract_answer
 from irc.driver.judge import Answer
 from irc.driver.retimed import retimed_answer
 from irc.errors import IrcError
-from irc.frontends.files import read_bytes, read_task, read_text
+from irc.frontends.files import read_task
 from irc.frontends.importers.pddl.plan_reader import is_from_pddl, read_plan
 from irc.frontends.json.document import read_document
+from irc.frontends.texts import read_bytes, read_text
 from irc.model import Task
 from irc.problem.decisions import AnswerError
 from irc.schedule import Schedule, schedule_from_json

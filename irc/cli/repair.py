@@ -8,8 +8,9 @@ from irc.diagnostics import Diagnostic, InputError, Report
 from irc.diagnostics.patching import apply_fixes, text_edits
 from irc.driver.compile import check_task
 from irc.driver.files import write_whole
-from irc.frontends.files import parse_task, read_bytes
+from irc.frontends.files import parse_task
 from irc.frontends.json.document import decode_bytes
+from irc.frontends.texts import read_bytes
 
 MOST_ROUNDS = 8
 """Limit on rounds: a repair can reveal another fault, which the next round repairs."""

@@ -24,7 +24,7 @@ from irc.cli.planning import (
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.solve import solve_task
 from irc.execution.execution import Execution, Presume
-from irc.frontends.files import STANDARD_INPUT
+from irc.frontends.texts import STANDARD_INPUT
 from irc.model import Task
 from irc.schedule import Schedule
 from irc.service.journal import Journal, JournalError

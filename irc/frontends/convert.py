@@ -11,7 +11,7 @@ from typing import Any
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.files import write_folder, write_whole
 from irc.errors import IrcError
-from irc.frontends.files import read_task, read_text
+from irc.frontends.files import read_task
 from irc.frontends.formats import (
     DSL_SUFFIX,
     FORMATS,
@@ -31,6 +31,7 @@ from irc.frontends.formats import (
     load_importer,
 )
 from irc.frontends.json.document import read_document
+from irc.frontends.texts import read_text
 from irc.model import Task
 from irc.model.canonical import written_task
 from irc.schedule import dump_json, schedule_from_json

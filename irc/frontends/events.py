@@ -9,8 +9,8 @@ from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Pointer, Source
-from irc.frontends.files import read_text
 from irc.frontends.json.value import find_value
+from irc.frontends.texts import read_text
 from irc.model import Event
 from irc.model.from_document import to_task
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.frontends.json.document import MAX_BYTES, RawDocument, decode_bytes, read_document
+from irc.frontends.formats import IMPORTERS, TABLES, format_of, load_importer
+from irc.frontends.json.document import RawDocument, read_document
 from irc.frontends.language import language_of
+from irc.frontends.texts import STANDARD_INPUT, read_text
 from irc.model import Task
 from irc.model.from_document import to_task
-
-STANDARD_INPUT = "-"
 
 
 class Reading(NamedTuple):
@@ -21,26 +20,6 @@ class Reading(NamedTuple):
 
     task: Task
     notes: tuple[Diagnostic, ...]
-
-
-def read_bytes(path: str | Path) -> tuple[bytes, str]:
-    """The bytes of a file ("-": standard input) and its name. Raises `InputError`."""
-    if not isinstance(path, (str, Path)):
-        raise TypeError(f"expected a path, not {type(path).__name__}")
-    if str(path) == STANDARD_INPUT:
-        return sys.stdin.buffer.read(MAX_BYTES + 1), "<stdin>"
-    try:
-        with open(path, "rb") as file:
-            return file.read(MAX_BYTES + 1), str(path)
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        message = f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}"
-        raise InputError(Report((Diagnostic(Code.UNREADABLE, message),))) from None
-
-
-def read_text(path: str | Path) -> tuple[str, str]:
-    """The text of a file and its name. Raises `InputError`."""
-    data, name = read_bytes(path)
-    return decode_bytes(data, name), name
 
 
 def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Reading:
@@ -74,11 +53,32 @@ def _typed(document: RawDocument) -> Reading:
 
 
 def read_task(path: str | Path, problem: str | None = None) -> Reading:
-    """The task of a file; with a `problem` file, of a PDDL domain. Raises `InputError`."""
+    """The task of a file in the format that its suffix names. Raises `InputError`.
+
+    With a `problem` file it is the task of a PDDL domain.
+    """
+    format = format_of(path)
+    if format == TABLES:
+        from irc.frontends.tables.files import read_sheets
+        from irc.frontends.tables.reader import task_of_sheets
+
+        return Reading(task_of_sheets(read_sheets(str(path)), str(path)), ())
     text, name = read_text(path)
+    if format in IMPORTERS:
+        return Reading(_only_one(format, text, name), ())
     if problem is not None:
         from irc.frontends.importers.pddl import read_pddl
 
         task, report = read_pddl((text, name), read_text(problem))
         return Reading(task, tuple(replace(d, within=report.source) for d in report.located()))
     return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))
+
+
+def _only_one(format: str, text: str, name: str) -> Task:
+    """The task of a file with one instance. Raises `InputError` where it has more."""
+    tasks = [task for _, task in load_importer(format)(text, name)]
+    if len(tasks) == 1:
+        return tasks[0]
+    message = f"{name} holds {len(tasks)} instances"
+    hint = f"irc convert --from {format} writes each of them into a file"
+    raise InputError(Report((Diagnostic(Code.NOT_AN_IMPORT, message, hint=hint),)))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.driver.files import write_whole
-from irc.frontends.files import STANDARD_INPUT, read_text
 from irc.frontends.language import language_of
+from irc.frontends.texts import STANDARD_INPUT, read_text
 
 
 @dataclass(frozen=True)

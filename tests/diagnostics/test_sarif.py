@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from irc.diagnostics.catalogue import load_catalogue
-from irc.frontends.files import read_text
+from irc.frontends.texts import read_text
 from paths import CORPUS
 from runs import run_irc
 

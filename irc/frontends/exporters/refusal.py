@@ -1,4 +1,4 @@
-"""What a format cannot say is refused with its place, as a target refuses it."""
+"""Refuses each element of a task that a format cannot say, with its place, as a target does."""
 
 from __future__ import annotations
 

@@ -9,13 +9,12 @@ from datetime import date, datetime, time, timedelta
 from decimal import Decimal
 from typing import Any
 
-from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
+from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.frontends.tables.layout import SHEETS, Column, Kind, plain
 
 Value = str | int | float | Decimal | bool | datetime | date | time | timedelta | None
 """What a cell of a spreadsheet or a CSV file may hold."""
 
-_MOST_FAULTS = 50
 _LOCAL_DATE = re.compile(r"\d{1,2}[./]\d{1,2}[./]\d{2,4}")
 _YES, _NO = ("yes", "true", "1", "x"), ("no", "false", "0")
 
@@ -34,21 +33,13 @@ class Faults:
 
     file: str
     findings: Findings = field(default_factory=Findings)
-    more: int = 0
 
     def add(self, place: str, message: str, hint: str | None = None) -> None:
-        """Records a fault; after the first 50 they are only counted."""
-        if len(self.findings.items) >= _MOST_FAULTS:
-            self.more += 1
-            return
+        """Records a fault."""
         self.findings.add(Code.NOT_AN_IMPORT, f"{self.file}, {place}: {message}", hint=hint)
 
     def raise_any(self) -> None:
         """Raises `InputError` with all faults, if there are any."""
-        if self.more:
-            message = f"{self.file}: and {self.more} more faults"
-            self.findings.items.append(Diagnostic(Code.NOT_AN_IMPORT, message))
-            self.more = 0
         if self.findings.items:
             raise InputError(Report(tuple(self.findings.items)))
 
@@ -239,7 +230,9 @@ def _numeric(written: Value) -> int | Decimal | None:
 def _as_text(written: Value) -> str:
     """The text of a cell. A number is written as a whole number where it is one."""
     number = None if isinstance(written, str) else _numeric(written)
-    return str(written).strip() if number is None else f"{number:f}"
+    if number is None:
+        return str(written).strip()
+    return str(number) if isinstance(number, int) else f"{number:f}"
 
 
 def _shown(value: object) -> str:

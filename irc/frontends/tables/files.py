@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.frontends.files import read_bytes, read_text
 from irc.frontends.tables.cells import Sheet, Value
+from irc.frontends.texts import read_bytes, read_text
 from irc.targets import EngineMissing
 
 _MOST_BYTES = 256 * 1024 * 1024

@@ -109,7 +109,7 @@ def _action(project: Project, position: int) -> dict[str, Any]:
 
 
 def _demands(project: Project, mode: Mode) -> dict[str, Any]:
-    """What a mode holds and uses up. An activity of duration 0 holds nothing."""
+    """The fields for what a mode holds and uses up."""
     wanted = [(r, n) for r, n in zip(project.resources, mode.demands, strict=True) if n]
     uses = [{"resource": r.id, "amount": n} for r, n in wanted if r.renewable]
     used_up = [{"resource": r.id, "amount": n} for r, n in wanted if not r.renewable]
