@@ -142,7 +142,7 @@ LINES = st.sampled_from(
 
 
 @pytest.mark.slow
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(st.lists(LINES, max_size=14))
 def test_layout_is_final_and_changes_no_task(lines: list[str]) -> None:
     text = "\n".join(lines)
@@ -167,7 +167,7 @@ def test_the_examples_are_laid_out() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=80)
+@settings(max_examples=40)
 @given(documents())
 def test_the_layout_of_json_is_final_and_keeps_every_word(document: object) -> None:
     text = json.dumps(document)

@@ -59,7 +59,7 @@ def test_a_changed_text_is_read_as_changed_or_refused(name: str, shared_data: Pa
     rng = random.Random(name)
     sound = [i for i in benchmark.planned(shared_data) if not i.erratum and i.edges]
     sound = [i for i in sound if benchmark.TIMED.search(i.text)]
-    verdicts = {benchmark.judge_mutation(name, rng.choice(sound), rng) for _ in range(3)}
+    verdicts = {benchmark.judge_mutation(name, rng.choice(sound), rng) for _ in range(2)}
     assert "WRONG" not in verdicts
     if name in VALID:
         assert verdicts == {"as meant"}

@@ -268,7 +268,7 @@ def has_ambiguous_values(
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=120)
+@settings(SLOW, max_examples=50)
 @given(st.data(), state_cases(), st.integers(0, 3))
 def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
     data: Any, case: tuple[Task, list[Entry]], at: int
@@ -299,7 +299,7 @@ def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=120)
+@settings(SLOW, max_examples=50)
 @given(state_cases(), st.integers(0, 3))
 def test_ranks_are_looked_for_only_where_history_has_some(
     case: tuple[Task, list[Entry]], at: int

@@ -13,7 +13,7 @@ from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.frontends.tables.layout import SHEETS, Column, Kind, plain
 
 Value = str | int | float | Decimal | bool | datetime | date | time | timedelta | None
-"""What a cell of a spreadsheet or a CSV file may hold."""
+"""The content of a cell of a spreadsheet or a CSV file."""
 
 _LOCAL_DATE = re.compile(r"\d{1,2}[./]\d{1,2}[./]\d{2,4}")
 _YES, _NO = ("yes", "true", "1", "x"), ("no", "false", "0")
@@ -29,7 +29,7 @@ class Sheet:
 
 @dataclass
 class Faults:
-    """What is wrong with the tables of a file, in the order in which it is found."""
+    """The faults of the tables of a file, in the order in which they are found."""
 
     file: str
     findings: Findings = field(default_factory=Findings)
