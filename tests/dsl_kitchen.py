@@ -7,6 +7,7 @@ unit min
 days per month 30
 resolution 1 s
 resource grill, board capacity 2 label "the board"
+resource press setup initial clean setup from red -> blue = 20 min cost 5 setup from * -> red = 30
 stock flour initial 3 within 0 .. 10
 pool robots = r1, r2
 state chicken = raw, grilled initial raw
@@ -16,6 +17,7 @@ for item in lettuce, cucumber:
     cut {item} 3s on board by robots
 grill chicken 1 h 30 min .. 2h  on grill * 1 needs chicken = raw at start sets chicken = grilled
 rest 0.5h occurs 0 .. 2 after grill chicken + 3 .. 20, end of cut lettuce starts at 2026-01-01T08:00
+print 9 min on press of family red
 taste 1 min starts by 35 when broken restart
 grill chicken -> start of rest
 goal chicken = grilled

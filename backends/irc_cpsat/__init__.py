@@ -46,6 +46,7 @@ class CpSat(Backend):
             Feature.REPEATED_ACTIONS,
             Feature.DUE_DATE,
             Feature.CALENDARS,
+            Feature.SETUPS,
             Feature.RESERVOIRS,
             Feature.STATE,
             Feature.TIMED_CHANGES,
@@ -59,6 +60,8 @@ class CpSat(Backend):
             Feature.MAXIMIZE_REWARD,
             Feature.MINIMIZE_COST,
             Feature.MINIMIZE_CHANGES,
+            Feature.SETUP_TIME,
+            Feature.SETUP_COST,
             Feature.SEVERAL_OBJECTIVES,
         }
     )

@@ -128,6 +128,16 @@ class Resource(Element[IrResource]):
         window = {"from": self._moment(start), "to": self._moment(end), "capacity": capacity}
         return self._more("availability", window)
 
+    def setup(self, before: str, after: str, time: Length = 0, *, cost: int | None = None) -> Self:
+        """Sets the set-up from uses of one family to those of another; "*" is any other family."""
+        row = without_none(**{"from": before, "to": after}, time=length(time), cost=cost)
+        setups = self._raw.get("setups") or {}
+        return self._set(setups={**setups, "times": [*setups.get("times", ()), row]})
+
+    def initial_family(self, family: str) -> Self:
+        """Sets the family that the resource is set up for at t = 0."""
+        return self._set(setups={**(self._raw.get("setups") or {}), "initial": family})
+
 
 class StateVariable(Element[IrStateVariable]):
     """A state variable: it has one of several values at any time."""
@@ -165,13 +175,20 @@ class _CarriedOut(ABC):
     @abstractmethod
     def _set(self, **fields: Any) -> Self: ...
 
-    def uses(self, *resources: Resource | str, amount: int = 1) -> Self:
-        """Holds `amount` units of each of these resources from its start to its end."""
-        return self._more("uses", *(_use("resource", name_of(r), amount) for r in resources))
+    def uses(self, *resources: Resource | str, amount: int = 1, family: str | None = None) -> Self:
+        """Holds `amount` units of each of these resources from its start to its end.
 
-    def one_of(self, *resources: Resource | str, amount: int = 1) -> Self:
+        Set-ups of a resource depend on the `family`.
+        """
+        return self._more(
+            "uses", *(_use("resource", name_of(r), amount, family) for r in resources)
+        )
+
+    def one_of(
+        self, *resources: Resource | str, amount: int = 1, family: str | None = None
+    ) -> Self:
         """Holds `amount` units of one of these resources, which the solver chooses."""
-        return self._more("uses", _use("one_of", [name_of(r) for r in resources], amount))
+        return self._more("uses", _use("one_of", [name_of(r) for r in resources], amount, family))
 
     def cost(self, amount: int) -> Self:
         """Sets the cost of each occurrence, for the objective `minimize_cost`."""
@@ -220,8 +237,9 @@ class _CarriedOut(ABC):
         return self._more("effects", {"at": at, "var": name_of(variable), "value": value})
 
 
-def _use(key: str, what: Any, amount: int) -> dict[str, Any]:
-    return {key: what} if amount == 1 else {key: what, "amount": amount}
+def _use(key: str, what: Any, amount: int, family: str | None) -> dict[str, Any]:
+    use = {key: what} if amount == 1 else {key: what, "amount": amount}
+    return use if family is None else {**use, "family": family}
 
 
 class Mode(_CarriedOut):

@@ -27,7 +27,7 @@ from irc.checks.structure import (
 )
 from irc.diagnostics import Code, Findings, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
-from irc.model import Action, DurationRange, Event, Group, Task
+from irc.model import Action, DurationRange, Event, Group, Resource, Task
 from irc.model.base import write_time
 from irc.model.cancellation import ended, is_over, latest, repetition_id
 from irc.model.details import Lapsed
@@ -360,11 +360,24 @@ def _add_resources(walk: _Walk, change: AddResources, at: Pointer) -> None:
         check_resource(resource, (*at, "resources", k), walk.times, walk.findings)
 
 
+def _require_one_at_a_time(walk: _Walk, resource: Resource, capacity: int, at: Pointer) -> None:
+    """Reports a capacity that a resource with set-ups cannot have."""
+    if resource.setups is None:
+        return
+    from irc.checks.setups import check_capacity_with_setups
+
+    wrong = check_capacity_with_setups(resource, capacity)
+    if wrong is not None:
+        hint = "set it to 0 or 1, or add another resource"
+        walk.report(Code.UNSUITED_CHANGE, wrong, (*at, "capacity"), hint)
+
+
 def _set_capacity(walk: _Walk, change: SetCapacity, at: Pointer) -> None:
     place = (*at, "resource")
     if walk.names.require("resource", change.resource, place):
         resource = walk.names.resources[change.resource]
         require_kind(resource, "renewable", "set_capacity", place, walk.names)
+        _require_one_at_a_time(walk, resource, change.capacity, at)
     begin = walk.times.point(change.from_, "from", (*at, "from"))
     end = walk.times.point(change.to, "to", (*at, "to"))
     if end is None:

@@ -126,6 +126,7 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
     for i, action in enumerate(task.actions):
         if not action.is_simple:
             check_action(action, ("actions", i), names, times, findings)
+    _check_families(task, names, times, findings)
     _check_precedence(task, names, times, findings)
     _check_groups(task, names, times, findings)
     for i, goal in enumerate(task.goals):
@@ -135,6 +136,20 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
             check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
     return names, times
+
+
+def _check_families(
+    task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings
+) -> None:
+    """Checks set-ups and families; loads these checks only for tasks that have them."""
+    uses = (u for a in task.actions if not a.is_simple for u in a.uses)
+    modes = (u for a in task.actions if not a.is_simple for m in a.modes for u in m.uses)
+    if any(r.setups is not None for r in task.resources) or any(
+        use.family is not None for use in (*uses, *modes)
+    ):
+        from irc.checks.setups import check_setups
+
+        check_setups(task, names, times, findings)
 
 
 def _removed(*pointers: Pointer) -> Fix:
@@ -260,7 +275,7 @@ def check_resource(resource: Resource, at: Pointer, times: TimeChecks, findings:
                 (*at, "initial"),
                 hint=f'write an "initial" of {_limits(resource)}',
             )
-        meaningless = {"capacity", "availability"} & resource.model_fields_set
+        meaningless = {"capacity", "availability", "setups"} & resource.model_fields_set
     else:
         meaningless = {"initial", "min", "max"} & resource.model_fields_set
     for name in sorted(meaningless):

@@ -43,6 +43,8 @@ _OBJECTIVES = {
     "maximize_reward": "reward",
     "minimize_cost": "cost",
     "minimize_changes": "changes",
+    "minimize_setup_time": "setup_time",
+    "minimize_setup_cost": "setup_cost",
 }
 
 
@@ -74,6 +76,7 @@ class _Lowering:
     ) -> None:
         self.task, self.index, self.to_ticks = task, index, to_ticks
         self.resource_index = {r.id: k for k, r in enumerate(problem.resources)}
+        self.families = {name: k for k, name in enumerate(problem.families)}
         self.reservoirs = _reservoirs(task)
         self.reservoir_index = {r.id: k for k, r in enumerate(self.reservoirs)}
         self.variables = _variables(task, to_ticks)
@@ -144,7 +147,7 @@ class _Lowering:
                 effects=self._effects(node),
                 cost=node.cost or 0,
             )
-            own = requirements(node.uses, self.resource_index)
+            own = requirements(node.uses, self.resource_index, self.families)
             uses += own
             use_modes += [len(modes)] * len(own)
             modes.append(mode)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from irc.model import DurationRange, Use
 from irc.model.times import Instant
-from irc.problem import ContendedPool, OpenDemand, Renewable, Requirement
+from irc.problem import NO_FAMILY, ContendedPool, OpenDemand, Renewable, Requirement
 
 _DIGITS = re.compile(r"([0-9]{1,18})")
 
@@ -47,9 +47,16 @@ def span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:
     return ticks, ticks
 
 
-def requirements(uses: tuple[Use, ...], resource_index: dict[str, int]) -> tuple[Requirement, ...]:
+def requirements(
+    uses: tuple[Use, ...], resource_index: dict[str, int], families: Mapping[str, int]
+) -> tuple[Requirement, ...]:
     requirements = [
-        Requirement(tuple(sorted({resource_index[r] for r in use.alternatives})), use.amount, k)
+        Requirement(
+            tuple(sorted({resource_index[r] for r in use.alternatives})),
+            use.amount,
+            k,
+            NO_FAMILY if use.family is None else families.get(use.family, NO_FAMILY),
+        )
         for k, use in enumerate(uses)
         if use.alternatives and all(r in resource_index for r in use.alternatives)
     ]

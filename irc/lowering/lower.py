@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import gcd
 
@@ -19,7 +19,7 @@ from irc.lowering.elements import (
 from irc.model import Action, DurationRange, Precedence, Task
 from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, Instant, common_tick
-from irc.problem import Activity, Arc, Contention, Problem, Renewable, Window
+from irc.problem import Activity, Arc, Contention, Problem, Renewable, Setups, Window
 
 _FROM_END = {"finish-start", "finish-finish"}
 _TO_END = {"finish-finish", "start-finish"}
@@ -45,7 +45,11 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
     renewable = (r for r in resources if task.resources[resources[r]].kind == "renewable")
     resource_ids = sorted(renewable, key=natural_order)
     resource_index = {name: k for k, name in enumerate(resource_ids)}
-    renewables = tuple(_renewable(task, resources[name], to_ticks) for name in resource_ids)
+    family_names = _families(task)
+    families = {name: k for k, name in enumerate(family_names)}
+    renewables = tuple(
+        _renewable(task, resources[name], to_ticks, families) for name in resource_ids
+    )
     problem = Problem(
         name=task.name,
         time_unit=task.time_unit,
@@ -53,10 +57,11 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
         activities=tuple(
             _simple(task.actions[i], i, to_ticks)
             if simple[i]
-            else _activity(task.actions[i], i, resource_index, to_ticks)
+            else _activity(task.actions[i], i, resource_index, families, to_ticks)
             for i in map(actions.__getitem__, ids)
         ),
         resources=renewables,
+        families=family_names,
         contention=Contention(tuple(pool_of(r, k) for k, r in enumerate(renewables))),
         arcs=_arcs(task, index, to_ticks),
         deadline=None if task.deadline is None else ticks_or_none(task.deadline, to_ticks),
@@ -92,17 +97,31 @@ def _is_rich_action(action: Action) -> bool:
     )
 
 
-def _renewable(task: Task, index: int, to_ticks: ToTicks) -> Renewable:
+def _families(task: Task) -> tuple[str, ...]:
+    """The families of a task with set-ups, in order."""
+    if not any(resource.setups is not None for resource in task.resources):
+        return ()
+    from irc.lowering.setups import families_of
+
+    return families_of(task)
+
+
+def _renewable(task: Task, index: int, to_ticks: ToTicks, families: Mapping[str, int]) -> Renewable:
     resource = task.resources[index]
     at: Pointer = ("resources", index)
+    setups: Setups | None = None
+    if resource.setups is not None:
+        from irc.lowering.setups import lowered_setups
+
+        setups = lowered_setups(resource.setups, families, to_ticks)
     if not resource.availability:
-        return Renewable(resource.id, resource.capacity, at)
+        return Renewable(resource.id, resource.capacity, at, setups=setups)
     windows = set()
     for window in resource.availability:
         start, end = ticks_or_none(window.from_, to_ticks), ticks_or_none(window.to, to_ticks)
         if start is not None and end is not None and start < end:
             windows.add(Window(start, end, window.capacity))
-    return Renewable(resource.id, resource.capacity, at, tuple(sorted(windows)))
+    return Renewable(resource.id, resource.capacity, at, tuple(sorted(windows)), setups)
 
 
 def _has_sense(action: Action, clock: Clock) -> bool:
@@ -184,6 +203,9 @@ def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[
         for window in resource.availability:
             yield window.from_
             yield window.to
+        if resource.setups is not None:
+            for row in resource.setups.times:
+                yield row.time
     for variable in task.state:
         for change in variable.changes:
             yield change.at
@@ -199,7 +221,11 @@ def _simple(action: Action, index: int, to_ticks: ToTicks) -> Activity:
 
 
 def _activity(
-    action: Action, index: int, resource_index: dict[str, int], to_ticks: ToTicks
+    action: Action,
+    index: int,
+    resource_index: dict[str, int],
+    families: Mapping[str, int],
+    to_ticks: ToTicks,
 ) -> Activity:
     duration = action.duration
     if action.modes:
@@ -207,7 +233,7 @@ def _activity(
         shortest, longest = min(s[0] for s in spans), max(s[1] for s in spans)
     else:
         shortest, longest = span(duration, to_ticks)
-    uses = requirements(action.uses, resource_index) if action.uses else ()
+    uses = requirements(action.uses, resource_index, families) if action.uses else ()
     return Activity(
         id=action.id,
         duration_min=shortest,

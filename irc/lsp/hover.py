@@ -16,6 +16,7 @@ from irc.lsp.analysis import Analysis
 from irc.lsp.critical_times import CriticalTimes, critical_times
 from irc.lsp.mentions import Kind, Mention
 from irc.lsp.names import Names
+from irc.model.details import Setups
 from irc.model.parts import Action, Resource, Use
 from irc.model.quantities import Quantity
 from irc.model.times import format_number
@@ -171,12 +172,22 @@ class Descriptions:
         for window in resource.availability:
             ends = f"{self._time(window.from_)} to {self._time(window.to)}"
             yield f"capacity {window.capacity} from {ends}"
+        if resource.setups is not None:
+            yield from self._setups(resource.setups, mark)
         users = self.users.get(resource.id, [])
         if not users:
             yield "no action uses it"
             return
         plural = "s" if len(users) > 1 else ""
         yield f"used by {len(users)} action{plural}: {_listed(users, mark)}"
+
+    def _setups(self, setups: Setups, mark: Mark) -> Iterator[str]:
+        if setups.initial is not None:
+            yield f"set up for {mark(setups.initial)} at first"
+        for row in setups.times:
+            ends = f"from {mark(row.from_)} to {mark(row.to)}"
+            cost = f", cost {row.cost}" if row.cost else ""
+            yield f"set-up {ends}: {self._time(row.time)}{cost}"
 
     def _variable(self, id: str, mark: Mark) -> Iterator[str]:
         task = self.analysis.task
@@ -207,7 +218,8 @@ def _used(action: Action) -> Iterator[str]:
 
 def _use(use: Use, mark: Mark) -> str:
     amount = f"{use.amount} of " if use.amount != 1 else ""
-    return amount + " or ".join(map(mark, use.alternatives))
+    family = "" if use.family is None else f" for {mark(use.family)}"
+    return amount + " or ".join(map(mark, use.alternatives)) + family
 
 
 def _listed(names: list[str], mark: Mark) -> str:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
         Group,
         Mode,
         OccurrenceRange,
+        Setups,
+        SetupTime,
         StateGoal,
         StateVariable,
         StockChange,
@@ -38,6 +40,8 @@ __all__ = [
     "OccurrenceRange",
     "Precedence",
     "Resource",
+    "SetupTime",
+    "Setups",
     "StateGoal",
     "StateVariable",
     "StockChange",
@@ -50,7 +54,7 @@ __all__ = [
 _HOMES = {
     "details": (
         "Condition Effect Goal Group Mode OccurrenceRange "
-        "StateGoal StateVariable StockChange Window"
+        "SetupTime Setups StateGoal StateVariable StockChange Window"
     ),
     "events": "Change Event",
     "parts": "Action DurationRange Precedence Resource Use",

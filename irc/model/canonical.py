@@ -24,7 +24,7 @@ _SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goa
 _BAGS = frozenset(
     [
         *("uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"),
-        *("availability", "timed_changes"),
+        *("availability", "timed_changes", "times"),
     ]
 )
 """Arrays whose order does not matter but where a repetition counts again."""

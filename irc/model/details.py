@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from irc.model.base import Amount, Count, Instant, Name, Node, StateValue, Text
+from irc.model.base import Amount, Count, Instant, Name, Node, Span, StateValue, Text
 from irc.model.parts import Duration, Precedence, Use
 
 
@@ -23,6 +23,22 @@ class Window(Node):
     from_: Instant = Field(alias="from")
     to: Instant
     capacity: Count
+
+
+class SetupTime(Node):
+    """The set-up of a resource between a use of one family and a use of another; "*": any other."""
+
+    from_: Name = Field(alias="from")
+    to: Name
+    time: Span = 0
+    cost: Count = 0
+
+
+class Setups(Node):
+    """The set-ups of a resource: of the most specific rows, and the family at t = 0."""
+
+    initial: Name | None = None
+    times: tuple[SetupTime, ...] = ()
 
 
 class StockChange(Node):
@@ -151,6 +167,7 @@ Goals = tuple[Goal, ...]
 Groups = tuple[Group, ...]
 Lapses = tuple[Lapsed, ...]
 Modes = tuple[Mode, ...]
+ResourceSetups = Setups | None
 State = tuple[StateVariable, ...]
 StockChanges = tuple[StockChange, ...]
 Windows = tuple[Window, ...]

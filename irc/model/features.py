@@ -42,6 +42,7 @@ class Feature(Enum):
     AMOUNTS = "amounts above 1"
     ALTERNATIVES = "a choice of resources (one_of)"
     CALENDARS = "availability windows"
+    SETUPS = "set-ups"
     RESERVOIRS = "reservoirs"
     STATE = "state variables"
     TIMED_CHANGES = "timed changes of state"
@@ -56,6 +57,8 @@ class Feature(Enum):
     MAXIMIZE_REWARD = "the objective maximize_reward"
     MINIMIZE_COST = "the objective minimize_cost"
     MINIMIZE_CHANGES = "the objective minimize_changes"
+    SETUP_TIME = "the objective minimize_setup_time"
+    SETUP_COST = "the objective minimize_setup_cost"
     SEVERAL_OBJECTIVES = "several objectives"
     MAKESPAN = "the objective minimize_makespan"
 
@@ -97,6 +100,8 @@ def _of_resource(resource: Resource, at: Pointer) -> Iterator[FeatureUse]:
         yield FeatureUse(Feature.RESOURCES, at, name)
     if resource.availability:
         yield FeatureUse(Feature.CALENDARS, (*at, "availability"), name)
+    if resource.setups is not None:
+        yield FeatureUse(Feature.SETUPS, (*at, "setups"), name)
 
 
 _ACTION_FIELDS = (
@@ -190,6 +195,8 @@ _OBJECTIVES = {
     "maximize_reward": Feature.MAXIMIZE_REWARD,
     "minimize_cost": Feature.MINIMIZE_COST,
     "minimize_changes": Feature.MINIMIZE_CHANGES,
+    "minimize_setup_time": Feature.SETUP_TIME,
+    "minimize_setup_cost": Feature.SETUP_COST,
 }
 
 

@@ -71,6 +71,7 @@ if TYPE_CHECKING:
         Lapses,
         Modes,
         Occurs,
+        ResourceSetups,
         State,
         StockChanges,
         Windows,
@@ -85,6 +86,7 @@ else:
     Lapses = Annotated[Any, Lazy("details", "Lapses")]
     Modes = Annotated[Any, Lazy("details", "Modes")]
     Occurs = Annotated[Any, Lazy("details", "Occurs", ("once", "optional"))]
+    ResourceSetups = Annotated[Any, Lazy("details", "ResourceSetups", (None,))]
     State = Annotated[Any, Lazy("details", "State")]
     StockChanges = Annotated[Any, Lazy("details", "StockChanges")]
     Windows = Annotated[Any, Lazy("details", "Windows")]
@@ -100,6 +102,7 @@ __all__ = [
     "Modes",
     "Occurs",
     "PartError",
+    "ResourceSetups",
     "State",
     "StockChanges",
     "Windows",

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from irc.model.base import Amount, Count, Instant, Name, Node, Span, Text
-from irc.model.lazy import Conditions, Effects, Modes, Occurs, StockChanges, Windows
+from irc.model.lazy import Conditions, Effects, Modes, Occurs, ResourceSetups, StockChanges, Windows
 
 PrecedenceType = Literal["finish-start", "start-start", "finish-finish", "start-finish"]
 ObjectiveName = Literal[
@@ -16,6 +16,8 @@ ObjectiveName = Literal[
     "maximize_reward",
     "minimize_cost",
     "minimize_changes",
+    "minimize_setup_time",
+    "minimize_setup_cost",
 ]
 
 OnFailure = Literal["resume", "restart"]
@@ -48,17 +50,22 @@ class Resource(Node):
     description: Text | None = None
     capacity: Count = 1
     availability: Windows = ()
+    setups: ResourceSetups = None
     initial: Annotated[int, Field(strict=True)] = 0
     min: Annotated[int, Field(strict=True)] = 0
     max: Annotated[int, Field(strict=True)] | None = None
 
 
 class Use(Node):
-    """Holds `amount` units of one resource over [start, end): a named one, or one of several."""
+    """Holds `amount` units of one resource over [start, end): a named one, or one of several.
+
+    Set-ups of the resource depend on the `family`.
+    """
 
     resource: Name | None = None
     one_of: tuple[Name, ...] | None = None
     amount: Amount = 1
+    family: Name | None = None
 
     @model_validator(mode="after")
     def _one_way(self) -> Use:

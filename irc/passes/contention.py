@@ -14,12 +14,13 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     """Makes one resource of each pool whose members are only asked for as "one of these".
 
     Resources `apart` join no pool: more of them is in use than their capacity, which must not
-    affect the others.
+    affect the others. Nor do those with set-ups: each has its own.
 
     Where every open demand on any member is for one unit of the same set, the members are
     interchangeable units: any schedule that keeps the summed capacity can be split among them again
     (interval graphs are perfect: greedy colouring by start time needs no more units than overlap).
     """
+    apart = {*apart, *(r for r, resource in enumerate(problem.resources) if resource.setups)}
     pools: dict[tuple[int, ...], bool] = {}
     owner: dict[int, tuple[int, ...]] = {}
     for activity in problem.activities:
@@ -67,12 +68,18 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 def drop_uncontended(problem: Problem) -> Problem:
     """Drops open demands on resources that always suffice, even if all activities ran at once.
 
+    Where a resource has set-ups, its uses stay open: their order matters.
     (Occurrences of one action never overlap: they count once, as do its modes together. But where
     ranks order the happenings of an instant, the next one may start before the last one ends.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
     choice that is fixed relieves the other alternatives.
     """
+    with_setups = {
+        k
+        for k, pool in enumerate(problem.contention.pools)
+        if any(problem.resources[r].setups for r in pool.members)
+    }
     activities = list(problem.activities)
     fixed = dict(problem.contention.fixed_choices)
     while True:
@@ -83,7 +90,9 @@ def drop_uncontended(problem: Problem) -> Problem:
                 for r in demand.alternatives:
                     load[r] += demand.amount * at_once
         enough = {
-            r for r, amount in load.items() if amount <= problem.contention.pools[r].least_capacity
+            r
+            for r, amount in load.items()
+            if amount <= problem.contention.pools[r].least_capacity and r not in with_setups
         }
         if not enough:
             break

@@ -53,7 +53,7 @@ def grid_of(problem: Problem) -> Grid:
 
     Where heads are known they are the floors: they are implied, and on the grid themselves.
     """
-    step = _step(problem)
+    step = gcd(_step(problem), _step_of_setups(problem))
     if step == 1 or problem.variables:
         # (Where ranks cannot tell two happenings apart, state may keep them a tick apart.)
         return EVERY_TICK
@@ -66,6 +66,9 @@ def grid_of(problem: Problem) -> Grid:
         floors.add(head if activity.start is None else activity.start)
     for resource in problem.resources:
         floors.update(time for window in resource.windows for time in (window.start, window.end))
+        setups = resource.setups
+        if setups is not None and setups.initial is not None:
+            floors.add(setups.since)
     if problem.previous.stability or "changes" in problem.objectives:
         # An activity that stays where the previous plan has it has its start as its floor.
         for places in (problem.previous.places, *problem.previous.recurring.values()):
@@ -90,6 +93,17 @@ def _step(problem: Problem) -> int:
         if step == 1:
             return 1
     return step
+
+
+def _step_of_setups(problem: Problem) -> int:
+    """The greatest common divisor of all set-ups; 0 where there are none.
+
+    It is a tick where a use may have no length, because re-timing may keep it at one tick.
+    """
+    times = [s.time for r in problem.resources if r.setups for s in r.setups.table.values()]
+    if problem.has_setups and any(a.uses and a.duration_min == 0 for a in problem.activities):
+        times.append(1)
+    return gcd(*times)
 
 
 def bound_on_grid(problem: Problem) -> Problem:

@@ -1,7 +1,10 @@
 """The problem: what solvers need of a task, in whole ticks and indexes, with the way back."""
 
 from irc.problem.problem import (
+    ANY_FAMILY,
     IMPOSSIBLE_DEADLINE,
+    NO_FAMILY,
+    NO_SETUP,
     PLAIN,
     Activity,
     Arc,
@@ -23,6 +26,8 @@ from irc.problem.problem import (
     Renewable,
     Requirement,
     Reservoir,
+    Setup,
+    Setups,
     StockChange,
     TimedChange,
     Variable,
@@ -30,7 +35,10 @@ from irc.problem.problem import (
 )
 
 __all__ = [
+    "ANY_FAMILY",
     "IMPOSSIBLE_DEADLINE",
+    "NO_FAMILY",
+    "NO_SETUP",
     "PLAIN",
     "Activity",
     "Arc",
@@ -52,6 +60,8 @@ __all__ = [
     "Renewable",
     "Requirement",
     "Reservoir",
+    "Setup",
+    "Setups",
     "StockChange",
     "TimedChange",
     "Variable",

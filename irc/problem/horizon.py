@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem.problem import Activity, Arc, ContendedPool, Problem, Window
+from irc.problem.problem import Activity, Arc, ContendedPool, Problem, Renewable, Window
 
 
 def safe_horizon(problem: Problem) -> int:
@@ -14,11 +14,16 @@ def safe_horizon(problem: Problem) -> int:
     solution of the resulting temporal network is optimal too, and in it every time is the floor
     of one activity plus the length of a simple path, which leaves each point at most once, over
     an edge no longer than the longest that leaves it. Summing those over all points is enough.
+    A set-up leaves the end of the use before it, or is a floor.
     An activity that keeps to one side of a window's boundary has that boundary as its floor. Orders
     on state and stock are edges of length 0 (or of a tick, where ranks cannot separate them). An
     activity that stays where the previous plan has it has its start as its floor.
     """
     floor = max((w.end for r in problem.resources for w in r.windows), default=0)
+    setups = [0 if r.setups is None else r.setups.longest for r in problem.resources]
+    for resource, longest_setup in zip(problem.resources, setups, strict=True):
+        if resource.setups is not None and resource.setups.initial is not None:
+            floor = max(floor, resource.setups.since + longest_setup)
     # A start waits for a timed change, and an end may have to come a tick after one.
     floor = max((floor, *(c.at + 1 for v in problem.variables for c in v.changes)))
     for places in (problem.previous.places, *problem.previous.recurring.values()):
@@ -35,6 +40,7 @@ def safe_horizon(problem: Problem) -> int:
         if problem.deadline is not None:
             longest = max(activity.duration_min, min(longest, problem.deadline))
         total += longest
+        total += max((setups[r] for use in activity.uses for r in use.alternatives), default=0)
     for arc in problem.arcs:
         leaving = from_end if arc.from_end else from_start
         leaving[arc.before] = max(leaving[arc.before], arc.min_lag)
@@ -56,6 +62,7 @@ def within(problem: Problem, horizon: int) -> Problem:
     return replace(
         problem,
         activities=tuple(_activity_within(a, never) for a in problem.activities),
+        resources=tuple(_resource_within(r, never) for r in problem.resources),
         contention=replace(
             problem.contention,
             pools=tuple(
@@ -96,6 +103,14 @@ def _activity_within(activity: Activity, never: int) -> Activity:
             ),
         ),
     )
+
+
+def _resource_within(resource: Renewable, never: int) -> Renewable:
+    setups = resource.setups
+    if setups is None or setups.longest <= never:
+        return resource
+    table = {k: s._replace(time=min(s.time, never)) for k, s in setups.table.items()}
+    return replace(resource, setups=replace(setups, table=table))
 
 
 def _pool_within(pool: ContendedPool, never: int) -> ContendedPool:

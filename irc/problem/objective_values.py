@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from irc.model.quantities import Number
-from irc.problem.problem import Activity, Details, Group, PreviousPlace, Problem
+from irc.problem.choices import UnexplainedError, decision_of
+from irc.problem.decisions import Decision
+from irc.problem.problem import Activity, Details, Group, PreviousPlace, Problem, Setup
+from irc.problem.setups import setup_links, total_setup
 from irc.schedule import CANCELLED, Entry, Schedule
 
-TIMES = frozenset(["makespan", "tardiness"])
+TIMES = frozenset(["makespan", "tardiness", "setup_time"])
 """Objectives whose values are times; the others are plain numbers."""
 
 
@@ -42,13 +45,35 @@ def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number
             reward += group.reward
             if group.due is not None:
                 tardiness += group.weight * _late(problem, max(ends), group.due)
-    return {
+    values: dict[str, Number] = {
         "makespan": schedule.makespan,
         "tardiness": tardiness,
         "reward": reward,
         "cost": cost,
         "changes": _changes(problem, by_id),
     }
+    if problem.has_setups or {"setup_time", "setup_cost"} & {*problem.objectives}:
+        setups = _setups(problem, schedule, activities)
+        values["setup_time"] = problem.to_units(setups.time)
+        values["setup_cost"] = setups.cost
+    return values
+
+
+def _setups(problem: Problem, schedule: Schedule, activities: Mapping[str, Activity]) -> Setup:
+    """The set-ups of a schedule together."""
+    used: list[Activity] = []
+    decisions: list[Decision] = []
+    for entry in schedule.entries:
+        try:
+            decision = decision_of(problem, activities[entry.id], entry)
+        except UnexplainedError:  # An event has taken away its mode or resource.
+            continue
+        if decision.chosen:
+            used.append(activities[entry.id])
+            decisions.append(decision)
+    return total_setup(
+        setup_links(problem.resources, used, decisions, [d.chosen for d in decisions])
+    )
 
 
 def _cost_of_mode(details: Details, entry: Entry) -> int:

@@ -21,15 +21,24 @@ if TYPE_CHECKING:
     from irc.problem.decisions import Placed
 
 
+NO_FAMILY = -1
+"""The family of a use that names none."""
+
+ANY_FAMILY = -2
+"""In a row of set-ups, any family that the other one is not."""
+
+
 class Requirement(NamedTuple):
     """Holds `amount` units of one of the `alternatives` (indexes into `Problem.resources`).
 
-    `origin` is the index of the entry in the source's `uses`.
+    `origin` is the index of the entry in the source's `uses`; `family` (an index into
+    `Problem.families`) is what set-ups of the resource depend on.
     """
 
     alternatives: tuple[int, ...]
     amount: int
     origin: int = 0
+    family: int = NO_FAMILY
 
 
 class OpenDemand(NamedTuple):
@@ -267,17 +276,62 @@ def capacity_levels(base: int, windows: Iterable[Window]) -> Iterator[tuple[int,
     yield at, base
 
 
+class Setup(NamedTuple):
+    """The time (ticks) that passes between two uses of a resource at least, and what it costs."""
+
+    time: int
+    cost: int = 0
+
+
+NO_SETUP = Setup(0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Setups:
+    """The set-ups of a resource of capacity 1, by the families before and after.
+
+    `table` has the rows of the task. With an `initial` family the first use needs its set-up, which
+    can begin at the tick `since`. Uses that start before `settled` wait for no set-up: of a running
+    task, they started too early.
+    """
+
+    table: Mapping[tuple[int, int], Setup] = field(default_factory=dict)
+    initial: int | None = None
+    since: int = 0
+    settled: int = 0
+
+    def between(self, before: int, after: int) -> Setup:
+        """The set-up of the most specific row (docs/semantics.md, rule 4.3)."""
+        if before == after:
+            return NO_SETUP if after == NO_FAMILY else self.table.get((before, after), NO_SETUP)
+        rows = ((before, after), (before, ANY_FAMILY), (ANY_FAMILY, after), _ANY_ROW)
+        return next((self.table[row] for row in rows if row in self.table), NO_SETUP)
+
+    def first(self, after: int) -> Setup:
+        """The set-up of the first use."""
+        return NO_SETUP if self.initial is None else self.between(self.initial, after)
+
+    @property
+    def longest(self) -> int:
+        """The longest time of any row, in ticks."""
+        return max((setup.time for setup in self.table.values()), default=0)
+
+
+_ANY_ROW = (ANY_FAMILY, ANY_FAMILY)
+
+
 @dataclass(frozen=True, slots=True)
 class Renewable:
     """A resource of which `capacity` units can be held at once, save in its windows.
 
-    `windows` are in order and do not overlap.
+    `windows` are in order and do not overlap. Only a capacity of 1 has `setups`.
     """
 
     id: str
     capacity: int
     origin: Pointer = ()
     windows: tuple[Window, ...] = ()
+    setups: Setups | None = None
 
     def greatest_capacity(self, since: int | None = None) -> int:
         """The greatest capacity that there ever is, or from a time on."""
@@ -463,9 +517,11 @@ class Problem:
     are the part of them that is still to be decided, which passes make smaller.
 
     `goals` are (variable, value) pairs. `required` are the activities that must be present.
+    `families` are the names of the families of uses, on which set-ups depend.
     `objectives` are the names of the objectives, in order ("makespan", "tardiness", "reward",
-    "cost", "changes"). `state_precedences` are pairs of activities: by state, through `arcs`, the
-    second starts after the end of the first, perhaps at the same time, but then at a higher rank.
+    "cost", "changes", "setup_time", "setup_cost"). `state_precedences` are pairs of activities: by
+    state, through `arcs`, the second starts after the end of the first, perhaps at the same time,
+    but then at a higher rank.
     """
 
     name: str | None
@@ -473,6 +529,7 @@ class Problem:
     tick: Fraction
     activities: tuple[Activity, ...]
     resources: tuple[Renewable, ...] = ()
+    families: tuple[str, ...] = ()
     reservoirs: tuple[Reservoir, ...] = ()
     variables: tuple[Variable, ...] = ()
     arcs: tuple[Arc, ...] = ()
@@ -540,6 +597,11 @@ class Problem:
     def has_calendars(self) -> bool:
         """Whether some resource has a calendar."""
         return any(resource.windows for resource in self.resources)
+
+    @property
+    def has_setups(self) -> bool:
+        """Whether some resource has set-ups."""
+        return any(resource.setups is not None for resource in self.resources)
 
     @property
     def has_contention(self) -> bool:

@@ -10,6 +10,8 @@ from fractions import Fraction
 
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError, Decision, Moment, Placed
+from irc.problem.setups import setup_links
+from irc.problem.temporal_network import Network
 from irc.problem.time_points import PointMap
 
 
@@ -77,6 +79,37 @@ def _capacity(problem: Problem, r: int) -> tuple[int, list[tuple[int, int, int]]
     from irc.retiming.calendar import calendar_load
 
     return calendar_load(resource)
+
+
+def add_setups(
+    problem: Problem,
+    decisions: Sequence[Decision],
+    chosen: Sequence[tuple[int, ...]],
+    points: PointMap,
+    network: Network,
+    floors: list[int],
+    tolerance: Moment,
+) -> None:
+    """Adds the time of each set-up between two consecutive uses of a resource, in their order.
+
+    `decisions` may count moments of ranks. What is used for some time goes on to be: without it
+    another set-up would take place.
+    """
+    if not problem.has_setups:
+        return
+    for link in setup_links(problem.resources, problem.activities, decisions, chosen, tolerance):
+        after = points.start[link.after]
+        setups = problem.resources[link.resource].setups
+        if points.end[link.after] != after:
+            network.add(after, points.end[link.after], 1)
+        fixed = problem.activities[link.after].start
+        if setups is None or (fixed is not None and fixed < setups.settled):
+            continue
+        if link.before is not None:
+            offset = points.end_offset[link.before]
+            network.add(points.end[link.before], after, offset + link.setup.time)
+        elif link.setup.time:
+            floors[after] = max(floors[after], setups.since + link.setup.time)
 
 
 def resource_orders(

@@ -16,6 +16,7 @@ from irc.problem.decisions import AnswerError, Decision, Placed
 from irc.problem.temporal_network import earliest
 from irc.problem.time_points import timing_network
 from irc.retiming.resources import (
+    add_setups,
     assign,
     long_enough,
     placed_at,
@@ -46,6 +47,7 @@ def retime(
     points, network = timing.points, timing.network
     for before, after in resource_orders(problem, decisions, chosen, tolerance):
         network.add(points.end[before], points.start[after], points.end_offset[before])
+    add_setups(problem, decisions, chosen, points, network, timing.floors, tolerance)
     for i, decision in enumerate(decisions):
         if points.start[i] != points.end[i] and decision.end - decision.start <= tolerance:
             # Chosen to have no length: it must not grow into somebody else's time.

@@ -16,7 +16,13 @@ from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, timing_network
 from irc.retiming.calendar import raise_floors
 from irc.retiming.ranks import with_ranks
-from irc.retiming.resources import assign, long_enough, placed_at, resource_orders
+from irc.retiming.resources import (
+    add_setups,
+    assign,
+    long_enough,
+    placed_at,
+    resource_orders,
+)
 from irc.retiming.selection import select
 from irc.retiming.state import Happening, HappeningOrder, is_one_happening, state_orders
 from irc.retiming.stock import keep_stock
@@ -74,6 +80,7 @@ def _retime_once(
     orders += change_orders(problem, decisions, changes, points, network)
     _keep_lengths(problem, decisions, points, network, tolerance)
     _keep_orders(orders, points, network)
+    add_setups(problem, moments, chosen, points, network, floors, tolerance)
     batches = keep_stock(problem, decisions, points, network, floors)
     raise_floors(problem, decisions, chosen, points.start, floors, tolerance)
     times = earliest(network, floors)

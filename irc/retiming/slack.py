@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import floor
 
 from irc.problem import Problem
+from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.decisions import AnswerError, Decision
 from irc.problem.temporal_network import Network
 from irc.problem.time_points import PointMap, latest_times, timing_network
-from irc.retiming.resources import resource_orders
+from irc.retiming.resources import add_setups, resource_orders
 from irc.schedule import Entry, Schedule
 
 
@@ -44,6 +45,9 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     points, network = timing.points, timing.network
     for before, after in resource_orders(problem, decisions, _held(problem, entries), 0):
         network.add(points.end[before], points.start[after], points.end_offset[before])
+    if problem.has_setups:
+        uses = _uses(problem, entries)
+        add_setups(problem, decisions, uses, points, network, timing.floors, 0)
     _keep_chosen_lengths(network, points, entries, decisions)
     latest = latest_times(problem, points, network, makespan)
     if latest is None:
@@ -65,6 +69,20 @@ def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:
     if len(by_id) != len(schedule.entries) or by_id.keys() != known:
         raise AnswerError("the schedule does not have exactly the actions of the problem")
     return [by_id[activity.id] for activity in problem.activities]
+
+
+def _uses(problem: Problem, entries: list[Entry]) -> list[tuple[int, ...]]:
+    """The resource of each use."""
+    chosen: list[tuple[int, ...]] = []
+    for activity, entry in zip(problem.activities, entries, strict=True):
+        try:
+            _, taken = choices_of(problem, activity, entry)
+        except UnexplainedError:
+            raise AnswerError(f"{activity.id!r} cannot use what its entry says") from None
+        if taken is None or None in taken:
+            raise AnswerError(f"the entry of {activity.id!r} does not say what it uses")
+        chosen.append(tuple(r for r in taken if r is not None))
+    return chosen
 
 
 def _held(problem: Problem, entries: list[Entry]) -> list[tuple[int, ...]]:

@@ -16,6 +16,7 @@ from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
+from irc.validation.setups import check_setups
 from irc.validation.state import check_goals, check_state
 from irc.validation.stock import check_reservoirs
 from irc.validation.timing import check_precedence, check_windows
@@ -37,6 +38,7 @@ _CHECKS = (
     check_precedence,
     check_choices,
     check_capacity,
+    check_setups,
     check_reservoirs,
     check_state,
     check_goals,

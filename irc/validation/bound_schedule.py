@@ -216,7 +216,7 @@ def _read_at_resolution(schedule: Schedule, clock: Clock) -> Schedule:
             value=clock.number(o.value),
             bound=None if o.bound is None else clock.number(o.bound),
         )
-        if o.name in ("makespan", "tardiness")
+        if o.name in ("makespan", "tardiness", "setup_time")
         else o
         for o in schedule.objective
     )

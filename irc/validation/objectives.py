@@ -8,6 +8,7 @@ from irc.model.quantities import Number, exact
 from irc.model.times import format_number
 from irc.schedule import ObjectiveValue
 from irc.validation.bound_schedule import BoundSchedule
+from irc.validation.setups import setups_of
 from irc.validation.verdict import Violations
 
 _UNKNOWABLE = "changes"
@@ -17,17 +18,24 @@ _UNKNOWABLE = "changes"
 def objective_values(bound: BoundSchedule) -> dict[str, Number]:
     """Makespan, tardiness, reward and cost of the entries, each repeated occurrence counted.
 
-    A cancelled occurrence has its cost, but earns no reward and adds no tardiness.
+    A cancelled occurrence has its cost, but earns no reward and adds no tardiness. A task with
+    set-ups also has their time and their cost.
     """
     present = [group for group in bound.groups.values() if bound.is_present(group)]
     reward = sum(o.action.reward or 0 for o in bound.occurrences if not o.cancelled)
     reward += sum(group.reward or 0 for group in present)
-    return {
+    values: dict[str, Number] = {
         "makespan": _exact(bound.schedule.makespan),
         "tardiness": _tardiness(bound),
         "reward": reward,
         "cost": sum(o.action.cost or 0 for o in bound.occurrences),
     }
+    aims = {"minimize_setup_time", "minimize_setup_cost"} & {*bound.task.objective}
+    if aims or any(resource.setups is not None for resource in bound.resources.values()):
+        done = list(setups_of(bound))
+        values["setup_time"] = _exact(sum(setup.time for setup in done))
+        values["setup_cost"] = sum(setup.cost for setup in done)
+    return values
 
 
 def _tardiness(bound: BoundSchedule) -> Number:
@@ -44,6 +52,10 @@ def _tardiness(bound: BoundSchedule) -> Number:
             late = max(0, end - bound.clock.number(group.due))
             total += late * (1 if group.weight is None else group.weight)
     return _exact(total)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def _exact(value: Number) -> Number:
@@ -65,7 +77,7 @@ def check_stated(
         if stated.value != true:
             violations.add(
                 "objective",
-                f"the {stated.name} is {format_number(true)}, "
+                f"the {_words(stated.name)} is {format_number(true)}, "
                 f"not {format_number(stated.value)} as stated",
                 (),
                 (true, stated.value),
@@ -79,7 +91,10 @@ def _check_bound(stated: ObjectiveValue, true: Number, violations: Violations) -
     if stated.name == "reward":
         impossible, relation = stated.bound < true, "upper bound on the reward is below"
     else:
-        impossible, relation = stated.bound > true, f"lower bound on the {stated.name} is above"
+        impossible, relation = (
+            stated.bound > true,
+            f"lower bound on the {_words(stated.name)} is above",
+        )
     if impossible:
         violations.add(
             "objective",

@@ -32,6 +32,7 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "precedence": 3,
         "resources": 4,
         "capacity": 4,
+        "setup": 4,
         "reservoir": 5,
         "rank": 6,
         "interference": 6,
@@ -80,7 +81,8 @@ class Verdict:
     """Whether a schedule is valid, every reason why not, and its objective values.
 
     `objective` holds the values computed here from the entries: makespan, tardiness (in the task's
-    unit), reward and cost. `omitted` counts the violations beyond `SHOWN_PER_RULE` of each rule.
+    unit), reward and cost, and where there are set-ups their time and their cost. `omitted` counts
+    the violations beyond `SHOWN_PER_RULE` of each rule.
 
     As of a time `at`, `carried` holds the violations that the history alone causes: no plan for
     the open entries can avoid them, and they do not make the schedule invalid.
@@ -149,9 +151,9 @@ class Verdict:
         return "\n".join(lines)
 
     def _objectives_text(self) -> str:
-        units = {"makespan": f" {self.time_unit}", "tardiness": f" {self.time_unit}"}
+        units = dict.fromkeys(("makespan", "tardiness", "setup_time"), f" {self.time_unit}")
         return ", ".join(
-            f"{name} {format_number(value)}{units.get(name, '')}"
+            f"{name.replace('_', ' ')} {format_number(value)}{units.get(name, '')}"
             for name, value in self.objective.items()
             if value or name == "makespan"
         )

@@ -49,10 +49,13 @@ def whole() -> irc.Task:
     )
     board = task.resource("board", capacity=2, label="Board", description="big")
     board.available("12:00", "13:00", 0)
+    board.setup("raw", "*", "5 min", cost=2).initial_family("clean")
     eggs = task.reservoir("eggs", initial=6, min=1, max=12)
     chicken = task.state("chicken", ["raw", "grilled"], initial="raw")
     door = task.state("door", changes={"2026-03-02T10:00:00": True, 300: False})
-    mix = task.action("mix", 10, label="Mix", description="well").uses(board, amount=2)
+    mix = task.action("mix", 10, label="Mix", description="well").uses(
+        board, amount=2, family="raw"
+    )
     mix.consumes(eggs, 2).release("06:30").cost(2)
     lay = task.action("lay", timedelta(minutes=90)).produces(eggs, 3, at="start").occurs(1, 3)
     grill = task.action("grill").condition(chicken, "raw").condition(door, False, at="all")
@@ -95,6 +98,10 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                 "availability": [
                     {"from": "2026-03-02T12:00:00", "to": "2026-03-02T13:00:00", "capacity": 0}
                 ],
+                "setups": {
+                    "times": [{"from": "raw", "to": "*", "time": "5 min", "cost": 2}],
+                    "initial": "clean",
+                },
             },
             {"id": "eggs", "kind": "reservoir", "initial": 6, "min": 1, "max": 12},
             {"id": "bench"},
@@ -115,7 +122,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                 "label": "Mix",
                 "description": "well",
                 "duration": 10,
-                "uses": [{"resource": "board", "amount": 2}],
+                "uses": [{"resource": "board", "amount": 2, "family": "raw"}],
                 "consumes": [{"resource": "eggs", "amount": 2}],
                 "release": "2026-03-02T06:30:00",
                 "cost": 2,

@@ -647,6 +647,43 @@ STRUCTURE = [
         hint="windows are half-open",
     ),
     case(
+        actions(
+            ',\n "resources": [{"id": "r", "setups": {"times": [{"from": "x", "to": "y", "time": 5},\n'
+            ' ‸{"from": "x", "to": "y", "time": 6}, {"from": "y", "to": "x"}]}}]',
+            uses='[{"resource": "r", "family": "x"}]',
+        ),
+        "IRC217 /resources/0/setups/times/1",
+        says="the set-up of 'r' from 'x' to 'y' is given twice: 5 in row 1, 6 in row 2",
+        hint="keep one of the two rows",
+    ),
+    case(
+        actions(
+            ',\n "resources": [{"id": "q"}, {"id": "r", "setups": {"initial": "x"}}]',
+            uses='[{"one_of": ["q", "r"], "family": "x"}, ‸{"resource": "r"}]',
+        ),
+        "IRC217 /actions/0/uses/1",
+        says="action 'a' can hold 'r' for two families: 'x' and none",
+    ),
+    case(
+        actions(
+            ',\n "resources": [{"id": "r", "availability": [{"from": 5, "to": 9, "capacity": ‸2}],\n'
+            ' "setups": {"initial": "x"}}]',
+            uses='[{"resource": "r", "family": "x"}]',
+        ),
+        "IRC217 /resources/0/availability/0/capacity",
+        says="'r' has set-ups, so one use comes after another; it cannot have a capacity of 2",
+        hint="make a resource of each unit",
+    ),
+    case(
+        actions(
+            ',\n "resources": [{"id": "r", "setups": {"times": [{"from": "red", "to": "blue"}]}}]',
+            uses='[{"resource": "r", "family": ‸"rad"}]',
+        ),
+        "IRC218 /actions/0/uses/0/family",
+        says="action 'a' has the family 'rad', which no set-up of 'r' names: it needs none",
+        hint="did you mean `red`?",
+    ),
+    case(
         '{"actions": [{"id": "a", "duration": 1, "occurs": {"min": 3000}},\n'
         '{"id": "b", "duration": 1, "occurs": ‸{"min": 3001}}]}',
         "IRC214 /actions/1/occurs",

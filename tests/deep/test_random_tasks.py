@@ -13,8 +13,10 @@ from pathlib import Path
 import pytest
 
 from crash_runs import MODES, Kitchen
+from irc.driver.solve import solve_task
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.files import parse_task
+from irc.model import Task
 from irc.targets import SolveOptions
 from laws import agree, answer_of, answered, faults_of_repairs, has_schedule, told_of
 from oracles.clock_sessions import faults_of_session
@@ -22,10 +24,25 @@ from oracles.generators import big_capacity_task, contended_task, hostile_names,
 from oracles.online_orders_play import play as play_orders
 from oracles.online_random import EACH
 from oracles.reality import play as play_session
+from oracles.setups import best as best_with_setups
+from oracles.setups import random_task as setup_task
 from oracles.state_brute_force import TooLargeError, optimum
 from oracles.state_generators import match_cellar, state_task
 
 Seeds = Iterator[int]
+
+
+def test_cpsat_finds_the_optimum_of_tasks_with_setups(seeds: Seeds) -> None:
+    for seed in seeds:
+        document = setup_task(random.Random(seed))
+        task = Task.model_validate(document)
+        schedule = solve_task(task, SolveOptions("cpsat", time_limit=60, workers=1)).schedule
+        wanted = best_with_setups(document)
+        assert schedule.status == ("infeasible" if wanted is None else "optimal")
+        if wanted is not None:
+            values = tuple(-o.value if o.name == "reward" else o.value for o in schedule.objective)
+            assert values == wanted
+
 
 KINDS = (random_task, big_capacity_task, lambda rng: contended_task(rng, 7))
 ALLOWED = {

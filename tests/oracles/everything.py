@@ -24,7 +24,13 @@ EVERYTHING: dict[str, Any] = {
             "availability": [{"from": 10, "to": "1 h", "capacity": 0}],
         },
         {"id": "flour", "kind": "reservoir", "initial": 3, "min": -1, "max": 9},
-        {"id": "r1"},
+        {
+            "id": "r1",
+            "setups": {
+                "initial": "clean",
+                "times": [{"from": "red", "to": "*", "time": "20 min", "cost": 5}],
+            },
+        },
         {"id": "r2"},
     ],
     "state": [
@@ -38,7 +44,10 @@ EVERYTHING: dict[str, Any] = {
             "description": "until brown",
             "duration": {"min": 10, "max": "1 h 30 min"},
             "occurs": {"min": 1, "max": 3},
-            "uses": [{"resource": "oven", "amount": 2}, {"one_of": ["r1", "r2"]}],
+            "uses": [
+                {"resource": "oven", "amount": 2},
+                {"one_of": ["r1", "r2"], "family": "red"},
+            ],
             "consumes": [{"resource": "flour", "amount": 2, "at": "end"}],
             "produces": [{"resource": "flour"}],
             "release": 5,

@@ -80,6 +80,8 @@ EXCLUDED: Mapping[str, str] = {
     "StateVariable.id": _NAME,
     "StateVariable.values": "which values are legal; where two lists are, the answers are equal",
     "StateVariable.changes": "judged by `oracles.timed_changes`",
+    "Resource.setups": "judged by `oracles.setups`",
+    "Use.family": "judged by `oracles.setups`",
     "Group.id": _NAME,
     "Group.label": _DESCRIPTIVE,
 }
@@ -93,7 +95,11 @@ EVENT_MODELS: Mapping[str, str] = dict.fromkeys(
         *("Observe", "RetryAction", "Lapsed"),
     ],
     _LATER,
-) | {"TimedChange": "judged by `oracles.timed_changes`"}
+) | {
+    "TimedChange": "judged by `oracles.timed_changes`",
+    "Setups": "judged by `oracles.setups`",
+    "SetupTime": "judged by `oracles.setups`",
+}
 """Models of which no field is witnessed here, with the reason."""
 
 

@@ -38,6 +38,8 @@ from irc.problem import (
     Renewable,
     Requirement,
     Reservoir,
+    Setup,
+    Setups,
     StockChange,
     Variable,
     Window,
@@ -58,6 +60,7 @@ MEANING: dict[type, dict[str, str]] = {
         "variables": f"{OF} variables",
         "arcs": f"{OF} arcs",
         "groups": f"{OF} groups",
+        "families": PLAIN,
         "goals": "variables, value",
         "required": "activities",
         "state_precedences": "activities, activities",
@@ -95,7 +98,10 @@ MEANING: dict[type, dict[str, str]] = {
         **dict.fromkeys(("id", "duration_min", "duration_max", "cost"), PLAIN),
         **dict.fromkeys(("stock", "conditions", "effects"), "part"),
     },
-    Requirement: {"alternatives": "resources", "amount": PLAIN, "origin": PLAIN},
+    Requirement: {
+        "alternatives": "resources",
+        **dict.fromkeys(("amount", "origin", "family"), PLAIN),
+    },
     OpenDemand: {"use": "use", "alternatives": "pools", "amount": PLAIN},
     StockChange: {"reservoir": "reservoirs", "amount": PLAIN, "at_end": PLAIN},
     Condition: {"var": "variables", "value": PLAIN, "at": PLAIN},
@@ -128,7 +134,9 @@ MEANING: dict[type, dict[str, str]] = {
             Bound: ("value", "reason"),
             Ranks: ("start", "end", "at_least"),
             Window: ("start", "end", "capacity"),
-            Renewable: ("id", "capacity", "origin", "windows"),
+            Renewable: ("id", "capacity", "origin", "windows", "setups"),
+            Setups: ("table", "initial", "since", "settled"),
+            Setup: ("time", "cost"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
             Variable: ("id", "values", "initial", "origin", "changes"),
         }.items()
@@ -181,7 +189,10 @@ def random_problem(rng: random.Random) -> Problem:
         tick=Fraction(1),
         activities=activities,
         resources=tuple(
-            Renewable(f"r{r}", r + 1, (), (Window(0, 1, r),)) for r in range(resources)
+            Renewable(
+                f"r{r}", r + 1, (), (Window(0, 1, r),), Setups({(0, 1): Setup(r)}) if r else None
+            )
+            for r in range(resources)
         ),
         reservoirs=tuple(Reservoir(f"s{k}", k) for k in range(reservoirs)),
         variables=tuple(Variable(f"v{k}", ("a", "b"), k % 2) for k in range(variables)),

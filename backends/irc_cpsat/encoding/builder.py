@@ -42,6 +42,18 @@ class ResourceUses:
         self.amounts.append(amount)
 
 
+@dataclass(frozen=True)
+class Taker:
+    """A use of a resource with set-ups: the activity, the family, and the literal of the use.
+
+    Without a `literal` the activity always uses the resource.
+    """
+
+    activity: int
+    family: int
+    literal: Literal | None
+
+
 @dataclass
 class Model:
     """A CP-SAT model and the variables that carry its answer.
@@ -77,7 +89,8 @@ class Builder:
     def __init__(
         self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
     ) -> None:
-        found = quick_schedule(problem) if problem.is_plain and (bounds or hints) else None
+        quick = problem.is_plain or problem.has_setups
+        found = quick_schedule(problem) if quick and (bounds or hints) else None
         by_makespan = (
             bounds and problem.objectives[:1] == ("makespan",) and not problem.previous.stability
         )
@@ -94,6 +107,8 @@ class Builder:
         self.problem = within(problem, self.horizon)
         self.uses = [ResourceUses() for _ in problem.contention.pools]
         self.uses_in_moments = [ResourceUses() for _ in problem.contention.pools]
+        self.takers: dict[int, list[Taker]] = {}
+        self.sequences: list[Any] = []
         self.starts: list[cp_model.IntVar] = []
         self.ends: list[cp_model.IntVar | None] = []
         self.sizes: dict[int, cp_model.IntVar] = {}

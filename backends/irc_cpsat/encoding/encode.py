@@ -24,6 +24,7 @@ from irc_cpsat.encoding.precedence import add_precedence
 from irc_cpsat.encoding.presence import add_presence
 from irc_cpsat.encoding.reservoirs import add_reservoirs, order_count
 from irc_cpsat.encoding.resources import add_resources
+from irc_cpsat.encoding.setups import add_setup_work, add_setups
 from irc_cpsat.encoding.state import add_state
 
 MODEL_FILE = "model.pbtxt"
@@ -53,6 +54,8 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     add_precedence(builder)
     add_occurrences(builder)
     literals = add_resources(builder)
+    if builder.takers:
+        add_setups(builder)
     if builder.bounds:
         add_pools(builder)
     add_reservoirs(builder)
@@ -60,6 +63,8 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     makespan = add_makespan(builder)
     if builder.bounds:
         add_energy(builder, makespan)
+        if builder.sequences:
+            add_setup_work(builder, makespan)
     built = Model(
         model=builder.model,
         problem=builder.problem,

@@ -17,6 +17,7 @@ from irc_cpsat.encoding.builder import (
     Model,
     name_of,
 )
+from irc_cpsat.encoding.setups import setup_values
 
 MAX_MAKESPAN_VALUES = 5_000
 """With more possible makespans than this, the makespan is any number in between."""
@@ -62,6 +63,9 @@ def values_of(
             if mode.cost
         ]
         values["cost"] = _sum_of_present(costs)
+    for name in ("setup_time", "setup_cost"):
+        if name in problem.objectives:
+            values[name] = setup_values(builder, name)
     if "changes" in problem.levels:
         values["changes"] = _changes(builder, literals)
     return values

@@ -5,7 +5,14 @@ from __future__ import annotations
 from ortools.sat.python import cp_model
 
 from irc.problem import Activity, ContendedPool, OpenDemand
-from irc_cpsat.encoding.builder import Builder, DemandLiterals, Literal, ResourceUses, name_of
+from irc_cpsat.encoding.builder import (
+    Builder,
+    DemandLiterals,
+    Literal,
+    ResourceUses,
+    Taker,
+    name_of,
+)
 from irc_cpsat.encoding.calendars import with_windows
 
 
@@ -83,6 +90,10 @@ def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal |
     (The first follows from the second, but says more about time.)
     """
     builder.uses[r].add(interval_of(builder, i, taken), demand.amount)
+    members = builder.problem.contention.pools[r].members
+    if builder.problem.resources[members[0]].setups is not None:
+        family = builder.problem.activities[i].uses[demand.use].family
+        builder.takers.setdefault(r, []).append(Taker(i, family, taken))
     if builder.ranked:
         builder.uses_in_moments[r].add(_interval_of_moments(builder, i, taken), demand.amount)
 

@@ -20,6 +20,8 @@ _OBJECTIVES = (
     "maximize_reward",
     "minimize_cost",
     "minimize_changes",
+    "minimize_setup_time",
+    "minimize_setup_cost",
 )
 
 
@@ -155,6 +157,8 @@ class Builder:
                 self.mark((*at, "one_of", i), n.start, n.end)
         if amount is not None:
             self.put_field(use, "amount", nodes.integer(amount), at)
+        if (family := part(node, "name")) is not None:
+            self.put_field(use, "family", name(family), at, part(node, "OF_FAMILY"))
         return use
 
     def _mode(self, element: Element, node: Any, at: Pointer) -> None:
@@ -399,6 +403,32 @@ class Builder:
         key, number = clause.children
         self.put_field(element, "initial", nodes.integer(number), at, key)
 
+    def _setup(self, element: Element, clause: Any, at: Pointer) -> None:
+        """A row of set-ups: `setup from red -> blue = 20 cost 5`; `*` is any other family."""
+        rows: list[Element] = self._setups(element, clause, at).setdefault("times", [])
+        place = (*at, "setups", "times")
+        self.mark_node(place, clause, clause.children[0])
+        pointer = (*place, len(rows))
+        self.mark_node(pointer, clause)
+        row: Element = {}
+        for end, node in zip(("from", "to"), parts(clause, "family"), strict=True):
+            self.put_field(row, end, _family(node), pointer)
+        if (said := clause.children[-3]) is not None:
+            self.put_field(row, "time", nodes.time(said), pointer, part(clause, "EQUALS"))
+        if (cost := clause.children[-1]) is not None:
+            self.put_field(row, "cost", nodes.integer(cost), pointer, part(clause, "COST"))
+        rows.append(row)
+
+    def _setup_initial(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        setups = self._setups(element, clause, at)
+        self.put_field(setups, "initial", name(said), (*at, "setups"), key)
+
+    def _setups(self, element: Element, clause: Any, at: Pointer) -> Element:
+        found: Element = element.setdefault("setups", {})
+        self.mark_node((*at, "setups"), clause, clause.children[0])
+        return found
+
     def pool(self, tree: Any, _sink: Sink) -> None:
         """Adds a pool: `pool robots = r1, r2`."""
         self.add_pool(name(part(tree, "name")), names(part(tree, "names")))
@@ -517,9 +547,15 @@ def _one(node: Any) -> Placed:
     return found[0]
 
 
+def _family(node: Any) -> Placed:
+    """The name of a family in a row of set-ups, or "*"."""
+    star = part(node, "TIMES")
+    return name(part(node, "name")) if star is None else Placed("*", *span(star))
+
+
 def _no_objective(said: str, word: Any) -> Fault:
-    shown = said.replace("_", " ")
-    known = [o.replace("_", " ") for o in _OBJECTIVES]
+    shown = said.replace("_", " ", 1)
+    known = [o.replace("_", " ", 1) for o in _OBJECTIVES]
     return Fault(
         Code.DSL_SYNTAX,
         f"there is no objective `{shown}`",
@@ -541,6 +577,7 @@ def _word(field: str) -> str:
         "start": "starts at",
         "latest_start": "starts by",
         "on_failure": "when broken",
+        "family": "of family",
     }.get(field, field)
 
 
@@ -565,6 +602,8 @@ _RESOURCE_CLAUSES: dict[str, _Clause] = {
     "capacity": Builder._capacity,
     "initial": Builder._initial,
     "within": Builder._within,
+    "setup": Builder._setup,
+    "setup_initial": Builder._setup_initial,
     "label": Builder._text,
     "describe": Builder._text,
 }

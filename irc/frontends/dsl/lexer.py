@@ -106,6 +106,9 @@ PHRASES = {
     ("of", "group"): "OF_GROUP",
     ("when", "broken"): "WHEN_BROKEN",
     ("already", "done"): "ALREADY_DONE",
+    ("setup", "from"): "SETUP_FROM",
+    ("setup", "initial"): "SETUP_INITIAL",
+    ("of", "family"): "OF_FAMILY",
 }
 """Words with a meaning of their own only side by side."""
 

@@ -16,7 +16,7 @@ from irc.model import Action, DurationRange, Precedence, Resource, Task, Use
 from irc.model.times import Instant
 
 if TYPE_CHECKING:
-    from irc.model import Event, Group, Mode, StateVariable
+    from irc.model import Event, Group, Mode, Setups, SetupTime, StateVariable
 
 _WIDEST = 98
 _INDENT = "    "
@@ -219,6 +219,8 @@ class _Printer:
 
     def _use(self, use: Use) -> str:
         amount = "" if use.amount == 1 else f" * {use.amount}"
+        if use.family is not None:
+            amount += f" of family {written.name(use.family)}"
         if use.one_of is None:
             return written.name(use.resource or "") + amount
         pool = self.pools.get(use.one_of)
@@ -290,6 +292,8 @@ def _resource_clauses(resource: Resource) -> list[str]:
     clauses += [
         f"capacity {w.capacity} during {written.span(w.from_, w.to)}" for w in resource.availability
     ]
+    if resource.setups is not None:
+        clauses += _setups(resource.setups)
     if resource.initial != 0 or (not stock and "initial" in said):
         clauses.append(f"initial {resource.initial}")
     least = resource.min != 0 or (not stock and "min" in said)
@@ -298,6 +302,21 @@ def _resource_clauses(resource: Resource) -> list[str]:
         high = "" if resource.max is None else str(resource.max)
         clauses.append(" ".join(f"within {low} .. {high}".split()))
     return clauses + _texts(resource)
+
+
+def _setups(setups: Setups) -> list[str]:
+    initial = setups.initial
+    return [
+        *([] if initial is None else [f"setup initial {written.name(initial)}"]),
+        *map(_setup, setups.times),
+    ]
+
+
+def _setup(row: SetupTime) -> str:
+    ends = ("*" if family == "*" else written.name(family) for family in (row.from_, row.to))
+    time = "" if type(row.time) is int and row.time == 0 else f" = {written.time(row.time)}"
+    cost = f" cost {row.cost}" if row.cost else ""
+    return f"setup from {' -> '.join(ends)}{time}{cost}"
 
 
 def _state(variables: Sequence[StateVariable]) -> list[str]:
@@ -374,7 +393,7 @@ def _goal(goal: Any) -> str:
 
 
 def _objective(names: Sequence[str]) -> str:
-    return ", ".join(name.replace("_", " ") for name in names)
+    return ", ".join(name.replace("_", " ", 1) for name in names)
 
 
 def _set_deadline(_printer: _Printer, change: Any) -> str:
