@@ -648,8 +648,9 @@ STRUCTURE = [
     ),
     case(
         actions(
-            ',\n "resources": [{"id": "r", "setups": {"times": [{"from": "x", "to": "y", "time": 5},\n'
-            ' ‸{"from": "x", "to": "y", "time": 6}, {"from": "y", "to": "x"}]}}]',
+            ',\n "resources": [{"id": "r", "setups": {"times": ['
+            '{"from": "x", "to": "y", "time": 5},\n ‸'
+            '{"from": "x", "to": "y", "time": 6}, {"from": "y", "to": "x"}]}}]',
             uses='[{"resource": "r", "family": "x"}]',
         ),
         "IRC217 /resources/0/setups/times/1",
@@ -666,8 +667,8 @@ STRUCTURE = [
     ),
     case(
         actions(
-            ',\n "resources": [{"id": "r", "availability": [{"from": 5, "to": 9, "capacity": ‸2}],\n'
-            ' "setups": {"initial": "x"}}]',
+            ',\n "resources": [{"id": "r", "availability": ['
+            '{"from": 5, "to": 9, "capacity": ‸2}],\n "setups": {"initial": "x"}}]',
             uses='[{"resource": "r", "family": "x"}]',
         ),
         "IRC217 /resources/0/availability/0/capacity",
