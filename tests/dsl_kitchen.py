@@ -12,15 +12,17 @@ stock flour initial 3 within 0 .. 10
 pool robots = r1, r2
 state chicken = raw, grilled initial raw
 state open initial true changes to false at 2 h changes to true at 3 h
+state heat = number initial 2.5 within 0 .. 9 changes to 1/3 at 1 h
 include "more.irc"
 for item in lettuce, cucumber:
     cut {item} 3s on board by robots
 grill chicken 1 h 30 min .. 2h  on grill * 1 needs chicken = raw at start sets chicken = grilled
 rest 0.5h occurs 0 .. 2 after grill chicken + 3 .. 20, end of cut lettuce starts at 2026-01-01T08:00
 print 9 min on press of family red
+stir 3 needs heat >= 1 <= 8, heat == 2 at end sets heat += 1, heat -= 2 at start, heat := 3
 taste 1 min starts by 35 when broken restart
 grill chicken -> start of rest
-goal chicken = grilled
+goal chicken = grilled, heat <= 4
 deadline 40
 minimize makespan, cost
 event late at PT5M:

@@ -49,6 +49,7 @@ class CpSat(Backend):
             Feature.SETUPS,
             Feature.RESERVOIRS,
             Feature.STATE,
+            Feature.NUMBERS,
             Feature.TIMED_CHANGES,
             Feature.CONDITIONS,
             Feature.EFFECTS,

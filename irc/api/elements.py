@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from decimal import Decimal
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Generic, Literal, Self, TypeVar, overload
 
 from irc.api.values import Duration, Length, Moment, duration, length, moment, read_part
@@ -23,6 +25,12 @@ if TYPE_CHECKING:
 
 Value = bool | str
 """A value of a state variable."""
+
+Level = int | float | str | Fraction | Decimal
+"""A level of a number variable: an exact number; a text such as "1/3" is one, too."""
+
+AnyValue = Value | Level
+"""A value of a state variable, or a level of a number variable."""
 
 _Node = TypeVar("_Node", IrAction, IrGroup, IrResource, IrStateVariable)
 
@@ -149,16 +157,23 @@ class StateVariable(Element[IrStateVariable]):
         id: str,
         values: Sequence[Value] | None = None,
         *,
-        initial: Value | None = None,
-        changes: Mapping[Any, Value] | None = None,
+        kind: Literal["values", "number"] | None = None,
+        initial: AnyValue | None = None,
+        min: Level | None = None,
+        max: Level | None = None,
+        changes: Mapping[Any, AnyValue] | None = None,
     ) -> None:
         """A state variable; without `values`, a boolean that is false at first.
 
+        Of the kind "number" it is an exact number, 0 at first, that stays between `min` and `max`.
         `changes` are timed changes: the value that the world gives it at each time.
         """
         listed = None if values is None else list(values)
         timed = [{"at": at, "value": value} for at, value in (changes or {}).items()] or None
-        super().__init__(without_none(id=id, values=listed, initial=initial, changes=timed))
+        bounds = {"kind": kind, "min": min, "max": max}
+        super().__init__(
+            without_none(id=id, values=listed, initial=initial, changes=timed, **bounds)
+        )
 
 
 def name_of(element: Element[Any] | str) -> str:
@@ -222,9 +237,17 @@ class _CarriedOut(ABC):
         value: Value = True,
         *,
         at: Literal["start", "all", "end"] = "start",
+        at_least: Level | None = None,
+        at_most: Level | None = None,
+        equals: Level | None = None,
     ) -> Self:
-        """Demands that `variable` has `value` when it starts, when it ends, or throughout."""
-        return self._more("conditions", {"at": at, "var": name_of(variable), "value": value})
+        """Demands that `variable` has `value` when it starts, when it ends, or throughout.
+
+        Of a number variable it demands limits instead: `at_least`, `at_most`, or `equals`.
+        """
+        limits = without_none(at_least=at_least, at_most=at_most, equals=equals)
+        wanted = limits or {"value": value}
+        return self._more("conditions", {"at": at, "var": name_of(variable), **wanted})
 
     def effect(
         self,
@@ -232,9 +255,15 @@ class _CarriedOut(ABC):
         value: Value = True,
         *,
         at: Literal["start", "end"] = "end",
+        add: Level | None = None,
+        set: Level | None = None,
     ) -> Self:
-        """Gives `variable` the `value` at its end (or start)."""
-        return self._more("effects", {"at": at, "var": name_of(variable), "value": value})
+        """Gives `variable` the `value` at its end (or start).
+
+        A number variable gets `add` added to it, or becomes `set`, instead.
+        """
+        given = without_none(add=add, set=set) or {"value": value}
+        return self._more("effects", {"at": at, "var": name_of(variable), **given})
 
 
 def _use(key: str, what: Any, amount: int, family: str | None) -> dict[str, Any]:
@@ -454,13 +483,19 @@ def precedence_fields(
     return fields
 
 
-Goal = Action | Group | StateVariable | str | tuple[StateVariable | str, Value]
-"""A goal: an action or group that must be present, or a variable and its value at the end."""
+Goal = (
+    Action | Group | StateVariable | str | tuple[StateVariable | str, Value | Mapping[str, Level]]
+)
+"""A goal: an action or group that must be present, or a variable and its value at the end.
+
+Of a number variable there are limits instead of a value: `(fuel, {"at_least": 10})`.
+"""
 
 
 def goal_fields(goal: Goal) -> Any:
     """A goal in the form of the JSON document."""
     if isinstance(goal, tuple):
         variable, value = goal
-        return {"var": name_of(variable), "value": value}
+        wanted = value if isinstance(value, Mapping) else {"value": value}
+        return {"var": name_of(variable), **wanted}
     return {"var": goal.id} if isinstance(goal, StateVariable) else name_of(goal)

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Self
 
 from irc.api.elements import (
     Action,
+    AnyValue,
     Element,
     Goal,
     Group,
     Resource,
     StateVariable,
-    Value,
     goal_fields,
     name_of,
     precedence_fields,
@@ -196,8 +196,8 @@ class Event:
         """Adds state variables, made with `irc.StateVariable(…)`."""
         return self._change("add_state", state=list(variables))
 
-    def set_state(self, variable: StateVariable | str, value: Value = True) -> Self:
-        """Sets the value of a state variable: a world change."""
+    def set_state(self, variable: StateVariable | str, value: AnyValue = True) -> Self:
+        """Sets the value of a state variable, or the level of a number: a world change."""
         return self._change("set_state", var=name_of(variable), value=value)
 
     def set_goals(self, *goals: Goal) -> Self:

@@ -14,6 +14,7 @@ from irc.api.elements import (
     Element,
     Goal,
     Group,
+    Level,
     Resource,
     StateVariable,
     Value,
@@ -310,6 +311,22 @@ class Task:
         `changes` are timed changes: the value that the world gives it at each time.
         """
         return self._joined(StateVariable(id, values, initial=initial, changes=changes))
+
+    def number_variable(
+        self,
+        id: str,
+        *,
+        initial: Level = 0,
+        min: Level | None = None,
+        max: Level | None = None,
+        changes: Mapping[Any, Level] | None = None,
+    ) -> StateVariable:
+        """A new number variable, which stays between `min` and `max`.
+
+        `changes` are timed changes: the level that the world gives it at each time.
+        """
+        made = StateVariable(id, kind="number", initial=initial, min=min, max=max, changes=changes)
+        return self._joined(made)
 
     def precedence(
         self,

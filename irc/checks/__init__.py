@@ -101,6 +101,10 @@ def _check_choices(task: Task, problem: Problem, findings: Findings) -> None:
 
         check_contradictions(task, problem, required, findings)
         check_reach(task, problem, required, findings)
+    if problem.numbers:
+        from irc.checks.numbers import check_levels
+
+        check_levels(task, problem, required, findings)
     if problem.reservoirs:
         from irc.checks.stock import check_stock
 

@@ -1,4 +1,4 @@
-"""Conditions, effects and goals with the places where they are written."""
+"""Conditions, effects and goals about values (not levels), with their places in the text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from irc.diagnostics.source import Pointer
-from irc.model import Action, Mode, Task
+from irc.model import Action, Condition, Effect, Mode, Task
 from irc.problem import Activity
 
 
@@ -44,7 +44,12 @@ def mode_fact_places(
 
 def _facts(part: Action | Mode, field: str, at: Pointer) -> Iterator[ShownFact]:
     for k, fact in enumerate(getattr(part, field)):
-        yield ShownFact(fact.at, fact.var, fact.value, (*at, field, k))
+        if not _is_about_number(fact):
+            yield ShownFact(fact.at, fact.var, fact.value, (*at, field, k))
+
+
+def _is_about_number(fact: Condition | Effect) -> bool:
+    return fact.changes_a_level if isinstance(fact, Effect) else fact.asks_for_a_level
 
 
 def goal_places(task: Task) -> list[ShownFact]:
@@ -52,5 +57,5 @@ def goal_places(task: Task) -> list[ShownFact]:
     return [
         ShownFact("", goal.var, goal.value, ("goals", k))
         for k, goal in enumerate(task.goals)
-        if not isinstance(goal, str)
+        if not isinstance(goal, str) and not goal.asks_for_a_level
     ]

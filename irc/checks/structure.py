@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from irc.checks.unknown_names import Guesses
     from irc.diagnostics.fix import Fix
     from irc.model import Condition, Effect, Group, Mode, StateGoal, StateVariable
+    from irc.model.base import AnyValue
     from irc.model.events import SetState
 
 
@@ -77,6 +78,8 @@ class DeclaredNames:
         """The end of a hint about a name of another kind; a goal about a variable needs a value."""
         if other != "state variable" or "goals" not in pointer:
             return f", not {_article(kind)} {kind}"
+        if self.state[name].is_number:
+            return f": say which level it must have, such as `{name} >= 10`"
         wanted = goal_value(self.state[name])
         value = wanted if isinstance(wanted, str) else value_text(wanted)
         return f": say which value it must have, such as `{name} = {value}`"
@@ -330,6 +333,16 @@ def check_variable(
     """Reports a state variable without values, a missing or unknown value, and timed changes that
     cannot be.
     """
+    if variable.is_number:
+        from irc.checks.numbers import check_number
+
+        check_number(variable, at, findings)
+        _check_changes(variable, at, times, findings)
+        return
+    if not {"min", "max"}.isdisjoint(variable.model_fields_set):
+        from irc.checks.numbers import check_not_a_number
+
+        check_not_a_number(variable, at, findings)
     if not variable.values:
         findings.add(
             Code.EMPTY_CHOICE,
@@ -352,10 +365,10 @@ def check_variable(
 def _check_changes(
     variable: StateVariable, at: Pointer, times: TimeChecks, findings: Findings
 ) -> None:
-    known: dict[Any, bool | str] = {}
+    known: dict[Any, AnyValue] = {}
     for i, change in enumerate(variable.changes):
         pointer = (*at, "changes", i)
-        if not _has_value(variable, change.value):
+        if not variable.is_number and not _has_value(variable, change.value):
             _report_value(variable, change.value, (*pointer, "value"), findings)
         time = times.point(change.at, "at", (*pointer, "at"))
         if time is None:
@@ -369,13 +382,22 @@ def _check_changes(
             )
 
 
-def _has_value(variable: StateVariable, value: bool | str) -> bool:
+def _has_value(variable: StateVariable, value: AnyValue) -> bool:
     return any(v == value and type(v) is type(value) for v in variable.values)
 
 
 def _report_value(
-    variable: StateVariable, value: bool | str, at: Pointer, findings: Findings
+    variable: StateVariable, value: AnyValue, at: Pointer, findings: Findings
 ) -> None:
+    if not isinstance(value, (bool, str)):
+        findings.add(
+            Code.UNKNOWN_VALUE,
+            f"state variable {variable.id!r} has no value {value_text(value)}",
+            at,
+            hint='declare it with "kind": "number", or use one of: '
+            + _some(_as_typed(v) for v in variable.values),
+        )
+        return
     from irc.checks.unknown_names import value_meant
 
     texts = [_as_typed(v) for v in variable.values]
@@ -402,6 +424,9 @@ def _as_typed(value: bool | str) -> str:
     return str(value).lower() if isinstance(value, bool) else value
 
 
+_OF_NUMBERS = ("at_least", "at_most", "equals", "add", "set")
+
+
 def check_value(
     fact: Condition | Effect | StateGoal | SetState, at: Pointer, names: DeclaredNames
 ) -> None:
@@ -409,6 +434,12 @@ def check_value(
     if not names.require("state variable", fact.var, (*at, "var")):
         return
     variable = names.state[fact.var]
+    said = fact.model_fields_set
+    if variable.is_number or not said.isdisjoint(_OF_NUMBERS):
+        from irc.checks.numbers import suits_kind
+
+        suits_kind(fact, variable, at, names.findings)
+        return
     if _has_value(variable, fact.value):
         return
     if "value" in fact.model_fields_set:

@@ -249,7 +249,9 @@ def _set_deadline(editor: _TaskEditor, change: SetDeadline) -> None:
 
 
 def _set_state(editor: _TaskEditor, change: SetState) -> None:
-    fact, order = world_change(change.var, change.value, editor.at, editor.actions, editor.clock)
+    fact, order = world_change(
+        editor.state[change.var], change.value, editor.at, editor.actions, editor.clock
+    )
     editor.actions[fact.id] = fact
     editor.precedence += [] if order is None else [order]
 

@@ -8,20 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from irc.model import Action, Precedence
+from irc.model import Action, Precedence, StateVariable
+from irc.model.base import AnyValue
 from irc.model.quantities import Number
 from irc.model.times import Clock
 from irc.model.world_changes import is_world_change, world_change_id
 
 
 def world_change(
-    var: str, value: bool | str, at: Number, actions: Mapping[str, Action], clock: Clock
+    variable: StateVariable,
+    value: AnyValue,
+    at: Number,
+    actions: Mapping[str, Action],
+    clock: Clock,
 ) -> tuple[Action, Precedence | None]:
-    """(the action that makes `var` become `value` at `at`, its precedence if it needs one).
+    """(the action that makes the variable `value` at `at`, its precedence if it needs one).
 
-    Its id is "`var` at `at`", with a number if that id is taken. It comes after an earlier change
-    of the same variable at the same instant: events of one instant keep their order.
+    Its id is "its name at `at`", with a number if that id is taken. It comes after an earlier
+    change of the same variable at the same instant: events of one instant keep their order.
     """
+    var = variable.id
     name = stem = world_change_id(var, at)
     number, earlier = 1, None
     while name in actions:
@@ -29,12 +35,9 @@ def world_change(
             earlier = name
         number += 1
         name = f"{stem} ({number})"
-    action = Action(
-        id=name,
-        duration=0,
-        start=at,
-        effects=({"at": "start", "var": var, "value": value},),
-    )
+    field = "set" if variable.is_number else "value"
+    effect = {"at": "start", "var": var, field: variable.read(value)}
+    action = Action(id=name, duration=0, start=at, effects=(effect,))
     return action, None if earlier is None else Precedence(before=earlier, after=name)
 
 

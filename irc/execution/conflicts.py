@@ -36,7 +36,7 @@ def relaxed(
     problem = _with_room(problem, executed)
     if problem.reservoirs:
         problem = with_stock_lent(problem, executed, now)
-    if problem.variables:
+    if problem.has_state:
         return without_broken_conditions(problem, executed, now)
     return problem, dict(executed)
 

@@ -93,7 +93,7 @@ def as_executed(
     activity = _with_taken(problem, activity, past)
     details = _as_happened(activity.details, past, shortest, longest, ranks)
     # (Ranks still decide who gets the units that it frees at this instant.)
-    frees_now = bool(problem.variables) and past.end == now
+    frees_now = problem.has_state and past.end == now
     deadline = past.end if apart else activity.deadline
     if shortest == longest or (deadline is not None and deadline < past.start + shortest):
         deadline = None

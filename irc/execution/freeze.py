@@ -123,7 +123,7 @@ def _without_conflicts(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> FrozenProblem:
     """The frozen problem in which the past comes first, and its conflicts do not bind."""
-    if problem.variables:
+    if problem.has_state:
         problem, executed = past_first(problem, executed, now)
     if problem.reservoirs:
         problem = stock_past_first(problem, executed, now)

@@ -24,7 +24,7 @@ def known_ranks(
     A happening that was observed at another time than planned gets a new rank.
     """
     planned = history.plan.get(key_of(past.entry))
-    if planned is None or not problem.variables:
+    if planned is None or not problem.has_state:
         return None
     start = past.rank if planned.start == past.entry.start else None
     if past.running:
@@ -153,18 +153,24 @@ def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bo
 
 
 def _touched(activity: Activity, *, at_end: bool) -> tuple[set[int], set[int]]:
-    """The variables that a start, or an end, reads and changes.
+    """The variables (and numbers, by `_number_key`) that a start, or an end, reads and changes.
 
     The start of an activity of no duration has all reads and changes of its end too."""
     details = activity.details
     both = not activity.duration_min
-    reads = {
-        c.var
-        for c in details.conditions
-        if c.at == ("end" if at_end else "start") or (both and not at_end)
-    }
-    writes = {e.var for e in details.effects if e.at_end == at_end or (both and not at_end)}
+    asked = [(c.var, c.at) for c in details.conditions]
+    asked += [(_number_key(c.number), c.at) for c in details.number_conditions]
+    own = "end" if at_end else "start"
+    reads = {key for key, at in asked if at == own or (both and not at_end)}
+    given = [(e.var, e.at_end) for e in details.effects]
+    given += [(_number_key(e.number), e.at_end) for e in details.number_effects]
+    writes = {key for key, ends in given if ends == at_end or (both and not at_end)}
     return reads, writes
+
+
+def _number_key(number: int) -> int:
+    """A number where variables are counted by index, too."""
+    return -1 - number
 
 
 def _change_ranks(
@@ -172,7 +178,9 @@ def _change_ranks(
 ) -> dict[int, int]:
     """Ranks of world changes: after the ranks of all ends, and in order for each variable."""
     ranks = {
-        i: max([rank, *(free[e.var, False] for e in problem.activities[i].details.effects)])
+        i: max(
+            [rank, *(free[key, False] for key in _touched(problem.activities[i], at_end=False)[1])]
+        )
         for i in changes
     }
     for _ in changes:

@@ -133,8 +133,8 @@ def residual_problem(
     arcs = Lags(executed, now, places, activities, names)
     renumbered = dict(zip(way.arcs.old, left.arcs, strict=True))
     for k, arc in enumerate(problem.arcs):
-        arcs.add(arc, renumbered.get(k), keep=bool(problem.variables))
-    if problem.variables:
+        arcs.add(arc, renumbered.get(k), keep=problem.has_state)
+    if problem.has_state:
         arcs.arcs += twins(problem, executed, places)
     deadline = problem.deadline
     residual = replace(

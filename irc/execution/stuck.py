@@ -91,7 +91,7 @@ class _Search:
         while True:
             found = len(self.why)
             self._wait_for_each_other()
-            if self.before.reservoirs or self.before.variables:
+            if self.before.reservoirs or self.before.has_state:
                 self._run_dry()
             if len(self.why) == found:
                 break

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 from dataclasses import replace
+from fractions import Fraction
+from math import lcm
 
 from irc.lowering.elements import (
     ToTicks,
@@ -16,9 +18,11 @@ from irc.lowering.elements import (
     span,
     ticks_or_none,
 )
-from irc.model import Action, Task
+from irc.model import Action, StateGoal, StateVariable, Task
 from irc.model import Group as GroupNode
 from irc.model import Mode as ModeNode
+from irc.model.base import AnyValue
+from irc.model.quantities import Number
 from irc.problem import (
     IMPOSSIBLE_DEADLINE,
     PLAIN,
@@ -29,12 +33,17 @@ from irc.problem import (
     Group,
     GroupDeadline,
     Mode,
+    NumberCondition,
+    NumberEffect,
+    NumberGoal,
+    NumberVariable,
     Problem,
     Requirement,
     Reservoir,
     StockChange,
     TimedChange,
     Variable,
+    together,
 )
 
 _OBJECTIVES = {
@@ -57,12 +66,14 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
         activities=activities,
         reservoirs=lowering.reservoirs,
         variables=lowering.variables,
+        numbers=lowering.numbers,
         groups=tuple(
             lowering.group(group, i)
             for i, group in sorted(enumerate(task.groups), key=lambda g: natural_order(g[1].id))
             if group.actions
         ),
         goals=lowering.goals(),
+        number_goals=lowering.number_goals(),
         required=tuple(
             sorted({index[goal] for goal in task.goals if isinstance(goal, str) and goal in index})
         ),
@@ -84,6 +95,8 @@ class _Lowering:
         self.value_index = [
             {_key(value): k for k, value in enumerate(v.values)} for v in self.variables
         ]
+        self.numbers = _numbers(task, to_ticks)
+        self.number_index = {n.id: k for k, n in enumerate(self.numbers)}
         self.chosen_by_group = {
             name for group in task.groups if not group.required for name in group.actions
         }
@@ -128,6 +141,8 @@ class _Lowering:
             stock=self._stock(action),
             conditions=self._conditions(action),
             effects=self._effects(action),
+            number_conditions=self._number_conditions(action),
+            number_effects=self._number_effects(action),
             due=None if action.due is None else ticks_or_none(action.due, self.to_ticks),
             weight=1 if action.weight is None else action.weight,
             reward=action.reward or 0,
@@ -145,6 +160,8 @@ class _Lowering:
                 stock=self._stock(node),
                 conditions=self._conditions(node),
                 effects=self._effects(node),
+                number_conditions=self._number_conditions(node),
+                number_effects=self._number_effects(node),
                 cost=node.cost or 0,
             )
             own = requirements(node.uses, self.resource_index, self.families)
@@ -190,6 +207,46 @@ class _Lowering:
             )
         )
 
+    def _number_conditions(self, action: Action | ModeNode) -> tuple[NumberCondition, ...]:
+        found = {
+            NumberCondition(k, *self._levels(k, c.limits), c.at)
+            for c in action.conditions
+            if (k := self.number_index.get(c.var)) is not None and c.asks_for_a_level
+        }
+        return tuple(sorted(found, key=lambda c: (c.number, c.at, repr(c))))
+
+    def _number_effects(self, action: Action | ModeNode) -> tuple[NumberEffect, ...]:
+        found = []
+        for e in action.effects:
+            k = self.number_index.get(e.var)
+            if k is not None:
+                scale = self.numbers[k].scale
+                for amount, sets in ((e.set, True), (e.add, False)):
+                    if amount is not None:
+                        found.append(NumberEffect(k, int(amount * scale), sets, e.at == "end"))
+        return together(found)
+
+    def _levels(
+        self, k: int, limits: tuple[Number | None, Number | None]
+    ) -> tuple[int | None, int | None]:
+        """The least and the greatest whole level within limits."""
+        least, greatest = limits
+        scale = self.numbers[k].scale
+        return (
+            None if least is None else int(least * scale),
+            None if greatest is None else int(greatest * scale),
+        )
+
+    def number_goals(self) -> tuple[NumberGoal, ...]:
+        found = {
+            NumberGoal(k, *self._levels(k, goal.limits))
+            for goal in self.task.goals
+            if isinstance(goal, StateGoal)
+            and goal.asks_for_a_level
+            and (k := self.number_index.get(goal.var)) is not None
+        }
+        return tuple(sorted(found, key=repr))
+
     def _place(self, var: str, value: bool | str) -> tuple[int, int] | None:
         v = self.variable_index.get(var)
         k = None if v is None else self.value_index[v].get(_key(value))
@@ -217,7 +274,7 @@ class _Lowering:
         return tuple(sorted({place for place in places if place}))
 
 
-def _key(value: bool | str) -> Hashable:
+def _key(value: AnyValue) -> Hashable:
     """A key under which true and "true" differ, as do false and 0."""
     return type(value), value
 
@@ -236,7 +293,7 @@ def _reservoirs(task: Task) -> tuple[Reservoir, ...]:
 
 def _variables(task: Task, to_ticks: ToTicks) -> tuple[Variable, ...]:
     variables = []
-    for i in _first_of_each((v.id, i) for i, v in enumerate(task.state)):
+    for i in _first_of_each((v.id, i) for i, v in enumerate(task.state) if not v.is_number):
         node = task.state[i]
         keys = [_key(value) for value in node.values]
         start = node.start_value
@@ -258,6 +315,66 @@ def _variables(task: Task, to_ticks: ToTicks) -> tuple[Variable, ...]:
                 )
             )
     return tuple(variables)
+
+
+def _numbers(task: Task, to_ticks: ToTicks) -> tuple[NumberVariable, ...]:
+    found = _first_of_each((v.id, i) for i, v in enumerate(task.state) if v.is_number)
+    scales = _scales(task) if found else {}
+    numbers = []
+    for i in found:
+        node = task.state[i]
+        start = node.start_value
+        if isinstance(start, (bool, str)) or start is None:
+            continue
+        scale = scales[node.id]
+        changes = {
+            at: int(change.value * scale)
+            for change in node.changes
+            if not isinstance(change.value, (bool, str))
+            and (at := ticks_or_none(change.at, to_ticks)) is not None
+            and at >= 0
+        }
+        numbers.append(
+            NumberVariable(
+                node.id,
+                int(start * scale),
+                None if node.min is None else int(node.min * scale),
+                None if node.max is None else int(node.max * scale),
+                scale,
+                ("state", i),
+                tuple(TimedChange(*change) for change in sorted(changes.items())),
+            )
+        )
+    return tuple(numbers)
+
+
+def _scales(task: Task) -> dict[str, int]:
+    """For each number variable the least number by which all of its levels become whole."""
+    scales = {v.id: lcm(*map(_denominator, _own_levels(v))) for v in task.state if v.is_number}
+
+    def note(name: str, *levels: object) -> None:
+        if name in scales:
+            scales[name] = lcm(scales[name], *map(_denominator, levels))
+
+    parts: tuple[Action | ModeNode, ...] = task.actions
+    for part in (*parts, *(mode for action in task.actions for mode in action.modes)):
+        for c in part.conditions:
+            note(c.var, *c.limits)
+        for e in part.effects:
+            note(e.var, e.add, e.set)
+    for goal in task.goals:
+        if isinstance(goal, StateGoal):
+            note(goal.var, *goal.limits)
+    return scales
+
+
+def _own_levels(variable: StateVariable) -> list[object]:
+    changes = [change.value for change in variable.changes]
+    return [variable.start_value, variable.min, variable.max, *changes]
+
+
+def _denominator(level: object) -> int:
+    return level.denominator if isinstance(level, Fraction) else 1
 
 
 def _first_of_each(named: Iterable[tuple[str, int]]) -> list[int]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, WithJsonSchema
 
-from irc.model.quantities import Quantity
+from irc.model.quantities import Number, Quantity, level_of
 from irc.model.quantities import Span as _Span
 from irc.model.times import Instant as _Instant
 from irc.model.times import json_number, parse_instant, parse_span
@@ -62,7 +62,23 @@ Amount = Annotated[int, Field(ge=1, strict=True)]
 Text = Annotated[str, Field(min_length=0), WithJsonSchema({"type": "string"})]
 """A text. (Without a constraint pydantic would take half a character, which cannot be written.)"""
 
+Level = Annotated[
+    Number,
+    PlainValidator(level_of),
+    PlainSerializer(write_time),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "number"}, {"type": "string", "examples": ["1/3"]}],
+            "description": "An exact number, without a unit.",
+        }
+    ),
+]
+"""The level of a number variable, or a bound on it or change of it."""
+
 StateValue = (
     Annotated[bool, Field(strict=True)]
     | Annotated[str, Field(min_length=0, strict=True), WithJsonSchema({"type": "string"})]
 )
+
+AnyValue = StateValue | Level
+"""The value of a state variable: one of its values, or the level of a number variable."""

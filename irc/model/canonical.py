@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from decimal import Decimal
+from fractions import Fraction
 from math import isfinite
 from typing import Any
 
@@ -107,11 +108,19 @@ def _object(node: Any, clock: Clock) -> dict[str, Any]:
             continue
         # The changes of an event come in an order, those of a state variable have times.
         is_timed = name == "changes" and "initial" in fields
-        written = _value("timed_changes" if is_timed else name, value, clock)
+        is_level = name in _LEVELS or (name in ("min", "max") and "initial" in fields)
+        if is_level and isinstance(value, Fraction):
+            written: Any = json_number(value)
+        else:
+            written = _value("timed_changes" if is_timed else name, value, clock)
         default = list(default) if isinstance(default, tuple) else default
         if written != default or isinstance(written, bool) != isinstance(default, bool):
             shown[fields[name].alias or name] = written
     return shown
+
+
+_LEVELS = frozenset(["at_least", "at_most", "equals", "add", "set", "initial", "value"])
+"""Fields of numbers that are no times, which no resolution rounds."""
 
 
 def _value(name: str, value: Any, clock: Clock) -> Any:

@@ -5,12 +5,25 @@ Loaded when a task has one of them (see `irc.model.lazy`).
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from irc.model.base import Amount, Count, Instant, Name, Node, Span, StateValue, Text
+from irc.model.base import (
+    Amount,
+    AnyValue,
+    Count,
+    Instant,
+    Level,
+    Name,
+    Node,
+    Span,
+    StateValue,
+    Text,
+)
 from irc.model.parts import Duration, Precedence, Use
+from irc.model.quantities import Number, level_of
+from irc.model.state_values import limits_text
 
 
 def _object_or_text(raw: Any) -> str:
@@ -49,20 +62,72 @@ class StockChange(Node):
     at: Literal["start", "end"] | None = None
 
 
-class Condition(Node):
-    """`var` must have `value` just before the start or end, or throughout (`all`)."""
+Limits = tuple[Number | None, Number | None]
+"""The least and the greatest level that are asked for; None: no limit."""
+
+
+class NumberTest:
+    """What is common to all that may ask of a number variable for a range of levels, or for one.
+
+    (The fields stand in each of them, behind its own.)
+    """
+
+    if TYPE_CHECKING:
+        at_least: Level | None
+        at_most: Level | None
+        equals: Level | None
+
+        @property
+        def model_fields_set(self) -> set[str]:
+            """The names of the fields that were given."""
+
+    @property
+    def limits(self) -> Limits:
+        """The least and the greatest level that it asks for; with `equals` both are the same."""
+        if self.equals is None:
+            return self.at_least, self.at_most
+        least = self.equals if self.at_least is None else max(self.at_least, self.equals)
+        return least, self.equals if self.at_most is None else min(self.at_most, self.equals)
+
+    @property
+    def asks_for_a_level(self) -> bool:
+        """Whether it is about a number variable."""
+        return not self.model_fields_set.isdisjoint(_TESTS)
+
+
+_TESTS = ("at_least", "at_most", "equals")
+
+
+class Condition(NumberTest, Node):
+    """`var` must have `value` just before the start or end, or throughout (`all`).
+
+    A number variable must be within the limits instead.
+    """
 
     at: Literal["start", "all", "end"]
     var: Name
     value: StateValue = True
+    at_least: Level | None = None
+    at_most: Level | None = None
+    equals: Level | None = None
 
 
 class Effect(Node):
-    """`var` becomes `value` at the start or the end of the action."""
+    """`var` becomes `value` at the start or the end of the action.
+
+    Of a number variable the level changes by `add`, or becomes `set`.
+    """
 
     at: Literal["start", "end"]
     var: Name
     value: StateValue = True
+    add: Level | None = None
+    set: Level | None = None
+
+    @property
+    def changes_a_level(self) -> bool:
+        """Whether it is about a number variable."""
+        return not self.model_fields_set.isdisjoint(("add", "set"))
 
 
 class Mode(Node):
@@ -95,27 +160,67 @@ Occurs = Annotated[
 ]
 
 
+def _level(raw: Any) -> Any:
+    """A text that is a number as that number; all else as it is, for the field to judge."""
+    if not isinstance(raw, str):
+        return raw
+    try:
+        return level_of(raw)
+    except ValueError:
+        return raw
+
+
 class TimedChange(Node):
     """The world gives a state variable a value by itself, at a time."""
 
     at: Instant
-    value: StateValue
+    value: AnyValue
 
 
 class StateVariable(Node):
     """A variable with several values; without `values`, a boolean that is false at first.
 
+    Of the kind "number" it is an exact number, 0 at first, that stays between `min` and `max`.
     `changes` are timed changes of state: the world changes the variable, whatever the schedule.
     """
 
     id: Name
+    kind: Literal["values", "number"] = "values"
     values: tuple[StateValue, ...] = (False, True)
-    initial: StateValue | None = None
+    initial: AnyValue | None = None
+    min: Level | None = None
+    max: Level | None = None
     changes: tuple[TimedChange, ...] = ()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read_levels(cls, raw: Any) -> Any:
+        """Reads the texts of a number variable as levels: "1/3" is a third."""
+        if not isinstance(raw, dict) or raw.get("kind") != "number":
+            return raw
+        read = {**raw, "initial": _level(raw["initial"])} if "initial" in raw else {**raw}
+        if isinstance(raw.get("changes"), (list, tuple)):
+            read["changes"] = [
+                {**c, "value": _level(c["value"])} if isinstance(c, dict) and "value" in c else c
+                for c in raw["changes"]
+            ]
+        return read
+
     @property
-    def start_value(self) -> StateValue | None:
+    def is_number(self) -> bool:
+        """Whether it is a number variable."""
+        return self.kind == "number"
+
+    def read(self, value: AnyValue) -> AnyValue:
+        """A value of it as it was written elsewhere; a text of a number variable is a level."""
+        level: AnyValue = _level(value) if self.is_number else value
+        return level
+
+    @property
+    def start_value(self) -> StateValue | Number | None:
         """The value before anything happens; None where a multi-valued variable names none."""
+        if self.kind == "number":
+            return 0 if self.initial is None else self.initial
         if self.initial is None and set(self.values) == {False, True}:
             return False
         return self.initial
@@ -149,11 +254,19 @@ class Lapsed(Node):
     repetition: Name | None = None
 
 
-class StateGoal(Node):
-    """A goal: `var` has `value` after the last end."""
+class StateGoal(NumberTest, Node):
+    """A goal: `var` has `value` after the last end, or a number variable is within limits."""
 
     var: Name
     value: StateValue = True
+    at_least: Level | None = None
+    at_most: Level | None = None
+    equals: Level | None = None
+
+    @property
+    def wanted(self) -> StateValue:
+        """What the variable must be, as reports name it: a value, or limits in words."""
+        return limits_text(*self.limits) if self.asks_for_a_level else self.value
 
 
 Goal = Annotated[

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, field_validator
 
-from irc.model.base import Amount, Count, Instant, Name, Node, Span, StateValue
+from irc.model.base import Amount, AnyValue, Count, Instant, Name, Node, Span
 from irc.model.details import Goal, Group, StateVariable
 from irc.model.parts import (
     Action,
@@ -121,7 +121,7 @@ class SetState(Node):
 
     op: Literal["set_state"]
     var: Name
-    value: StateValue = True
+    value: AnyValue = True
 
 
 class AddState(Node):

@@ -45,6 +45,7 @@ class Feature(Enum):
     SETUPS = "set-ups"
     RESERVOIRS = "reservoirs"
     STATE = "state variables"
+    NUMBERS = "number variables"
     TIMED_CHANGES = "timed changes of state"
     CONDITIONS = "conditions"
     EFFECTS = "effects"
@@ -79,7 +80,8 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
         yield from _of_resource(resource, ("resources", i))
     for i, variable in enumerate(task.state):
         name = f"state variable {variable.id!r}"
-        yield FeatureUse(Feature.STATE, ("state", i), name)
+        feature = Feature.NUMBERS if variable.is_number else Feature.STATE
+        yield FeatureUse(feature, ("state", i), name)
         if variable.changes:
             yield FeatureUse(Feature.TIMED_CHANGES, ("state", i, "changes"), name)
     for i, action in enumerate(task.actions):

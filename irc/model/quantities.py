@@ -68,6 +68,22 @@ def shown(text: str) -> str:
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
+def level_of(raw: object) -> Number:
+    """The exact level of a number variable, as it stands in JSON or Python; `ValueError` if none.
+
+    Takes integers, decimals, `Fraction`s, and texts such as "0.25" and "1/3".
+    """
+    from irc.model.times import parse_span
+
+    try:
+        level = None if isinstance(raw, bool) else parse_span(raw)
+    except TimeError:
+        level = None
+    if isinstance(level, (int, Fraction)):
+        return level
+    raise ValueError('expected a number without a unit, such as 40, 2.5 or "1/3"')
+
+
 def from_decimal(value: Decimal) -> Number:
     """The exact value; `TimeError` if it is not finite or has more than `MAX_DIGITS` digits."""
     if not value.is_finite():

@@ -160,7 +160,7 @@ def _holds_raw(node: Node, unit: Fraction) -> bool:
     held = node.__dict__
     for name in node.model_fields_set:  # No default is raw.
         value = held[name]
-        if type(value) is int or type(value) is str:
+        if type(value) is int or type(value) is str or name in _WITHOUT_TIMES:
             continue
         if isinstance(value, tuple):
             if any(isinstance(item, Node) and _holds_raw(item, unit) for item in value):
@@ -168,6 +168,9 @@ def _holds_raw(node: Node, unit: Fraction) -> bool:
         elif _holds_raw(value, unit) if isinstance(value, Node) else _is_raw(value, unit):
             return True
     return False
+
+
+_WITHOUT_TIMES = ("conditions", "effects")
 
 
 def _is_raw(value: Any, unit: Fraction) -> bool:

@@ -28,7 +28,12 @@ def is_world_change(action: Action, clock: Clock) -> bool:
         return False
     (effect,) = action.effects
     duration = action.duration
-    if effect.at != "start" or isinstance(duration, DurationRange) or duration is None:
+    if (
+        effect.at != "start"
+        or effect.add is not None
+        or isinstance(duration, DurationRange)
+        or duration is None
+    ):
         return False
     stem = world_change_id(effect.var, clock.number(action.start))
     return (

@@ -85,7 +85,7 @@ def drop_uncontended(problem: Problem) -> Problem:
     while True:
         load: Counter[int] = Counter()
         for activity in activities:
-            at_once = 2 if problem.variables and activity.details.repeats is not None else 1
+            at_once = 2 if problem.has_state and activity.details.repeats is not None else 1
             for demand in activity.open_demands:
                 for r in demand.alternatives:
                     load[r] += demand.amount * at_once

@@ -54,7 +54,7 @@ def grid_of(problem: Problem) -> Grid:
     Where heads are known they are the floors: they are implied, and on the grid themselves.
     """
     step = gcd(_step(problem), _step_of_setups(problem))
-    if step == 1 or problem.variables:
+    if step == 1 or problem.has_state:
         # (Where ranks cannot tell two happenings apart, state may keep them a tick apart.)
         return EVERY_TICK
     floors = {0}

@@ -30,7 +30,7 @@ def mandatory_part(problem: Problem) -> Projected:
     occurrences = [i for i, a in enumerate(problem.activities) for _ in range(least_occurrences(a))]
     uses = {i: a.uses_in(None) for i, a in enumerate(problem.activities) if a.details.use_modes}
     core, way = restricted(
-        bare, activities=occurrences, uses=uses, groups=(), reservoirs=(), variables=()
+        bare, activities=occurrences, uses=uses, groups=(), reservoirs=(), variables=(), numbers=()
     )
     chains = (Arc(k, k + 1, origin=-1) for k, (i, j) in enumerate(pairwise(occurrences)) if i == j)
     core = replace(

@@ -18,6 +18,10 @@ from irc.problem.problem import (
     Group,
     GroupDeadline,
     Mode,
+    NumberCondition,
+    NumberEffect,
+    NumberGoal,
+    NumberVariable,
     OpenDemand,
     PreviousPlace,
     PreviousPlan,
@@ -32,6 +36,7 @@ from irc.problem.problem import (
     TimedChange,
     Variable,
     Window,
+    together,
 )
 
 __all__ = [
@@ -52,6 +57,10 @@ __all__ = [
     "Group",
     "GroupDeadline",
     "Mode",
+    "NumberCondition",
+    "NumberEffect",
+    "NumberGoal",
+    "NumberVariable",
     "OpenDemand",
     "PreviousPlace",
     "PreviousPlan",
@@ -66,4 +75,5 @@ __all__ = [
     "TimedChange",
     "Variable",
     "Window",
+    "together",
 ]

@@ -25,7 +25,7 @@ def safe_horizon(problem: Problem) -> int:
         if resource.setups is not None and resource.setups.initial is not None:
             floor = max(floor, resource.setups.since + longest_setup)
     # A start waits for a timed change, and an end may have to come a tick after one.
-    floor = max((floor, *(c.at + 1 for v in problem.variables for c in v.changes)))
+    floor = max((floor, *(c.at + 1 for c in problem.timed_changes)))
     for places in (problem.previous.places, *problem.previous.recurring.values()):
         floor = max((floor, *(place.start for place in places if place is not None)))
     from_start = [0] * len(problem.activities)

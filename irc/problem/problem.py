@@ -79,6 +79,60 @@ class Effect(NamedTuple):
     at_end: bool
 
 
+def _is_within(level: int, least: int | None, greatest: int | None) -> bool:
+    return (least is None or level >= least) and (greatest is None or level <= greatest)
+
+
+class NumberCondition(NamedTuple):
+    """The number `number` (index) is within [least, greatest] at the start, throughout, or at the
+    end; None: no limit. `at` is "start", "all" or "end".
+    """
+
+    number: int
+    least: int | None
+    greatest: int | None
+    at: str
+
+    def allows(self, level: int) -> bool:
+        """Whether a level is within the limits."""
+        return _is_within(level, self.least, self.greatest)
+
+
+class NumberEffect(NamedTuple):
+    """The number `number` (index) changes by `amount` at the start or the end, or, if it `sets`,
+    becomes `amount`.
+    """
+
+    number: int
+    amount: int
+    sets: bool
+    at_end: bool
+
+
+def together(effects: Iterable[NumberEffect]) -> tuple[NumberEffect, ...]:
+    """Effects on numbers: all that one end of an activity adds to one is a sum."""
+    found: dict[tuple[int, bool, bool, int], int] = {}
+    for number, amount, sets, at_end in effects:
+        key = number, at_end, sets, amount if sets else 0
+        found[key] = amount if sets else found.get(key, 0) + amount
+    return tuple(
+        NumberEffect(number, amount, sets, at_end)
+        for (number, at_end, sets, _), amount in sorted(found.items())
+    )
+
+
+class NumberGoal(NamedTuple):
+    """In the end the number `number` (index) is within [least, greatest]; None: no limit."""
+
+    number: int
+    least: int | None
+    greatest: int | None
+
+    def allows(self, level: int) -> bool:
+        """Whether a level is within the limits."""
+        return _is_within(level, self.least, self.greatest)
+
+
 class Mode(NamedTuple):
     """One way to carry out an activity; a fixed duration has both the same.
 
@@ -91,6 +145,8 @@ class Mode(NamedTuple):
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()
+    number_conditions: tuple[NumberCondition, ...] = ()
+    number_effects: tuple[NumberEffect, ...] = ()
     cost: int = 0
 
     @property
@@ -140,10 +196,22 @@ class Details:
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()
+    number_conditions: tuple[NumberCondition, ...] = ()
+    number_effects: tuple[NumberEffect, ...] = ()
     due: int | None = None
     weight: int = 1
     reward: int = 0
     cost: int = 0
+
+    @property
+    def touches_state(self) -> bool:
+        """Whether it has conditions or effects, on variables or on numbers, in any mode."""
+        return bool(
+            self.all_conditions
+            or self.all_effects
+            or self.all_number_conditions
+            or self.all_number_effects
+        )
 
     def use_mode(self, use: int) -> int | None:
         """The mode in which a use is held; None: in all."""
@@ -163,6 +231,8 @@ class Details:
             stock=tuple(sorted(self.stock + own.stock)),
             conditions=tuple(sorted({*self.conditions, *own.conditions})),
             effects=tuple(sorted({*self.effects, *own.effects})),
+            number_conditions=(*self.number_conditions, *own.number_conditions),
+            number_effects=together((*self.number_effects, *own.number_effects)),
             cost=self.cost + own.cost,
         )
 
@@ -187,9 +257,19 @@ class Details:
         return self.effects + tuple(e for mode in self.modes for e in mode.effects)
 
     @property
+    def all_number_conditions(self) -> tuple[NumberCondition, ...]:
+        """The conditions on numbers of the activity and of all its modes."""
+        return self.number_conditions + tuple(c for m in self.modes for c in m.number_conditions)
+
+    @property
+    def all_number_effects(self) -> tuple[NumberEffect, ...]:
+        """The effects on numbers of the activity and of all its modes, of which one is chosen."""
+        return self.number_effects + tuple(e for m in self.modes for e in m.number_effects)
+
+    @property
     def touches_world(self) -> bool:
         """Whether it reads or changes state or stock, in any mode."""
-        return bool(self.all_stock or self.all_conditions or self.all_effects)
+        return bool(self.all_stock) or self.touches_state
 
 
 PLAIN = Details()
@@ -389,6 +469,31 @@ class Variable:
 
 
 @dataclass(frozen=True, slots=True)
+class NumberVariable:
+    """A number that stays within [least, greatest] (None: no limit) after every happening.
+
+    Levels are whole: `scale` of them are 1 in the task. `changes` are in the order of time, no two
+    of them at one time; the value of each is the new level.
+    """
+
+    id: str
+    initial: int
+    least: int | None = None
+    greatest: int | None = None
+    scale: int = 1
+    origin: Pointer = ()
+    changes: tuple[TimedChange, ...] = ()
+
+    def allows(self, level: int) -> bool:
+        """Whether a level is within the bounds."""
+        return _is_within(level, self.least, self.greatest)
+
+    def text(self, level: int) -> str:
+        """A level as text for messages, as the task writes it."""
+        return format_number(exact(Fraction(level, self.scale)))
+
+
+@dataclass(frozen=True, slots=True)
 class Group:
     """All of its members (activities) or none; a required one is always there."""
 
@@ -516,7 +621,8 @@ class Problem:
     `activity.uses` and `resources` are those of the task. `activity.open_demands` and `contention`
     are the part of them that is still to be decided, which passes make smaller.
 
-    `goals` are (variable, value) pairs. `required` are the activities that must be present.
+    `goals` are (variable, value) pairs, `number_goals` those on numbers. `required` are the
+    activities that must be present.
     `families` are the names of the families of uses, on which set-ups depend.
     `objectives` are the names of the objectives, in order ("makespan", "tardiness", "reward",
     "cost", "changes", "setup_time", "setup_cost"). `state_precedences` are pairs of activities: by
@@ -532,10 +638,12 @@ class Problem:
     families: tuple[str, ...] = ()
     reservoirs: tuple[Reservoir, ...] = ()
     variables: tuple[Variable, ...] = ()
+    numbers: tuple[NumberVariable, ...] = ()
     arcs: tuple[Arc, ...] = ()
     groups: tuple[Group, ...] = ()
     deadline: int | None = None
     goals: tuple[tuple[int, int], ...] = ()
+    number_goals: tuple[NumberGoal, ...] = ()
     required: tuple[int, ...] = ()
     objectives: tuple[str, ...] = ("makespan",)
     state_precedences: tuple[tuple[int, int], ...] = ()
@@ -589,9 +697,22 @@ class Problem:
     @property
     def is_plain(self) -> bool:
         """Whether every schedule has each activity once, in one way, and no state or stock."""
-        return not (self.groups or self.variables or self.reservoirs) and all(
+        return not (self.groups or self.has_state or self.reservoirs) and all(
             a.details is PLAIN or not _decides(a.details) for a in self.activities
         )
+
+    @property
+    def timed_changes(self) -> Iterator[TimedChange]:
+        """All timed changes, of variables and of numbers."""
+        for variable in self.variables:
+            yield from variable.changes
+        for number in self.numbers:
+            yield from number.changes
+
+    @property
+    def has_state(self) -> bool:
+        """Whether it has state variables or numbers, so that the ranks of happenings count."""
+        return bool(self.variables or self.numbers)
 
     @property
     def has_calendars(self) -> bool:
@@ -614,5 +735,6 @@ def _decides(details: Details) -> bool:
         details.optional
         or details.repeats is not None
         or details.previous_occurrence is not None
-        or bool(details.modes or details.stock or details.conditions or details.effects)
+        or bool(details.modes or details.stock)
+        or details.touches_state
     )

@@ -26,6 +26,8 @@ from irc.problem.problem import (
     Details,
     Effect,
     Group,
+    NumberCondition,
+    NumberEffect,
     PreviousPlace,
     PreviousPlan,
     Problem,
@@ -94,7 +96,13 @@ class Projection:
     pools: Kept
     reservoirs: Kept
     variables: Kept
+    numbers: Kept
     uses: Mapping[int, tuple[int, ...]]
+
+    @property
+    def keeps_the_world(self) -> bool:
+        """Whether every reservoir, variable and number stays."""
+        return self.reservoirs.is_all and self.variables.is_all and self.numbers.is_all
 
     @staticmethod
     def identity(problem: Problem) -> Projection:
@@ -107,6 +115,7 @@ class Projection:
             pools=Kept.of(len(problem.contention.pools)),
             reservoirs=Kept.of(len(problem.reservoirs)),
             variables=Kept.of(len(problem.variables)),
+            numbers=Kept.of(len(problem.numbers)),
             uses={},
         )
 
@@ -162,6 +171,7 @@ def restricted(
     pools: Iterable[int] | None = None,
     reservoirs: Iterable[int] | None = None,
     variables: Iterable[int] | None = None,
+    numbers: Iterable[int] | None = None,
 ) -> Projected:
     """The problem with only these elements (indexes, in the order that they get), and the way back.
 
@@ -183,6 +193,7 @@ def restricted(
         pools=_kept_with(stations, [p.members for p in problem.contention.pools], pools),
         reservoirs=Kept.of(len(problem.reservoirs), reservoirs),
         variables=Kept.of(len(problem.variables), variables),
+        numbers=Kept.of(len(problem.numbers), numbers),
         uses=_kept_uses(problem, own, stations, uses or {}),
     )
     return _project(problem, way), way
@@ -233,10 +244,16 @@ def _project(problem: Problem, way: Projection) -> Problem:
         resources=way.resources.of_each(problem.resources),
         reservoirs=way.reservoirs.of_each(problem.reservoirs),
         variables=way.variables.of_each(problem.variables),
+        numbers=way.numbers.of_each(problem.numbers),
         arcs=_arcs(problem, way),
         groups=tuple(_group(g, own) for g in way.groups.of_each(problem.groups)),
         goals=tuple(
             (way.variables.new[v], value) for v, value in problem.goals if v in way.variables.new
+        ),
+        number_goals=tuple(
+            g._replace(number=way.numbers.new[g.number])
+            for g in problem.number_goals
+            if g.number in way.numbers.new
         ),
         required=own.moved(problem.required),
         state_precedences=_pairs(problem.state_precedences, own),
@@ -286,8 +303,7 @@ def _activities(problem: Problem, way: Projection) -> tuple[Activity, ...]:
         way.activities.is_all
         and way.resources.is_all
         and way.pools.is_all
-        and way.reservoirs.is_all
-        and way.variables.is_all
+        and way.keeps_the_world
         and not way.uses
     ):
         return own
@@ -315,17 +331,21 @@ def _activity(activity: Activity, i: int, way: Projection) -> Activity:
 
 def _details(details: Details, way: Projection) -> Details:
     changed = details
-    if details.touches_world and not (way.reservoirs.is_all and way.variables.is_all):
+    if details.touches_world and not way.keeps_the_world:
         changed = replace(
             changed,
             stock=_stock(details.stock, way.reservoirs),
             conditions=_conditions(details.conditions, way.variables),
             effects=_effects(details.effects, way.variables),
+            number_conditions=_of_numbers(details.number_conditions, way.numbers),
+            number_effects=_of_numbers(details.number_effects, way.numbers),
             modes=tuple(
                 m._replace(
                     stock=_stock(m.stock, way.reservoirs),
                     conditions=_conditions(m.conditions, way.variables),
                     effects=_effects(m.effects, way.variables),
+                    number_conditions=_of_numbers(m.number_conditions, way.numbers),
+                    number_effects=_of_numbers(m.number_effects, way.numbers),
                 )
                 for m in details.modes
             ),
@@ -353,6 +373,16 @@ def _effects(effects: tuple[Effect, ...], variables: Kept) -> tuple[Effect, ...]
     if variables.is_all:
         return effects
     return tuple(e._replace(var=variables.new[e.var]) for e in effects if e.var in variables.new)
+
+
+_OfNumber = TypeVar("_OfNumber", NumberCondition, NumberEffect)
+
+
+def _of_numbers(parts: tuple[_OfNumber, ...], numbers: Kept) -> tuple[_OfNumber, ...]:
+    if numbers.is_all:
+        return parts
+    new = numbers.new
+    return tuple(part._replace(number=new[part.number]) for part in parts if part.number in new)
 
 
 def with_uses(activity: Activity, kept: Sequence[int]) -> Activity:

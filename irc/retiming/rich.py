@@ -15,6 +15,7 @@ from irc.problem.decisions import AnswerError, Decision, Placed, as_decision
 from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, timing_network
 from irc.retiming.calendar import raise_floors
+from irc.retiming.numbers import number_orders
 from irc.retiming.ranks import with_ranks
 from irc.retiming.resources import (
     add_setups,
@@ -71,6 +72,8 @@ def _retime_once(
     timing = timing_network(problem)
     points, network, floors = timing.points, timing.network, timing.floors
     orders = state_orders(problem, decisions, tolerance)
+    if problem.numbers:
+        orders += number_orders(problem, decisions, tolerance)
     orders += [
         HappeningOrder(Happening(before, True), Happening(after, False), strict=False)
         for before, after in resource_orders(problem, moments, chosen, tolerance)

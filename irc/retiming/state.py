@@ -86,7 +86,7 @@ def state_orders(
     orders: list[HappeningOrder] = []
     timelines = [_Timeline() for _ in problem.variables]
     for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
-        if activity.details.conditions or activity.details.effects:
+        if activity.details.touches_state:
             _add_activity(timelines, i, activity, decision)
             if not activity.is_fixed:
                 orders += _own_orders(i, one=is_one_happening(activity, decision))
@@ -147,7 +147,7 @@ class _VariableOrder:
 
     def orders(self) -> Iterator[HappeningOrder]:
         for before, after in zip(self.writes, self.writes[1:], strict=False):
-            yield from _between(before.happening, after.happening, strict=True)
+            yield from between(before.happening, after.happening, strict=True)
         for read in self.timeline.reads:
             yield from self._read(read)
         for hold in self.timeline.holds:
@@ -156,15 +156,15 @@ class _VariableOrder:
     def _read(self, read: _Access) -> Iterator[HappeningOrder]:
         giver = self._giver(bisect_left(self.keys, read.key) - 1, read)
         if giver >= 0:
-            yield from _between(self.writes[giver].happening, read.happening, strict=True)
+            yield from between(self.writes[giver].happening, read.happening, strict=True)
         if giver + 1 < len(self.writes):
-            yield from _between(read.happening, self.writes[giver + 1].happening, strict=True)
+            yield from between(read.happening, self.writes[giver + 1].happening, strict=True)
 
     def _hold(self, hold: _Hold) -> Iterator[HappeningOrder]:
         key, opening = hold.opening
         giver = self._giver(bisect_right(self.keys, key) - 1, _Access(key, opening, hold.value))
         if giver >= 0:
-            yield from _between(self.writes[giver].happening, opening, strict=False)
+            yield from between(self.writes[giver].happening, opening, strict=False)
         change = self.changes[giver]
         if change == len(self.writes):
             return
@@ -175,7 +175,7 @@ class _VariableOrder:
                 f"{self._name(opening)} needs one value of {self.variable.id!r} throughout, "
                 f"which {self._name(breaking.happening)} changes in between"
             )
-        yield from _between(closing, breaking.happening, strict=False)
+        yield from between(closing, breaking.happening, strict=False)
 
     def _giver(self, last: int, need: _Access) -> int:
         """The write that gives the needed value: the last one before it, -1 for the initial value.
@@ -200,7 +200,7 @@ class _VariableOrder:
         return repr(self.problem.activities[happening.activity].id)
 
 
-def _between(before: Happening, after: Happening, *, strict: bool) -> Iterator[HappeningOrder]:
+def between(before: Happening, after: Happening, *, strict: bool) -> Iterator[HappeningOrder]:
     """The order of happenings of two activities; the duration orders those of one activity."""
     if before.activity != after.activity:
         yield HappeningOrder(before, after, strict)

@@ -11,10 +11,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from irc.problem import Activity, Details, Effect, Problem
+from irc.problem import Activity, Details, Effect, NumberEffect, Problem
 from irc.problem.decisions import AnswerError, Decision
 from irc.problem.temporal_network import Network
 from irc.problem.time_points import PointMap
+from irc.retiming.numbers import number_orders, number_suits
 from irc.retiming.state import Happening, HappeningOrder, is_one_happening, state_orders
 
 _Key = tuple[Fraction | int, int]
@@ -23,11 +24,14 @@ _Key = tuple[Fraction | int, int]
 
 @dataclass(frozen=True)
 class ChangeActivity:
-    """The activity of a timed change of the variable `var`, at the tick `at`."""
+    """The activity of a timed change at the tick `at`, of the variable `var` or, where `number`,
+    of the number `var`.
+    """
 
     index: int
     var: int
     at: int
+    number: bool = False
 
 
 def with_change_activities(problem: Problem) -> tuple[Problem, list[ChangeActivity]]:
@@ -42,17 +46,29 @@ def with_change_activities(problem: Problem) -> tuple[Problem, list[ChangeActivi
             details = Details(effects=(Effect(v, value, False),))
             name = f"the timed change of {variable.id}"
             activities.append(Activity(name, 0, 0, start=at, details=details))
+    for k, number in enumerate(problem.numbers):
+        for at, level in number.changes:
+            if problem.deadline is not None and at > problem.deadline:
+                break
+            found.append(ChangeActivity(len(activities), k, at, number=True))
+            details = Details(number_effects=(NumberEffect(k, level, True, False),))
+            name = f"the timed change of {number.id}"
+            activities.append(Activity(name, 0, 0, start=at, details=details))
     if not found:
         return problem, found
     return replace(problem, activities=tuple(activities)), found
 
 
-def _touches(activity: Activity, var: int) -> set[str]:
-    """The times at which an activity reads, holds or changes a variable."""
-    found = {c.at for c in activity.details.conditions if c.var == var}
-    return found | {
-        "end" if e.at_end else "start" for e in activity.details.effects if e.var == var
-    }
+def _touches(activity: Activity, change: ChangeActivity) -> set[str]:
+    """The times at which an activity reads, holds or changes the variable of a change."""
+    var, details = change.var, activity.details
+    if change.number:
+        found = {c.at for c in details.number_conditions if c.number == var}
+        return found | {
+            "end" if e.at_end else "start" for e in details.number_effects if e.number == var
+        }
+    found = {c.at for c in details.conditions if c.var == var}
+    return found | {"end" if e.at_end else "start" for e in details.effects if e.var == var}
 
 
 def in_their_order(
@@ -74,7 +90,7 @@ def in_their_order(
         moments: dict[_Key, None] = {(change.at, -1): None}
         for i in range(len(problem.activities) - len(changes)):
             end, rank = spread[i].end, spread[i].end_rank
-            if _touches(problem.activities[i], change.var) and (
+            if _touches(problem.activities[i], change) and (
                 spread[i].start < change.at <= end <= change.at + tolerance
             ):
                 moments |= {(end, rank - 1): None, (end, rank): None, (end, rank + 1): None}
@@ -95,10 +111,14 @@ def _best_place(
     for time, rank in moments:
         place = Decision(time, time, rank=rank, end_rank=rank)
         decisions[change.index] = place
-        if _suits(problem, decisions, change.var):
+        suits = number_suits if change.number else _suits
+        if suits(problem, decisions, change.var):
             return place
         try:
-            state_orders(problem, decisions, tolerance, only=change.var)
+            if change.number:
+                list(number_orders(problem, decisions, tolerance, only=change.var))
+            else:
+                state_orders(problem, decisions, tolerance, only=change.var)
         except AnswerError as found:
             error = found
         else:
@@ -153,7 +173,7 @@ def change_orders(
     """The orders of changes and of the starts that come after them."""
     for change in changes:
         for i in range(len(problem.activities) - len(changes)):
-            touches = _touches(problem.activities[i], change.var)
+            touches = _touches(problem.activities[i], change)
             if touches and decisions[i].start >= change.at:
                 one = is_one_happening(problem.activities[i], decisions[i])
                 world = Happening(change.index, False)
@@ -173,8 +193,20 @@ def _keep_goals(
     last = max(range(count), key=lambda i: decisions[i].end, default=None)
     if last is None:
         return
-    for var, value in problem.goals:
-        own = [c for c in changes if c.var == var and c.at <= decisions[last].end]
-        if own and problem.activities[own[-1].index].details.effects[0].value == value:
+    goals = {(var, False) for var, _ in problem.goals}
+    goals |= {(goal.number, True) for goal in problem.number_goals}
+    for var, number in sorted(goals):
+        own = [
+            c for c in changes if (c.var, c.number) == (var, number) and c.at <= decisions[last].end
+        ]
+        if own and _brings_about(problem, own[-1]):
             change = points.start[own[-1].index]
             network.add(change, points.end[last], -points.end_offset[last])
+
+
+def _brings_about(problem: Problem, change: ChangeActivity) -> bool:
+    """Whether a goal may rest on a change. (Whatever adds to a number may come after it.)"""
+    details = problem.activities[change.index].details
+    if change.number:
+        return True
+    return any(goal == (change.var, details.effects[0].value) for goal in problem.goals)

@@ -229,11 +229,12 @@ def _changes(
     """The timed changes until the last end, each as an occurrence of an action of its own."""
     last = schedule.makespan
     for variable in task.state:
+        given = "set" if variable.is_number else "value"
         times = {clock.number(change.at): change for change in variable.changes}
         for time, change in sorted(times.items()):
             if time > last:
                 break
-            effect = {"at": "start", "var": variable.id, "value": change.value}
+            effect = {"at": "start", "var": variable.id, given: change.value}
             name = f"the timed change of {variable.id}"
             action = Action.model_validate(
                 {"id": name, "duration": 0, "start": change.at, "effects": [effect]}

@@ -6,17 +6,15 @@ has a time and a rank, and happenings are ordered by (time, rank).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from irc.model.base import StateValue
+from irc.model import Effect
 from irc.model.quantities import Number
 from irc.validation.bound_schedule import BoundSchedule, Occurrence
+from irc.validation.levels import Given, Need, given_by, need_of
 from irc.validation.timing import tight_precedences
-
-Value = StateValue | None
-"""The value of a state variable; None before any effect has given it one."""
 
 Edge = tuple[int, int, int]
 """(a, b, least): the rank of node b is at least that of node a plus `least` (0 or 1)."""
@@ -36,27 +34,34 @@ class Happening(NamedTuple):
     at_end: bool
 
 
-class Access(NamedTuple):
-    """A happening that needs a value just before it, or gives a value."""
+class Read(NamedTuple):
+    """A happening that needs something just before it."""
 
     happening: Happening
-    value: StateValue
+    need: Need
+
+
+class Write(NamedTuple):
+    """A happening that changes the variable."""
+
+    happening: Happening
+    change: Given
 
 
 class Hold(NamedTuple):
-    """A value that must hold from just after one happening to just before another."""
+    """What must hold from just after one happening to just before another."""
 
     opening: Happening
     closing: Happening
-    value: StateValue
+    need: Need
 
 
 @dataclass
 class Timeline:
     """All happenings and holds of one state variable."""
 
-    reads: list[Access] = field(default_factory=list)
-    writes: list[Access] = field(default_factory=list)
+    reads: list[Read] = field(default_factory=list)
+    writes: list[Write] = field(default_factory=list)
     holds: list[Hold] = field(default_factory=list)
 
     @property
@@ -110,19 +115,24 @@ def _add_occurrence(timelines: Timelines, occurrence: Occurrence, nodes: tuple[i
     if start.time == end.time and start.node == end.node:
         end = start
     for condition in occurrence.action.conditions:
-        timeline, value = timelines.by_variable[condition.var], condition.value
+        timeline, need = timelines.by_variable[condition.var], need_of(condition)
         if condition.at == "start" or (end is start and not occurrence.cancelled):
-            timeline.reads.append(Access(start, value))
+            timeline.reads.append(Read(start, need))
         elif condition.at == "end":
             if not occurrence.cancelled:
-                timeline.reads.append(Access(end, value))
+                timeline.reads.append(Read(end, need))
         elif end is not start and start.time <= end.time:
-            timeline.holds.append(Hold(start, end, value))
-    for effect in occurrence.action.effects:
-        if effect.at == "end" and occurrence.cancelled:
-            continue
-        happening = start if effect.at == "start" else end
-        timelines.by_variable[effect.var].writes.append(Access(happening, effect.value))
+            timeline.holds.append(Hold(start, end, need))
+    effects: tuple[Effect, ...] = occurrence.action.effects
+    happenings: list[tuple[Happening, Iterable[Effect]]]
+    if end is start and not occurrence.cancelled:
+        happenings = [(start, effects)]
+    else:
+        ending = () if occurrence.cancelled else [e for e in effects if e.at == "end"]
+        happenings = [(start, [e for e in effects if e.at == "start"]), (end, ending)]
+    for happening, own in happenings:
+        for var, change in given_by(own):
+            timelines.by_variable[var].writes.append(Write(happening, change))
 
 
 def given_ranks(bound: BoundSchedule, timelines: Timelines) -> list[int]:

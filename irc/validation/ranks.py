@@ -26,8 +26,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from irc.validation.bound_schedule import BoundSchedule
-from irc.validation.happenings import Edge, Edges, Timelines, Value, timing_edges
+from irc.validation.happenings import Edge, Edges, Timelines, timing_edges
 from irc.validation.level_clusters import LevelCluster, level_clusters
+from irc.validation.levels import NumberChange, Value, changed, meets
 from irc.validation.past_first import past_first_pairs
 from irc.validation.rank_graph import (
     OutOfSteps,
@@ -199,10 +200,10 @@ class _RankSearch:
             if len(state.order) < len(cluster.writers):
                 return state
             incoming = self._incoming(cluster)
-            last = state.order[-1].value if state.order else incoming
+            last = _after(state.order, incoming)
             if state.plans is None:
                 plans = [slots(item, state.order, incoming) for item in cluster.items]
-                if any(goal != last for goal in cluster.goals):
+                if not all(meets(last, goal) for goal in cluster.goals):
                     plans.append([])
                 state = state._replace(plans=tuple(sorted(plans, key=len)))
             if state.plans is not None and state.placed < len(state.plans):
@@ -239,27 +240,43 @@ class _RankSearch:
         ranks, order = self.graph.ranks, state.order
         if not order and _is_hopeless(cluster, self._incoming(cluster)):
             return
-        value = order[-1].value if order else self._incoming(cluster)
+        value = _after(order, self._incoming(cluster))
         placed = {writer.happening.node for writer in order}
         left = [writer for writer in cluster.writers if writer.happening.node not in placed]
         waiting = {writer.happening.node for writer in left}
         self.graph.budget.charge(len(left))
         for writer in sorted(left, key=lambda w: ranks[w.happening.node]):
             node = writer.happening.node
-            if any(need != value for need in writer.needs):
+            if not all(meets(value, need) for need in writer.needs):
                 continue
+            if cluster.always:
+                self.graph.budget.charge(1)
+                given = changed(value, writer.change)
+                if not all(meets(given, need) for need in cluster.always):
+                    continue
             if self.graph.follows_any(node, waiting):
                 continue
             edges: Edges = ((order[-1].happening.node, node, 1),) if order else ()
             yield edges, state._replace(order=(*order, writer))
 
 
+def _after(order: Sequence[Writer], value: Value) -> Value:
+    """The value after some writers."""
+    if order and not isinstance(order[-1].change, NumberChange):
+        return order[-1].change
+    for writer in order:
+        value = changed(value, writer.change)
+    return value
+
+
 def _is_hopeless(cluster: Cluster, incoming: Value) -> bool:
     """Whether a needed value never occurs, so that no order need be tried."""
-    given: set[Value] = {writer.value for writer in cluster.writers}
+    if any(isinstance(writer.change, NumberChange) for writer in cluster.writers):
+        return False
+    given = {writer.change for writer in cluster.writers}
     ever = given | {incoming}
     needed = [need for writer in cluster.writers for need in writer.needs]
-    needed += [item.value for item in cluster.items if item.kind != "close"]
+    needed += [item.need for item in cluster.items if item.kind != "close"]
     return not ever.issuperset(needed) or not given.issuperset(cluster.goals)
 
 

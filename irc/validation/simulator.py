@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Literal, NamedTuple
 
 from irc.model import StateVariable
 from irc.model.quantities import Number
 from irc.model.state_values import value_text
 from irc.validation.happenings import (
-    Access,
     Happening,
     Hold,
+    Read,
     Timeline,
-    Value,
+    Write,
 )
+from irc.validation.levels import Between, Need, Value, bounds_of, changed, meets
 from irc.validation.state_messages import (
     add_broken,
     add_contradiction,
+    add_out_of_bounds,
     add_unheld,
     add_unmet,
 )
@@ -26,26 +29,26 @@ from irc.validation.verdict import Violations, listed
 
 
 class Demand(NamedTuple):
-    """A value that a happening needs just before it, or just after it and from then on."""
+    """What a happening needs just before it, or just after it and from then on."""
 
     occurrence: int
     at_end: bool
     kind: Literal["before", "from then on"]
-    value: Value
+    need: Need
 
 
 @dataclass
 class _Moment:
     """The reads, writes and holds of one variable at one (time, rank)."""
 
-    reads: list[Access] = field(default_factory=list)
-    writes: list[Access] = field(default_factory=list)
+    reads: list[Read] = field(default_factory=list)
+    writes: list[Write] = field(default_factory=list)
     opening: list[tuple[int, Hold]] = field(default_factory=list)
     closing: list[tuple[int, Hold]] = field(default_factory=list)
 
 
-_Holds = dict[Value, dict[int, Hold]]
-"""Holds that are open, by the value they need and a number."""
+_Holds = dict[Need, dict[int, Hold]]
+"""Holds that are open, by what they need and a number."""
 
 
 class StateSimulator:
@@ -64,6 +67,7 @@ class StateSimulator:
     ) -> None:
         self.name = variable.id
         self.value: Value = variable.start_value
+        self.bounds = bounds_of(variable)
         self.violations = violations
         self.lost = lost
         self.failed: set[Demand] = set()
@@ -78,8 +82,8 @@ class StateSimulator:
         def moment(happening: Happening) -> _Moment:
             return moments.setdefault((happening.time, ranks[happening.node]), _Moment())
 
-        for access in timeline.reads:
-            moment(access.happening).reads.append(access)
+        for read in timeline.reads:
+            moment(read.happening).reads.append(read)
         for access in timeline.writes:
             moment(access.happening).writes.append(access)
         for number, hold in enumerate(timeline.holds):
@@ -93,40 +97,47 @@ class StateSimulator:
         return self.value
 
     def _pass(self, moment: _Moment, rank: int) -> None:
-        for access in moment.reads:
-            if access.value != self.value:
-                carried = self._fail(access.happening, "before", access.value)
+        for read in moment.reads:
+            if not meets(self.value, read.need):
+                carried = self._fail(read.happening, "before", read.need)
                 found = value_text(self.value)
-                add_unmet(self.name, access, found, self.violations, carried=carried)
+                add_unmet(self.name, read, found, self.violations, carried=carried)
         for number, hold in moment.closing:
-            self.held.get(hold.value, {}).pop(number, None)
-            self.damaged.get(hold.value, {}).pop(number, None)
+            self.held.get(hold.need, {}).pop(number, None)
+            self.damaged.get(hold.need, {}).pop(number, None)
         if moment.writes:
             self._check_interference(moment, rank)
             for access in moment.writes:
                 self._write(access)
         for number, hold in moment.opening:
-            if hold.value == self.value:
-                self.held.setdefault(hold.value, {})[number] = hold
+            if meets(self.value, hold.need):
+                self.held.setdefault(hold.need, {})[number] = hold
                 continue
-            carried = self._fail(hold.opening, "from then on", hold.value)
+            carried = self._fail(hold.opening, "from then on", hold.need)
             add_unheld(self.name, hold, value_text(self.value), self.violations, carried=carried)
             if carried:
-                self.damaged.setdefault(hold.value, {})[number] = hold
+                self.damaged.setdefault(hold.need, {})[number] = hold
 
     def _fail(
-        self, happening: Happening, kind: Literal["before", "from then on"], value: Value
+        self, happening: Happening, kind: Literal["before", "from then on"], need: Need
     ) -> bool:
         """Records a demand that is not met; returns whether it is carried."""
-        demand = Demand(happening.occurrence.number, happening.at_end, kind, value)
+        demand = Demand(happening.occurrence.number, happening.at_end, kind, need)
         self.failed.add(demand)
         return demand in self.lost
 
-    def _write(self, access: Access) -> None:
-        broken = _others(self.held, access.value)
-        if access.happening.occurrence.past is None:
+    def _write(self, access: Write) -> None:
+        value = changed(self.value, access.change)
+        broken = _unmet(self.held, value)
+        is_open = access.happening.occurrence.past is None
+        if self.bounds is not None and _leaves(self.bounds, self.value, value, further=is_open):
+            add_out_of_bounds(
+                self.name, access, value, self.bounds, self.violations, carried=not is_open
+            )
+        if is_open:
             # A damaged hold that has its value again must not lose it to an open occurrence.
-            broken |= self.damaged.get(self.value, {}) if self.value != access.value else {}
+            lost = _unmet(self.damaged, value)
+            broken |= {n: h for n, h in lost.items() if meets(self.value, h.need)}
             self._add_broken(access, broken.values(), carried=False)
             _drop(self.damaged, broken)
         else:
@@ -135,22 +146,23 @@ class StateSimulator:
             open_ones = [h for n, h in broken.items() if n not in between_past]
             self._add_broken(access, open_ones, carried=False)
             for number, hold in between_past.items():
-                self.damaged.setdefault(hold.value, {})[number] = hold
+                self.damaged.setdefault(hold.need, {})[number] = hold
         # Each broken hold is reported once, not again at every later change.
         _drop(self.held, broken)
-        self.value = access.value
+        self.value = value
 
-    def _add_broken(self, access: Access, broken: Collection[Hold], *, carried: bool) -> None:
+    def _add_broken(self, access: Write, broken: Collection[Hold], *, carried: bool) -> None:
         if broken:
             add_broken(self.name, access, list(broken), self.violations, carried=carried)
 
     def _check_interference(self, moment: _Moment, rank: int) -> None:
         writers = {access.happening.node: access for access in moment.writes}
         for access in moment.writes:
-            if access.value != writers[access.happening.node].value:
+            if access.change != writers[access.happening.node].change:
                 carried = _all_past([access])
                 add_contradiction(self.name, access, self.violations, carried=carried)
-        parties = writers | {access.happening.node: access for access in moment.reads}
+        parties: dict[int, Read | Write] = {a.happening.node: a for a in moment.reads}
+        parties = {**writers, **parties}
         if len(parties) < 2:
             return
         first = moment.writes[0].happening
@@ -167,15 +179,28 @@ class StateSimulator:
         )
 
 
-def _all_past(accesses: Iterable[Access]) -> bool:
+def _all_past(accesses: Iterable[Read | Write]) -> bool:
     return all(access.happening.occurrence.past for access in accesses)
 
 
-def _others(holds: _Holds, value: Value) -> dict[int, Hold]:
-    """The holds that need another value."""
-    return {n: h for held, own in holds.items() if held != value for n, h in own.items()}
+def _unmet(holds: _Holds, value: Value) -> dict[int, Hold]:
+    """The holds that a value does not suit."""
+    return {n: h for need, own in holds.items() if not meets(value, need) for n, h in own.items()}
+
+
+def _leaves(bounds: Between, old: Value, new: Value, *, further: bool) -> bool:
+    """Whether a change of a number leaves its bounds; `further`: farther than it was before."""
+    if meets(new, bounds):
+        return False
+    if not further or meets(old, bounds) or not isinstance(old, (int, Fraction)):
+        return True
+    beyond = Between(
+        None if bounds.least is None else min(bounds.least, old),
+        None if bounds.greatest is None else max(bounds.greatest, old),
+    )
+    return not meets(new, beyond)
 
 
 def _drop(holds: _Holds, gone: dict[int, Hold]) -> None:
     for number, hold in gone.items():
-        holds.get(hold.value, {}).pop(number, None)
+        holds.get(hold.need, {}).pop(number, None)

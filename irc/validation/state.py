@@ -7,22 +7,22 @@ from dataclasses import replace
 from itertools import combinations
 
 from irc.model import StateGoal, StateVariable
-from irc.model.state_values import value_text
 from irc.validation.bound_schedule import BoundSchedule, Occurrence, bind
 from irc.validation.happenings import (
     Timeline,
     Timelines,
-    Value,
     given_ranks,
     starts_after,
     timelines_of,
     timing_edges,
 )
+from irc.validation.levels import Value, meets, need_of, need_text
 from irc.validation.past_first import check_past_first
 from irc.validation.rank_graph import StepBudget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
 from irc.validation.resources import RankPairs, check_capacity
 from irc.validation.simulator import Demand, StateSimulator
+from irc.validation.simultaneous import is_left_out
 from irc.validation.state_messages import add_unmet_goal
 from irc.validation.stock import check_reservoirs
 from irc.validation.verdict import Violations, listed
@@ -35,8 +35,8 @@ def check_goals(bound: BoundSchedule, violations: Violations) -> None:
     """Checks rule 7 for goals that name an action, and for those that are left out."""
     for goal in dict.fromkeys(bound.task.goals):
         if isinstance(goal, StateGoal):
-            if (goal.var, goal.value) in bound.left_out:
-                what = f"the goal {goal.var!r} = {value_text(goal.value)} is left out"
+            if is_left_out(bound, goal):
+                what = f"the goal {need_text(goal.var, need_of(goal))} is left out"
                 violations.add("goal", what, carried=True)
         elif goal not in bound.done:
             carried = goal in bound.left_out
@@ -86,7 +86,7 @@ def rank_changes(bound: BoundSchedule, timelines: Timelines, ranks: list[int]) -
             timeline = timelines.by_variable[var]
             final = StateSimulator(bound.variables[var], attempt).run(timeline, ranks)
             goals = [g for g in bound.task.goals if isinstance(g, StateGoal) and g.var == var]
-            found = len(attempt.found) + sum(goal.value != final for goal in goals)
+            found = len(attempt.found) + sum(not meets(final, need_of(goal)) for goal in goals)
             if best is None or found < best:
                 best, chosen = found, place
             if not found:
@@ -253,7 +253,7 @@ def _check_state_goals(
     bound: BoundSchedule, final: Mapping[str, Value], violations: Violations
 ) -> None:
     for goal in dict.fromkeys(bound.task.goals):
-        if not isinstance(goal, StateGoal) or (goal.var, goal.value) in bound.left_out:
+        if not isinstance(goal, StateGoal) or is_left_out(bound, goal):
             continue
-        if final[goal.var] != goal.value:
-            add_unmet_goal(goal.var, goal.value, final[goal.var], violations)
+        if not meets(final[goal.var], need_of(goal)):
+            add_unmet_goal(goal.var, need_of(goal), final[goal.var], violations)

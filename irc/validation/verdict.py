@@ -36,6 +36,7 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "reservoir": 5,
         "rank": 6,
         "interference": 6,
+        "bounds": 6,
         "state": 6,
         "goal": 7,
         "undecided": None,

@@ -53,13 +53,15 @@ def whole() -> irc.Task:
     eggs = task.reservoir("eggs", initial=6, min=1, max=12)
     chicken = task.state("chicken", ["raw", "grilled"], initial="raw")
     door = task.state("door", changes={"2026-03-02T10:00:00": True, 300: False})
+    heat = task.number_variable("heat", initial=1, min=-2, max="7/2", changes={"1 h": 2})
     mix = task.action("mix", 10, label="Mix", description="well").uses(
         board, amount=2, family="raw"
     )
     mix.consumes(eggs, 2).release("06:30").cost(2)
     lay = task.action("lay", timedelta(minutes=90)).produces(eggs, 3, at="start").occurs(1, 3)
     grill = task.action("grill").condition(chicken, "raw").condition(door, False, at="all")
-    grill.effect(chicken, "grilled")
+    grill.effect(chicken, "grilled").condition(heat, at_least=0.5, at_most=3).effect(heat, add=-1)
+    grill.condition(heat, at="end", equals=1).effect(heat, at="start", set=2)
     grill.mode("fast", 5).uses(board)
     grill.mode("slow", irc.between(8, "12 min"), label="Slow").one_of(board, "bench", amount=1)
     task.resource("bench")
@@ -72,7 +74,7 @@ def whole() -> irc.Task:
     nap.after(grill, type="finish-finish", min_lag=-1)
     task.precedence("mix", nap, type="start-finish", max_lag=999)
     task.precedence(lay, nap)
-    task.goal((chicken, "grilled"), call)
+    task.goal((chicken, "grilled"), (heat, {"at_least": 2}), call)
     task.event("09:00", id="slow").set_duration(mix, irc.between(12, 13))
     return task
 
@@ -115,6 +117,14 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                     {"at": 300, "value": False},
                 ],
             },
+            {
+                "id": "heat",
+                "kind": "number",
+                "initial": 1,
+                "min": -2,
+                "max": 3.5,
+                "changes": [{"at": "1 h", "value": 2}],
+            },
         ],
         "actions": [
             {
@@ -138,8 +148,14 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                 "conditions": [
                     {"at": "start", "var": "chicken", "value": "raw"},
                     {"at": "all", "var": "door", "value": False},
+                    {"at": "start", "var": "heat", "at_least": 0.5, "at_most": 3},
+                    {"at": "end", "var": "heat", "equals": 1},
                 ],
-                "effects": [{"at": "end", "var": "chicken", "value": "grilled"}],
+                "effects": [
+                    {"at": "end", "var": "chicken", "value": "grilled"},
+                    {"at": "end", "var": "heat", "add": -1},
+                    {"at": "start", "var": "heat", "set": 2},
+                ],
                 "modes": [
                     {"id": "fast", "duration": 5, "uses": [{"resource": "board"}]},
                     {
@@ -191,7 +207,11 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
             },
             {"id": "late", "actions": ["nap"], "deadline": "2026-03-02T13:30:00"},
         ],
-        "goals": [{"var": "chicken", "value": "grilled"}, "call"],
+        "goals": [
+            {"var": "chicken", "value": "grilled"},
+            {"var": "heat", "at_least": 2},
+            "call",
+        ],
         "events": [
             {
                 "at": "2026-03-02T09:00:00",

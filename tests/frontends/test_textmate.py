@@ -134,6 +134,7 @@ def test_every_keyword_of_the_lark_grammar_is_one_of_these() -> None:
     }
     general = {"WORD", "INT", "STRING", "TIME", "JSON", "COMMA", "COLON", "EQUALS", "TIMES"}
     general |= {"PLUS", "MINUS", "ARROW", "DOTS", "OPEN", "CLOSE"}
+    general |= {"AT_LEAST", "AT_MOST", "EXACTLY", "GAINS", "LOSES", "BECOMES"}
     words = {w.upper() for w in STATEMENT_WORDS | CLAUSE_WORDS | {"in"}}
     assert declared - general == words | {*PHRASES.values(), *CHANGE_PHRASES.values()}
 

@@ -8,6 +8,7 @@ from element_laws import Best
 from irc.model import Task
 from oracles.mode_generators import mode_task
 from oracles.state_brute_force import TooLargeError, optimum
+from oracles.state_generators import number_task
 
 
 class TooHardError(Exception):
@@ -23,5 +24,17 @@ def _modes(seed: int) -> tuple[Task, Best]:
     return task, None if best is None else best.vector
 
 
-KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {"modes": _modes}
+def _numbers(seed: int) -> tuple[Task, Best]:
+    task = number_task(seed)
+    try:
+        best = optimum(task, max_situations=100_000)
+    except TooLargeError:
+        raise TooHardError from None
+    return task, None if best is None else best.vector
+
+
+KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
+    "modes": _modes,
+    "numbers": _numbers,
+}
 """For each kind a task by its seed, with the best values of its objectives."""

@@ -35,6 +35,7 @@ EVERYTHING: dict[str, Any] = {
     ],
     "state": [
         {"id": "lit", "initial": True, "changes": [{"at": 7, "value": False}]},
+        {"id": "heat", "kind": "number", "initial": 1, "min": -2, "max": "7/2"},
         {"id": "dough", "values": ["raw", "true", True], "initial": "raw"},
     ],
     "actions": [
@@ -56,8 +57,16 @@ EVERYTHING: dict[str, Any] = {
             "weight": 3,
             "start": "1/3",
             "latest_start": 40,
-            "conditions": [{"at": "all", "var": "lit", "value": False}],
-            "effects": [{"at": "start", "var": "dough", "value": "true"}],
+            "conditions": [
+                {"at": "all", "var": "lit", "value": False},
+                {"at": "start", "var": "heat", "at_least": -1, "at_most": 2.5},
+                {"at": "end", "var": "heat", "equals": "1/3"},
+            ],
+            "effects": [
+                {"at": "start", "var": "dough", "value": "true"},
+                {"at": "start", "var": "heat", "add": -0.5},
+                {"at": "end", "var": "heat", "set": 2},
+            ],
             "reward": 7,
             "cost": -2,
             "on_failure": "resume",
@@ -94,7 +103,13 @@ EVERYTHING: dict[str, Any] = {
             "weight": 2,
         }
     ],
-    "goals": ["cool", {"var": "dough", "value": True}, {"var": "dough", "value": "true"}],
+    "goals": [
+        "cool",
+        {"var": "dough", "value": True},
+        {"var": "dough", "value": "true"},
+        {"var": "heat", "at_least": 0, "at_most": 3},
+        {"var": "heat", "equals": 2},
+    ],
     "objective": ["maximize_reward", "minimize_cost"],
     "events": [
         {
@@ -124,6 +139,7 @@ EVERYTHING: dict[str, Any] = {
                 {"op": "cancel_groups", "groups": ["order 1"]},
                 {"op": "set_goals", "goals": ["cool", {"var": "lit"}]},
                 {"op": "set_state", "var": "lit", "value": False},
+                {"op": "set_state", "var": "heat", "value": -1.5},
                 {"op": "add_state", "state": [{"id": "wet"}]},
                 {"op": "set_objective", "objective": ["minimize_tardiness", "minimize_changes"]},
                 {

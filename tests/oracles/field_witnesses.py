@@ -721,6 +721,81 @@ _STATE = (
     ),
 )
 
+
+def _tank(change: Document, *, asks: Document | None = None, **fields: Any) -> Document:
+    """Filling for 3 changes a tank with 1 in it; a drive of 2 perhaps asks for a level."""
+    drive = {} if asks is None else {"conditions": [{"at": "start", "var": "tank", **asks}]}
+    return _task(
+        _act("fill", 3, effects=[{"at": "end", "var": "tank", **change}]),
+        _act("drive", 2, **drive),
+        state=[{"id": "tank", "kind": "number", "initial": 1, **fields}],
+    )
+
+
+def _burning(change: int, burnt: int, **fields: Any) -> Document:
+    """Filling for 3 changes a tank with 1 in it; a drive of 2 changes it at its start."""
+    document = _tank({"add": change}, **fields)
+    document["actions"][1]["effects"] = [{"at": "start", "var": "tank", "add": burnt}]
+    return document
+
+
+def _filled(**asks: int) -> Document:
+    """A goal on a tank with 1 in it, to which filling for 3 may add 4."""
+    return _task(
+        _act("fill", 3, occurs="optional", effects=[{"at": "end", "var": "tank", "add": 4}]),
+        state=[{"id": "tank", "kind": "number", "initial": 1}],
+        goals=[{"var": "tank", **asks}],
+    )
+
+
+_NUMBERS = (
+    Witness(
+        "Condition.at_least",
+        _tank({"add": 4}, asks={"at_least": 3}),
+        ("actions", 1, "conditions", 0, "at_least"),
+        1,
+        (5,),
+        (3,),
+    ),
+    Witness(
+        "Condition.at_most",
+        _tank({"add": -1}, asks={"at_most": 0}),
+        ("actions", 1, "conditions", 0, "at_most"),
+        1,
+        (5,),
+        (3,),
+    ),
+    Witness(
+        "Condition.equals",
+        _tank({"add": 4}, asks={"equals": 5}),
+        ("actions", 1, "conditions", 0, "equals"),
+        1,
+        (5,),
+        (3,),
+    ),
+    Witness(
+        "Effect.add",
+        _tank({"add": 4}, asks={"at_least": 3}),
+        ("actions", 0, "effects", 0, "add"),
+        1,
+        (5,),
+        None,
+    ),
+    Witness(
+        "Effect.set",
+        _tank({"set": 3}, asks={"at_least": 3}),
+        ("actions", 0, "effects", 0, "set"),
+        "5/2",
+        (5,),
+        None,
+    ),
+    Witness("StateVariable.min", _burning(4, -2, min=0), ("state", 0, "min"), REMOVED, (5,), (3,)),
+    Witness("StateVariable.max", _burning(-1, 1, max=1), ("state", 0, "max"), REMOVED, (5,), (3,)),
+    Witness("StateGoal.at_least", _filled(at_least=2), ("goals", 0, "at_least"), 1, (3,), (0,)),
+    Witness("StateGoal.at_most", _filled(at_most=4), ("goals", 0, "at_most"), 0, (0,), None),
+    Witness("StateGoal.equals", _filled(equals=5), ("goals", 0, "equals"), 1, (3,), (0,)),
+)
+
 _GROUPS = (
     Witness(
         "Group.actions",
@@ -750,4 +825,12 @@ _GROUPS = (
     ),
 )
 
-WITNESSES: tuple[Witness, ...] = (*_TASK, *_RESOURCES, *_ACTIONS, *_PRECEDENCE, *_STATE, *_GROUPS)
+WITNESSES: tuple[Witness, ...] = (
+    *_TASK,
+    *_RESOURCES,
+    *_ACTIONS,
+    *_PRECEDENCE,
+    *_STATE,
+    *_NUMBERS,
+    *_GROUPS,
+)

@@ -9,10 +9,12 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 from irc.model import Task
+from irc.model.canonical import written_task
 
 Document = dict[str, Any]
 
@@ -86,6 +88,95 @@ def state_task(seed: int) -> Task:
         if rng.random() < 0.08:
             action["latest_start"] = rng.randint(0, 9)
     return Task.model_validate({key: part for key, part in document.items() if part})
+
+
+def number_task(seed: int, mix: str | None = None) -> Task:
+    """A random state task (see `state_task`) of fewer actions, which also touch some numbers.
+
+    `mix` is one of `MIXES`; without it the seed picks one.
+    """
+    rng = random.Random(f"numbers {seed}")
+    k = list(MIXES).index(mix) if mix is not None else seed % len(MIXES)
+    document = written_task(state_task(seed * len(MIXES) + k))
+    actions = document["actions"][:5]
+    kept = {action["id"] for action in actions}
+    document["actions"] = actions
+    document["precedence"] = [
+        arc for arc in document.get("precedence", ()) if {arc["before"], arc["after"]} <= kept
+    ]
+    groups = [g for g in document.get("groups", ()) if kept.issuperset(g["actions"])]
+    document["groups"] = groups
+    document["goals"] = [
+        g for g in document.get("goals", ()) if not isinstance(g, str) or g in kept
+    ]
+    if rng.random() < 0.6:
+        # Numbers alone, so that other state does not keep everything apart.
+        document["state"], document["goals"] = [], []
+        for action in actions:
+            action.pop("conditions", None)
+            action.pop("effects", None)
+    numbers = [_draw_number(rng, f"n{i + 1}") for i in range(rng.choice((1, 1, 2)))]
+    document["state"] = [*document.get("state", ()), *numbers]
+    unit = rng.choice((1, 1, 1, Fraction(1, 2)))
+    world = {number["id"]: number["initial"] for number in numbers}
+    for action in sorted(actions, key=lambda action: rng.random()):
+        _draw_levels(rng, action, numbers, world, unit)
+    for name, level in world.items():
+        if rng.random() < 0.4:
+            document["goals"].append({"var": name, **_draw_test(rng, level, unit)})
+    return Task.model_validate({key: part for key, part in document.items() if part})
+
+
+def _draw_number(rng: random.Random, name: str) -> Document:
+    number: Document = {"id": name, "kind": "number", "initial": rng.randint(0, 3)}
+    if rng.random() < 0.7:
+        number["min"] = number["initial"] - rng.randint(0, 3)
+    if rng.random() < 0.6:
+        number["max"] = number["initial"] + rng.randint(0, 3)
+    return number
+
+
+def _draw_test(rng: random.Random, level: Any, unit: Any) -> Document:
+    """A test, which a level mostly meets."""
+    if rng.random() < 0.12:
+        level += unit * rng.choice((-1, 1))
+    kind = rng.choice(("at_least", "at_least", "at_most", "at_most", "equals", "both"))
+    if kind == "both":
+        return {"at_least": level - unit * rng.randint(0, 1), "at_most": level + unit}
+    slack = 0 if kind == "equals" else unit * rng.randint(0, 1)
+    return {kind: level - slack if kind == "at_least" else level + slack}
+
+
+def _draw_levels(
+    rng: random.Random, action: Document, numbers: list[Document], world: dict[str, Any], unit: Any
+) -> None:
+    """Conditions on numbers, and changes of them; `world` becomes what the action leaves behind."""
+    for number in numbers:
+        name = number["id"]
+        part = action
+        if action.get("modes") and "occurs" not in action and rng.random() < 0.5:
+            part = rng.choice(action["modes"])
+        steps = [("ask", "start", 0.3), ("give", "start", 0.3), ("ask", "all", 0.2)]
+        steps += [("ask", "end", 0.1), ("give", "end", 0.45)]
+        level = world[name]
+        for step, at, chance in steps:
+            if rng.random() > chance:
+                continue
+            if step == "ask":
+                condition = {"at": at, "var": name, **_draw_test(rng, level, unit)}
+                part.setdefault("conditions", []).append(condition)
+                continue
+            amount = unit * rng.choice((-2, -1, -1, 1, 1, 2))
+            inside = number.get("min", -99) <= level + amount <= number.get("max", 99)
+            if not inside and rng.random() < 0.85:
+                amount = -amount
+            inside = number.get("min", -99) <= level + amount <= number.get("max", 99)
+            sets = rng.random() < 0.2 and inside
+            effect = {"set": level + amount} if sets else {"add": amount}
+            part.setdefault("effects", []).append({"at": at, "var": name, **effect})
+            level += amount
+        if "occurs" not in action or rng.random() < 0.5:
+            world[name] = level
 
 
 def _draw_world(rng: random.Random, draft: _Draft) -> None:

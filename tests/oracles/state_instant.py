@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, combinations, permutations, product
 
-from oracles.state_task import Fact, Job, Value
+from oracles.state_task import Fact, Given, Job, Value, become, suits, together
 
 Values = tuple[tuple[str, Value], ...]
 Demand = tuple[int, int, int]
@@ -31,7 +31,7 @@ class Happening:
 
     node: int
     reads: frozenset[Fact] = frozenset()
-    writes: frozenset[Fact] = frozenset()
+    writes: frozenset[tuple[str, Given]] = frozenset()
     opens: frozenset[Fact] = frozenset()
     closes: frozenset[Fact] = frozenset()
     follows: int | None = None
@@ -76,16 +76,16 @@ def _conditions(job: Job, *places: str) -> frozenset[Fact]:
     return frozenset((var, value) for at, var, value in job.conditions if at in places)
 
 
-def _effects(job: Job, *places: str) -> frozenset[Fact]:
-    return frozenset((var, value) for at, var, value in job.effects if at in places)
+def _effects(job: Job, *places: str) -> frozenset[tuple[str, Given]]:
+    return together((var, given) for at, var, given in job.effects if at in places)
 
 
 def interfere(one: Happening, two: Happening) -> bool:
     """Whether one changes a variable that the other reads or changes."""
-    return _meets(one.writes, two.reads | two.writes) or _meets(two.writes, one.reads)
+    return _meets(one.writes, (*two.reads, *two.writes)) or _meets(two.writes, one.reads)
 
 
-def _meets(facts: Iterable[Fact], others: Iterable[Fact]) -> bool:
+def _meets(facts: Iterable[tuple[str, object]], others: Iterable[tuple[str, object]]) -> bool:
     return not {var for var, _ in facts}.isdisjoint(var for var, _ in others)
 
 
@@ -183,7 +183,7 @@ class _Play:
         holds: list[frozenset[Fact]],
     ) -> tuple[dict[str, Value], list[frozenset[Fact]]] | None:
         """Values and holds after one more layer; None where something forbids it."""
-        if any(values[var] != value for h in layer for var, value in h.reads):
+        if not all(suits(values[var], value) for h in layer for var, value in h.reads):
             return None
         if any(h.follows == other.node for h in layer for other in left if h is not other):
             return None
@@ -193,14 +193,16 @@ class _Play:
             return None
         following = dict(values)
         for happening in layer:
-            following.update(happening.writes)
+            following |= {var: become(values[var], given) for var, given in happening.writes}
         still = list(holds)
         for happening in layer:
             if happening.closes:
                 still.remove(happening.closes)
             if happening.opens:
                 still.append(happening.opens)
-        kept = all(following[var] == value for facts in (self.held, *still) for var, value in facts)
+        kept = all(
+            suits(following[var], value) for facts in (self.held, *still) for var, value in facts
+        )
         return (following, still) if kept else None
 
     def _must_wait(self, happening: Happening, layer: Sequence[Happening]) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 
-from oracles.state_task import Job, Plain
+from oracles.state_task import Job, Plain, Range
 
 
 def promises(plain: Plain, counts: Sequence[int]) -> bool:
@@ -30,6 +30,8 @@ def promises(plain: Plain, counts: Sequence[int]) -> bool:
 
 def _goals_have_givers(plain: Plain, present: Sequence[Job]) -> bool:
     for var, value in plain.value_goals:
+        if isinstance(value, Range):
+            continue
         given = {v for job in present for _, x, v in job.effects if x == var}
         if value not in given and (given or plain.initial[var] != value):
             return False
@@ -41,13 +43,13 @@ def _conditions_can_be_met(plain: Plain, present: Sequence[Job]) -> bool:
 
     An effect at the start of a job needs only its start conditions, and may serve its others.
     """
-    reached = {(var, value) for var, value in plain.initial.items()}
+    reached: set[tuple[str, object]] = {(var, value) for var, value in plain.initial.items()}
     started: set[str] = set()
     ended: set[str] = set()
     while True:
         before = len(started) + len(ended)
         for job in present:
-            needs = {at: {(x, v) for a, x, v in job.conditions if a == at} for at in _PLACES}
+            needs = {at: _values(job, at) for at in _PLACES}
             if needs["start"] <= reached:
                 started.add(job.id)
                 reached |= {(x, v) for at, x, v in job.effects if at == "start"}
@@ -56,6 +58,11 @@ def _conditions_can_be_met(plain: Plain, present: Sequence[Job]) -> bool:
                 reached |= {(x, v) for at, x, v in job.effects if at == "end"}
         if len(started) + len(ended) == before:
             return len(ended) == len({job.id for job in present})
+
+
+def _values(job: Job, at: str) -> set[tuple[str, object]]:
+    """What a job needs of variables; what it needs of numbers is left out."""
+    return {(x, v) for a, x, v in job.conditions if a == at and not isinstance(v, Range)}
 
 
 _PLACES = ("start", "all", "end")

@@ -11,14 +11,35 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from irc.model import Action, DurationRange, Group, Mode, Resource, StateGoal, Task, Use
 from irc.model.base import StateValue
 from irc.model.quantities import Number, exact
 
-Value = StateValue | None
-Fact = tuple[str, StateValue]
+Value = StateValue | Number | None
+
+
+class Range(NamedTuple):
+    """The levels that a condition on a number allows, both ends included; None: no limit."""
+
+    least: Number | None
+    most: Number | None
+
+
+class Shift(NamedTuple):
+    """A change of a number by an amount."""
+
+    amount: Number
+
+
+Wanted = StateValue | Range
+"""What a condition asks of a variable."""
+
+Given = StateValue | Number | Shift
+"""What an effect gives a variable."""
+
+Fact = tuple[str, Wanted]
 Held = tuple[tuple[str, int], ...]
 """Resources with the amounts held of each, by name."""
 
@@ -59,8 +80,8 @@ class Job:
     weight: int
     reward: int
     cost: int
-    conditions: tuple[tuple[str, str, StateValue], ...]
-    effects: tuple[tuple[str, str, StateValue], ...]
+    conditions: tuple[tuple[str, str, Wanted], ...]
+    effects: tuple[tuple[str, str, Given], ...]
     stock: tuple[tuple[str, int, bool], ...]
     """(reservoir, change of its level, whether at the end)."""
 
@@ -133,6 +154,8 @@ class Plain:
     renewables: dict[str, Renewable]
     stocks: dict[str, Stock]
     initial: dict[str, Value]
+    bounds: tuple[Fact, ...]
+    """What every number keeps at all times."""
     parties: tuple[Party, ...]
     value_goals: tuple[Fact, ...]
     action_goals: frozenset[int]
@@ -206,8 +229,9 @@ class _Reader:
             renewables={r.id: self._renewable(r) for r in renewables},
             stocks={r.id: Stock(r.initial, r.min, r.max) for r in stocks},
             initial={v.id: v.start_value for v in task.state},
+            bounds=tuple((v.id, Range(v.min, v.max)) for v in task.state if v.kind == "number"),
             parties=tuple(self._party(group) for group in self.groups.values()),
-            value_goals=tuple((g.var, g.value) for g in task.goals if isinstance(g, StateGoal)),
+            value_goals=tuple((g.var, _wanted(g)) for g in task.goals if isinstance(g, StateGoal)),
             action_goals=frozenset(
                 self.index[g] for g in task.goals if not isinstance(g, StateGoal)
             ),
@@ -260,8 +284,8 @@ class _Reader:
             weight=1 if action.weight is None else action.weight,
             reward=action.reward or 0,
             cost=action.cost or 0,
-            conditions=tuple((c.at, c.var, c.value) for c in action.conditions),
-            effects=tuple((e.at, e.var, e.value) for e in action.effects),
+            conditions=tuple((c.at, c.var, _wanted(c)) for c in action.conditions),
+            effects=tuple((e.at, e.var, _given(e)) for e in action.effects),
             stock=tuple(stock),
         )
 
@@ -302,6 +326,53 @@ class _Reader:
             self._maybe(group.due),
             1 if group.weight is None else group.weight,
         )
+
+
+def suits(value: Value, wanted: Wanted) -> bool:
+    """Whether a variable's value is what is wanted."""
+    if not isinstance(wanted, Range):
+        return value == wanted
+    assert value is not None
+    assert not isinstance(value, str)
+    low = wanted.least is None or value >= wanted.least
+    return low and (wanted.most is None or value <= wanted.most)
+
+
+def become(value: Value, given: Given) -> Value:
+    """The value after an effect."""
+    if not isinstance(given, Shift):
+        return given
+    assert value is not None
+    assert not isinstance(value, str)
+    return value + given.amount
+
+
+def together(effects: Iterable[tuple[str, Given]]) -> frozenset[tuple[str, Given]]:
+    """The effects of one happening: what it adds to a number counts once, as a sum."""
+    sums: dict[str, Number] = {}
+    found: set[tuple[str, Given]] = set()
+    for var, given in effects:
+        if isinstance(given, Shift):
+            sums[var] = sums.get(var, 0) + given.amount
+        else:
+            found.add((var, given))
+    return frozenset(found | {(var, Shift(amount)) for var, amount in sums.items()})
+
+
+def _wanted(fact: Any) -> Wanted:
+    if fact.equals is not None:
+        return Range(fact.equals, fact.equals)
+    if fact.at_least is None and fact.at_most is None:
+        value: StateValue = fact.value
+        return value
+    return Range(fact.at_least, fact.at_most)
+
+
+def _given(effect: Any) -> Given:
+    if effect.add is not None:
+        return Shift(effect.add)
+    given: Given = effect.value if effect.set is None else effect.set
+    return given
 
 
 def _holdings(uses: Sequence[Use]) -> Iterator[Held]:

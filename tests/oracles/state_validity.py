@@ -13,7 +13,7 @@ from itertools import combinations, permutations
 
 from irc.model import Task
 from irc.schedule import Entry, Schedule
-from oracles.state_task import Arc, Job, Option, Plain, Value, read
+from oracles.state_task import Arc, Job, Option, Plain, Value, become, read, suits, together
 
 Place = tuple[Fraction, int]
 """A time and a rank."""
@@ -261,29 +261,34 @@ def _plays_through(
         readers: dict[str, set[int]] = {}
         writers: dict[str, set[int]] = {}
         following = dict(world)
-        given: dict[str, Value] = {}
+        given: dict[str, object] = {}
         for i, case in enumerate(cases):
             for at, var, value in case.job.conditions:
                 if place in _reading_places(at, starts[i], ends[i]):
                     readers.setdefault(var, set()).add(i)
-                    if world[var] != value:
+                    if not suits(world[var], value):
                         return False
-            for at, var, value in case.job.effects:
-                if place == (starts[i] if at == "start" else ends[i]):
-                    writers.setdefault(var, set()).add(i)
-                    if given.setdefault(var, value) != value:
-                        return False
-                    following[var] = value
+            for var, change in together(
+                (var, value)
+                for at, var, value in case.job.effects
+                if place == (starts[i] if at == "start" else ends[i])
+            ):
+                writers.setdefault(var, set()).add(i)
+                if given.setdefault(var, change) != change:
+                    return False
+                following[var] = become(world[var], change)
         for var, who in writers.items():
             if len(who | readers.get(var, set())) > 1:
                 return False
         world = following
+        if not all(suits(world[var], bounds) for var, bounds in plain.bounds):
+            return False
         for i, case in enumerate(cases):
             if starts[i] <= place < ends[i]:
                 for at, var, value in case.job.conditions:
-                    if at == "all" and world[var] != value:
+                    if at == "all" and not suits(world[var], value):
                         return False
-    return all(world[var] == value for var, value in plain.value_goals)
+    return all(suits(world[var], value) for var, value in plain.value_goals)
 
 
 def _reading_places(at: str, start: Place, end: Place) -> tuple[Place, ...]:

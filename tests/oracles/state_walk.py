@@ -23,7 +23,7 @@ from oracles.state_instant import (
 from oracles.state_levels import Party, combined, hand_over_orders, level_orders
 from oracles.state_ranks import closure, only, ranks
 from oracles.state_relaxation import Windows, occurrences
-from oracles.state_task import Arc, Fact, Option, Plain
+from oracles.state_task import Arc, Fact, Option, Plain, suits
 
 WAITING, OVER = -1, -2
 
@@ -265,7 +265,7 @@ class Walk:
 
     def _finish(self, situation: Situation, now: int, late: int, path: Step | None) -> None:
         values = dict(situation.values)
-        if any(values[var] != value for var, value in self.plain.value_goals):
+        if not all(suits(values[var], value) for var, value in self.plain.value_goals):
             return
         vector = self.worth.vector(now, late)
         if self.incumbent is None or vector < self.incumbent:
@@ -628,7 +628,7 @@ class Walk:
     def _held(self, situation: Situation, due: Sequence[int]) -> frozenset[Fact]:
         """What must hold throughout this tick: for those that neither start nor end in it."""
         running = (i for i, run in enumerate(situation.runs) if run is not None and i not in due)
-        return frozenset(
+        return frozenset(self.plain.bounds) | frozenset(
             (var, value)
             for i in running
             for at, var, value in self.jobs[i].conditions

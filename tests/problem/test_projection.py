@@ -30,6 +30,10 @@ from irc.problem import (
     Effect,
     Group,
     Mode,
+    NumberCondition,
+    NumberEffect,
+    NumberGoal,
+    NumberVariable,
     OpenDemand,
     PreviousPlace,
     PreviousPlan,
@@ -58,6 +62,8 @@ MEANING: dict[type, dict[str, str]] = {
         "resources": f"{OF} resources",
         "reservoirs": f"{OF} reservoirs",
         "variables": f"{OF} variables",
+        "numbers": f"{OF} numbers",
+        "number_goals": "part",
         "arcs": f"{OF} arcs",
         "groups": f"{OF} groups",
         "families": PLAIN,
@@ -93,6 +99,8 @@ MEANING: dict[type, dict[str, str]] = {
         "stock": "part",
         "conditions": "part",
         "effects": "part",
+        "number_conditions": "part",
+        "number_effects": "part",
     },
     Mode: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "cost"), PLAIN),
@@ -106,6 +114,9 @@ MEANING: dict[type, dict[str, str]] = {
     StockChange: {"reservoir": "reservoirs", "amount": PLAIN, "at_end": PLAIN},
     Condition: {"var": "variables", "value": PLAIN, "at": PLAIN},
     Effect: {"var": "variables", "value": PLAIN, "at_end": PLAIN},
+    NumberCondition: {"number": "numbers", "least": PLAIN, "greatest": PLAIN, "at": PLAIN},
+    NumberEffect: {"number": "numbers", "amount": PLAIN, "sets": PLAIN, "at_end": PLAIN},
+    NumberGoal: {"number": "numbers", "least": PLAIN, "greatest": PLAIN},
     Arc: {
         "before": "activities",
         "after": "activities",
@@ -138,6 +149,9 @@ MEANING: dict[type, dict[str, str]] = {
             Setups: ("table", "initial", "since", "settled"),
             Setup: ("time", "cost"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
+            NumberVariable: (
+                *("id", "initial", "least", "greatest", "scale", "origin", "changes"),
+            ),
             Variable: ("id", "values", "initial", "origin", "changes"),
         }.items()
     },
@@ -181,7 +195,7 @@ def test_each_type_that_a_problem_is_made_of_is_known() -> None:
 
 def random_problem(rng: random.Random) -> Problem:
     """No sensible task: only the numbers are right, and each field has some."""
-    n, resources, pools, reservoirs, variables = 7, 4, 5, 3, 3
+    n, resources, pools, reservoirs, variables, numbers = 7, 4, 5, 3, 3, 3
     activities = tuple(random_activity(rng, i, n, resources, pools) for i in range(n))
     return Problem(
         name="task",
@@ -196,6 +210,7 @@ def random_problem(rng: random.Random) -> Problem:
         ),
         reservoirs=tuple(Reservoir(f"s{k}", k) for k in range(reservoirs)),
         variables=tuple(Variable(f"v{k}", ("a", "b"), k % 2) for k in range(variables)),
+        numbers=tuple(NumberVariable(f"n{k}", k) for k in range(numbers)),
         arcs=tuple(
             Arc(rng.randrange(n), rng.randrange(n), min_lag=k, origin=k) for k in range(2 * n)
         ),
@@ -204,6 +219,7 @@ def random_problem(rng: random.Random) -> Problem:
         ),
         deadline=99,
         goals=tuple((rng.randrange(variables), k % 2) for k in range(4)),
+        number_goals=tuple(NumberGoal(rng.randrange(numbers), k, None) for k in range(4)),
         required=tuple(sorted(rng.sample(range(n), 3))),
         state_precedences=tuple((rng.randrange(n), rng.randrange(n)) for _ in range(5)),
         contention=Contention(
@@ -260,6 +276,12 @@ def random_activity(rng: random.Random, i: int, n: int, resources: int, pools: i
             stock=tuple(StockChange(rng.randrange(3), k, k % 2 == 0) for k in range(3)),
             conditions=tuple(Condition(rng.randrange(3), k % 2, "all") for k in range(3)),
             effects=tuple(Effect(rng.randrange(3), k % 2, k > 1) for k in range(3)),
+            number_conditions=tuple(
+                NumberCondition(rng.randrange(3), k, None, "all") for k in range(3)
+            ),
+            number_effects=tuple(
+                NumberEffect(rng.randrange(3), k, k == 2, k > 1) for k in range(3)
+            ),
             reward=i,
         ),
     )
@@ -287,6 +309,7 @@ class Names:
                 "resources": problem.resources,
                 "reservoirs": problem.reservoirs,
                 "variables": problem.variables,
+                "numbers": problem.numbers,
                 "arcs": problem.arcs,
                 "groups": problem.groups,
                 "pools": problem.contention.pools,
@@ -362,6 +385,8 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
                     ("reservoirs", d.stock),
                     ("variables", d.conditions),
                     ("variables", d.effects),
+                    ("numbers", d.number_conditions),
+                    ("numbers", d.number_effects),
                 )
                 for c in parts
                 if (found := refs(kind, [c[0]]))
@@ -374,6 +399,7 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
         "plain": replace(
             problem,
             **{k: () for k, meaning in MEANING[Problem].items() if meaning not in (PLAIN, "part")},
+            number_goals=(),
             contention=Contention(),
             bounds=Bounds(makespan=bounds.makespan),
             previous=PreviousPlan(stability=plan.stability),
@@ -385,6 +411,7 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
                 ("resources", problem.resources),
                 ("reservoirs", problem.reservoirs),
                 ("variables", problem.variables),
+                ("numbers", problem.numbers),
             )
         },
         "arcs": {
@@ -399,6 +426,11 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
             if keeps(names.of("groups", k)) and (members := refs("activities", group.members))
         },
         "goals": [(v, value) for i, value in problem.goals if (v := refs("variables", [i]))],
+        "number goals": [
+            (found, goal[1:])
+            for goal in problem.number_goals
+            if (found := refs("numbers", [goal.number]))
+        ],
         "required": refs("activities", problem.required),
         "state_precedences": [
             ends for pair in problem.state_precedences if len(ends := refs("activities", pair)) == 2
@@ -426,7 +458,7 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
 
 # --- the tests -----------------------------------------------------------------------------------
 
-KINDS = ("activities", "arcs", "groups", "resources", "pools", "reservoirs", "variables")
+KINDS = ("activities", "arcs", "groups", "resources", "pools", "reservoirs", "variables", "numbers")
 
 
 def sizes(problem: Problem) -> dict[str, int]:

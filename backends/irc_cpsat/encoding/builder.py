@@ -98,7 +98,7 @@ class Builder:
         self.hints = hints
         self.hint = found if hints else None
         self.model = cp_model.CpModel()
-        self.ranked = bool(problem.variables)
+        self.ranked = problem.has_state
         self.rank_count = _rank_count(problem)
         self.safe_horizon = safe_horizon(problem) if horizon is None else horizon
         self.horizon = _tightened(
@@ -184,12 +184,12 @@ def name_of(activity: Activity) -> str:
 def _rank_count(problem: Problem) -> int:
     """The number of ranks that is enough: one for each happening that can have its own, behind
     those that are known."""
-    if not problem.variables:
+    if not problem.has_state:
         return 1
     known = [rank for a in problem.activities for rank in a.details.ranks or () if rank is not None]
     known += [a.details.not_before[1] for a in problem.activities if a.details.not_before]
     free = sum(1 if a.is_fixed else 2 for a in problem.activities)
-    free += sum(len(variable.changes) for variable in problem.variables)
+    free += sum(1 for _ in problem.timed_changes)
     return 1 + free + max(known, default=0)
 
 

@@ -15,7 +15,9 @@ from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc_cpsat.encoding.activities import add_activities
 from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.happenings import Happenings
 from irc_cpsat.encoding.hints import add_hints
+from irc_cpsat.encoding.numbers import add_numbers
 from irc_cpsat.encoding.objectives import add_makespan, add_objective, values_of
 from irc_cpsat.encoding.occurrences import FILE_DEPTH, add_occurrences
 from irc_cpsat.encoding.overflow import refuse_overflow
@@ -59,7 +61,10 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     if builder.bounds:
         add_pools(builder)
     add_reservoirs(builder)
-    add_state(builder)
+    if builder.problem.has_state:
+        happenings = Happenings(builder)
+        add_state(builder, happenings)
+        add_numbers(builder, happenings)
     makespan = add_makespan(builder)
     if builder.bounds:
         add_energy(builder, makespan)

@@ -18,7 +18,7 @@ def greatest_horizon(problem: Problem) -> int:
     (It counts more ranks and places than a model has, so that none need be built to know it.)
     """
     happenings = 2 * len(problem.activities) + 1
-    ranks = happenings if problem.variables else 1
+    ranks = happenings if problem.has_state else 1
     places = happenings if problem.reservoirs else 1
     return MAX_SUM // (_MARGIN * ranks * places * happenings) - 1
 
@@ -37,6 +37,7 @@ def refuse_overflow(problem: Problem, horizon: int, rank_count: int) -> None:
     _refuse_weights(problem, horizon, times)
     _refuse_reward_and_cost(problem)
     _refuse_stock(problem)
+    _refuse_numbers(problem)
 
 
 def _refuse_capacities(problem: Problem, horizon: int, times: int) -> None:
@@ -87,4 +88,24 @@ def _refuse_stock(problem: Problem) -> None:
             raise Refusal(
                 f"the amounts of reservoir {reservoir.id!r} are beyond CP-SAT's 64-bit sums",
                 reservoir.origin,
+            )
+
+
+def _refuse_numbers(problem: Problem) -> None:
+    moved = [abs(n.initial) + abs(n.least or 0) + abs(n.greatest or 0) for n in problem.numbers]
+    for k, number in enumerate(problem.numbers):
+        moved[k] += sum(abs(change.value) for change in number.changes)
+    for activity in problem.activities:
+        for effect in activity.details.all_number_effects:
+            moved[effect.number] += abs(effect.amount)
+        for condition in activity.details.all_number_conditions:
+            moved[condition.number] += abs(condition.least or 0) + abs(condition.greatest or 0)
+    for goal in problem.number_goals:
+        moved[goal.number] += abs(goal.least or 0) + abs(goal.greatest or 0)
+    for number, amount in zip(problem.numbers, moved, strict=True):
+        if _MARGIN * amount >= MAX_SUM:
+            raise Refusal(
+                f"the levels of number variable {number.id!r} are beyond CP-SAT's 64-bit sums",
+                number.origin,
+                hint="count it in larger units, or round its levels",
             )

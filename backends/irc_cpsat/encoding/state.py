@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from irc.problem import Condition, Effect
 from irc_cpsat.encoding.builder import Builder, Literal
+from irc_cpsat.encoding.happenings import Happenings
 
 _BEFORE_ALL = -1
 """The moment of the initial values."""
@@ -53,11 +54,11 @@ class _Need(NamedTuple):
     when: tuple[Any, ...] = ()
 
 
-def add_state(builder: Builder) -> None:
+def add_state(builder: Builder, happenings: Happenings) -> None:
     """Adds every variable's effects, conditions and goals."""
     if not builder.problem.variables:
         return
-    encoder = _StateEncoder(builder)
+    encoder = _StateEncoder(builder, happenings)
     for v in range(len(builder.problem.variables)):
         encoder.add_variable(v)
 
@@ -65,13 +66,11 @@ def add_state(builder: Builder) -> None:
 class _StateEncoder:
     """Adds variables one by one; happenings and literals that they share are made once."""
 
-    def __init__(self, builder: Builder) -> None:
-        self.builder = builder
+    def __init__(self, builder: Builder, happenings: Happenings) -> None:
+        self.builder, self.happenings = builder, happenings
         self.model = builder.model
         self.problem = builder.problem
         self.last = (builder.horizon + 1) * builder.rank_count
-        self.stretched: dict[int, Literal] = {}
-        self.last_end: Any = None
         self.effects: list[list[_Effect]] = [[] for _ in self.problem.variables]
         self.conditions: list[list[tuple[_Need, str]]] = [[] for _ in self.problem.variables]
         for i, activity in enumerate(self.problem.activities):
@@ -103,41 +102,6 @@ class _StateEncoder:
             elif var == v:
                 self._add_goal(value, owners)
 
-    # --- happenings ---
-
-    def _point(self, i: int, *, at_end: bool) -> Any:
-        """A variable for the moment of a happening (intervals take one variable, not two)."""
-        if self.problem.activities[i].is_fixed:
-            start = self._variable(i, at_end=False)
-            if not at_end:
-                return start
-            return start + self.problem.activities[i].duration_min * self.builder.rank_count
-        return self._variable(i, at_end=at_end)
-
-    def _variable(self, i: int, *, at_end: bool) -> Any:
-        return self.builder.point(i, at_end=at_end)
-
-    def _one_happening(self, i: int) -> bool | None:
-        """Whether start and end are one happening; None where that is open."""
-        activity = self.problem.activities[i]
-        if activity.duration_min > 0:
-            return False
-        return True if activity.duration_max == 0 else None
-
-    def _is_stretched(self, i: int) -> Literal:
-        """A literal that says that start and end are two happenings."""
-        if i not in self.stretched:
-            literal = self.model.new_bool_var("")
-            start, end = self._point(i, at_end=False), self._point(i, at_end=True)
-            self.model.add(end >= start + 1).only_enforce_if(literal)
-            self.model.add(end == start).only_enforce_if(~literal)
-            self.stretched[i] = literal
-        return self.stretched[i]
-
-    def _carried_out(self, i: int, mode: int | None) -> Literal | None:
-        """A literal that says that an activity is present, in a mode; None where it always is."""
-        return self.builder.present[i] if mode is None else self.builder.modes[i][mode]
-
     # --- effects ---
 
     def _owners(self, v: int) -> list[_Owner]:
@@ -149,7 +113,7 @@ class _StateEncoder:
         ]
         for effect in self._distinct_effects(v):
             i, value, at_end, mode = effect
-            start = self._point(i, at_end=at_end)
+            start = self.happenings.point(i, at_end=at_end)
             size = self.model.new_int_var(1, 3 * self.last + 2, "")
             end = self.model.new_int_var(0, 3 * self.last + 2, "")
             literal = self._effect_literal(effect, v)
@@ -169,9 +133,7 @@ class _StateEncoder:
 
     def _change_owner(self, v: int, at: int, value: int, intervals: list[Any]) -> _Owner:
         """The owner of a timed change: before all starts of its instant that touch the variable."""
-        count = self.builder.rank_count
-        first = at * count
-        start = self.model.new_int_var(first, first + count - 1, "")
+        start = self.happenings.change(at)
         size = self.model.new_int_var(1, 3 * self.last + 2, "")
         end = self.model.new_int_var(0, 3 * self.last + 2, "")
         name = f"{self.problem.variables[v].id} at {at}"
@@ -180,37 +142,13 @@ class _StateEncoder:
         touching |= {(need.activity, need.mode) for need, _ in self.conditions[v]}
         for i, mode in sorted(touching, key=lambda t: (t[0], -1 if t[1] is None else t[1])):
             if mode is None or (i, None) not in touching:
-                self._start_around(i, mode, first, start)
+                literal = self.happenings.carried_out(i, mode)
+                self.happenings.start_around(i, () if literal is None else (literal,), at, start)
         return _Owner(None, value, False, start, end, None)
-
-    def _start_around(self, i: int, mode: int | None, first: int, change: Any) -> None:
-        """An activity starts before the instant of a change, or no earlier than the change."""
-        opening = self._point(i, at_end=False)
-        early = self.model.new_bool_var("")
-        late = self.model.new_bool_var("")
-        self.model.add(opening < first).only_enforce_if(early)
-        self.model.add(opening >= change).only_enforce_if(late)
-        present = self._carried_out(i, mode)
-        self.model.add_bool_or([early, late, *([] if present is None else [~present])])
-
-    def _end_of_all(self) -> Any:
-        """The moment behind everything that happens at the last end."""
-        if self.last_end is None:
-            ends: list[Any] = [0]
-            for i, present in enumerate(self.builder.present):
-                end = self.model.new_int_var(0, self.builder.horizon, "")
-                self.builder.enforced(self.model.add(end == self.builder.end(i)), i)
-                if present is not None:
-                    self.model.add(end == 0).only_enforce_if(~present)
-                ends.append(end)
-            time = self.model.new_int_var(0, self.builder.horizon, "")
-            self.model.add_max_equality(time, ends)
-            self.last_end = (time + 1) * self.builder.rank_count
-        return self.last_end
 
     def _add_goal_in_time(self, value: int, owners: Sequence[_Owner]) -> None:
         """A goal on a variable that the world changes: later changes do not count."""
-        until = self._end_of_all()
+        until = self.happenings.end_of_all()
         supporters = []
         for owner in owners:
             if owner.value != value:
@@ -230,7 +168,7 @@ class _StateEncoder:
         def is_repeated(effect: _Effect) -> bool:
             if effect.mode is not None and effect._replace(mode=None) in given:
                 return True
-            if not effect.at_end or self._one_happening(effect.activity) is not True:
+            if not effect.at_end or self.happenings.one_happening(effect.activity) is not True:
                 return False
             first = effect._replace(at_end=False)
             return first in given or first._replace(mode=None) in given
@@ -240,19 +178,19 @@ class _StateEncoder:
     def _effect_literal(self, effect: _Effect, v: int) -> Literal | None:
         """A literal that says that an effect happens, and not as one with the start's."""
         i, value, at_end, mode = effect
-        literal = self._carried_out(i, mode)
-        one = self._one_happening(i)
+        literal = self.happenings.carried_out(i, mode)
+        one = self.happenings.one_happening(i)
         if not at_end or one is False:
             return literal
         for other in self.effects[v]:
             if (other.activity, other.value, other.at_end) != (i, value, False):
                 continue
             if other.mode is None or other.mode == mode:
-                own: Any = self._is_stretched(i)
+                own: Any = self.happenings.is_stretched(i)
             elif mode is None:
                 own = ~self.builder.modes[i][other.mode]
                 if one is None:
-                    own = self._either(own, self._is_stretched(i))
+                    own = self._either(own, self.happenings.is_stretched(i))
             else:
                 continue
             literal = own if literal is None else self.builder.both(own, literal)
@@ -271,19 +209,19 @@ class _StateEncoder:
         if at != "all":
             self._add_read(need, at == "end", owners)
             return
-        one = self._one_happening(need.activity)
+        one = self.happenings.one_happening(need.activity)
         if one is True:
             self._add_read(need, False, owners)
         elif one is False:
             self._add_hold(need, owners)
         else:
-            stretched = self._is_stretched(need.activity)
+            stretched = self.happenings.is_stretched(need.activity)
             self._add_read(need._replace(when=(~stretched,)), False, owners)
             self._add_hold(need._replace(when=(stretched,)), owners)
 
     def _add_read(self, need: _Need, at_end: bool, owners: Sequence[_Owner]) -> None:
         """The variable has the value just before a happening, and no other change is at it."""
-        point = self._point(need.activity, at_end=at_end)
+        point = self.happenings.point(need.activity, at_end=at_end)
         changing = self._own_changes(need, at_end, owners)
         for owner, chosen in self._supporters(need, owners):
             self.model.add(owner.start + 1 <= point).only_enforce_if(chosen)
@@ -307,7 +245,7 @@ class _StateEncoder:
         None where it always does.
         """
         i = need.activity
-        one = self._one_happening(i)
+        one = self.happenings.one_happening(i)
         found: list[Any] = []
         for own in owners:
             if own.activity != i or (one is False and own.at_end != at_end):
@@ -317,7 +255,7 @@ class _StateEncoder:
             if not always and own.mode is not None:
                 literals.append(self.builder.modes[i][own.mode])
             if own.at_end != at_end and one is None:
-                literals.append(~self._is_stretched(i))
+                literals.append(~self.happenings.is_stretched(i))
             if not literals:
                 return None
             found.append(literals[0] if len(literals) == 1 else self.builder.both(*literals))
@@ -326,7 +264,7 @@ class _StateEncoder:
     def _add_hold(self, need: _Need, owners: Sequence[_Owner]) -> None:
         """From just after the start to just before the end; the same value may be given again."""
         i, value = need.activity, need.value
-        start, end = self._point(i, at_end=False), self._point(i, at_end=True)
+        start, end = self.happenings.point(i, at_end=False), self.happenings.point(i, at_end=True)
         alone = sum(o.value == value for o in owners) == 1
         for owner, chosen in self._supporters(need, owners):
             self.model.add(owner.start <= start).only_enforce_if(chosen)
@@ -353,7 +291,7 @@ class _StateEncoder:
 
     def _unneeded(self, need: _Need) -> list[Any]:
         """Literals of which one is true where a condition does not bind."""
-        present = self._carried_out(need.activity, need.mode)
+        present = self.happenings.carried_out(need.activity, need.mode)
         return [*([] if present is None else [~present]), *(~literal for literal in need.when)]
 
     def _add_goal(self, value: int, owners: Sequence[_Owner]) -> None:

@@ -112,7 +112,7 @@ class DeepeningSearch:
             parameters.max_memory_in_mb = options.memory_limit
         if options.workers is not None:
             parameters.num_workers = options.workers
-        elif self.problem.variables:
+        elif self.problem.has_state:
             parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
         if budget.is_cancelled:
             return cp_model.UNKNOWN, solver

@@ -58,7 +58,7 @@ def time_scale(
         or _has_calendar(problem, a)
         for i, a in enumerate(problem.activities)
     )
-    closings += sum(len(variable.changes) for variable in problem.variables)
+    closings += sum(1 for _ in problem.timed_changes)
     if shortened:
         # Every action is one, and times are rounded to the nearest tick.
         closings = 2 * (closings + len(problem.activities))

@@ -223,6 +223,17 @@ class Builder:
         self.put_field(element, "var", name(part(node, "name")), at)
         if (said := part(node, "value")) is not None:
             self.put_field(element, "value", nodes.value(said), at)
+        if (test := part(node, "test")) is not None:
+            for word, level in zip(test.children[::2], test.children[1::2], strict=True):
+                self.put_field(element, _TESTS[kind(word)], nodes.time(level), at, word)
+        if (change := part(node, "change_of_level")) is not None:
+            word, level = change.children
+            found = nodes.time(level)
+            if kind(word) == "BECOMES":
+                self.put_field(element, "set", found, at, word)
+            else:
+                amount = _negated(found) if kind(word) == "LOSES" else found
+                self.put_field(element, "add", amount, at, word)
 
     def _occurs(self, element: Element, clause: Any, at: Pointer) -> None:
         key, *rest = [child for child in clause.children if child is not None]
@@ -450,20 +461,26 @@ class Builder:
 
     def state(self, tree: Any, sink: Sink) -> None:
         """Adds state variables: `state lit`; `state chicken = raw, grilled initial raw`."""
-        values, initial = part(tree, "values"), part(tree, "value")
+        values, initial = part(tree, "values"), part(tree, "value", "level")
+        is_number = values is not None and _says_number(values)
         for found in names(part(tree, "names")):
             at = sink.next("state")
             element: Element = {"id": found.value}
             self.mark((*at, "id"), found.start, found.end)
             self.mark(at, found.start, found.end)
-            if values is not None:
+            if is_number:
+                self.put_field(element, "kind", Placed("number", *span(values)), at)
+            elif values is not None:
                 listed = [nodes.value(v) for v in parts(values, "value")]
                 element["values"] = [v.value for v in listed]
                 self.mark_node((*at, "values"), values)
                 for i, v in enumerate(listed):
                     self.mark((*at, "values", i), v.start, v.end)
             if initial is not None:
-                self.put_field(element, "initial", nodes.value(initial), at, part(tree, "INITIAL"))
+                found_value = _state_value(initial)
+                self.put_field(element, "initial", found_value, at, part(tree, "INITIAL"))
+            if (word := part(tree, "WITHIN")) is not None:
+                self._bounds(element, tree, word, at)
             changes = parts(tree, "state_change")
             if changes:
                 place = (*at, "changes")
@@ -473,6 +490,15 @@ class Builder:
                 self.mark(place, *nodes.span(changes[0]))
             sink.put("state", element)
 
+    def _bounds(self, element: Element, tree: Any, word: Any, at: Pointer) -> None:
+        place = tree.children.index(word)
+        low, _, high = tree.children[place + 1 : place + 4]
+        for bound, node in (("min", low), ("max", high)):
+            if node is not None:
+                self.put_field(element, bound, nodes.time(node), at, word)
+        if low is None and high is None:
+            raise Fault(Code.DSL_SYNTAX, "expected a number beside `..`", *span(word))
+
     def _state_change(self, tree: Any, at: Pointer, number: int) -> Element:
         """A timed change of state: `changes to false at 10`."""
         change: Element = {}
@@ -480,7 +506,7 @@ class Builder:
         self.mark_node(place, tree)
         word = part(tree, "CHANGES_TO")
         self.put_field(change, "at", nodes.time(tree.children[-1]), place, part(tree, "AT"))
-        self.put_field(change, "value", nodes.value(part(tree, "value")), place, word)
+        self.put_field(change, "value", _state_value(part(tree, "value", "level")), place, word)
         return change
 
     def group(self, tree: Any, sink: Sink) -> None:
@@ -511,7 +537,7 @@ class Builder:
 
     def _goal(self, node: Any, at: Pointer) -> Any:
         self.mark_node(at, node)
-        if part(node, "value") is None:
+        if part(node, "value", "test") is None:
             return name(part(node, "name")).value
         goal: Element = {}
         self.fact(goal, node, at)
@@ -531,6 +557,33 @@ class Builder:
             found.append(said)
         self.mark_node(at, tree)
         return found
+
+
+_TESTS = {"AT_LEAST": "at_least", "AT_MOST": "at_most", "EXACTLY": "equals"}
+
+
+def _says_number(values: Any) -> bool:
+    """Whether a list of values is the unquoted word `number`."""
+    listed = parts(values, "value")
+    if len(listed) != 1 or kind(listed[0].children[0]) == "STRING":
+        return False
+    return bool(nodes.value(listed[0]).value == "number")
+
+
+def _state_value(node: Any) -> Placed:
+    """A value, or a level of a number variable: `raw`, `40`, `-2.5`."""
+    if kind(node) == "value":
+        return nodes.value(node)
+    first, last = node.children[0], node.children[-1]
+    found = nodes.time(last, negative=kind(first) == "MINUS")
+    return Placed(found.value, *span(node))
+
+
+def _negated(found: Placed) -> Placed:
+    if isinstance(found.value, int):
+        return Placed(-found.value, found.start, found.end)
+    text = found.value[1:] if found.value.startswith("-") else f"-{found.value}"
+    return Placed(text, found.start, found.end)
 
 
 _POINT_FIELDS = {"STARTS_AT": "start", "STARTS_BY": "latest_start"}

@@ -12,6 +12,7 @@ from irc.frontends.dsl.build import Builder
 from irc.frontends.dsl.document_parts import Element, Sink
 from irc.frontends.dsl.faults import Fault
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
+from irc.model.quantities import level_of
 
 ADDED = {
     "actions": "add_actions",
@@ -161,8 +162,33 @@ def _state(builder: Builder, tree: Any, at: Pointer) -> Element:
             *span(moment),
             "remove it",
         )
+    if (test := part(fact, "test")) is not None:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            "a change of a number says its level",
+            *span(test),
+            "write it with `:=`, as in `set state fuel := 10`",
+        )
     builder.fact(element, fact, at)
+    if "add" in element:
+        raise Fault(
+            Code.DSL_SYNTAX,
+            "an event sets a number; it does not add to it",
+            *span(fact),
+            "write the new level with `:=`, as in `set state fuel := 10`",
+        )
+    if "set" in element:
+        element["value"] = _level(element.pop("set"), fact)
+        builder.mark_node((*at, "value"), fact)
     return element
+
+
+def _level(said: Any, fact: Any) -> Any:
+    """The number that a level of a number variable is."""
+    try:
+        return level_of(said)
+    except ValueError as error:
+        raise Fault(Code.DSL_SYNTAX, str(error), *span(fact)) from None
 
 
 def _objective(builder: Builder, tree: Any, at: Pointer) -> Element:

@@ -21,7 +21,11 @@ _MOST_BLANK_LINES = 2
 _WIDEST_COLUMN = 44
 """Longer names are not put into columns."""
 
-_SPELLED = {"ARROW": "->", "DOTS": "..", "TIMES": "*", "MINUS": "-"}
+_SPELLED = {"ARROW": "->", "DOTS": "..", "TIMES": "*", "MINUS": "-"} | {
+    "AT_LEAST": ">=",
+    "AT_MOST": "<=",
+    "LOSES": "-=",
+}
 _NOTHING_BEFORE = {"COMMA", "COLON", "CLOSE"}
 
 
@@ -188,9 +192,12 @@ def _is_sign(tokens: Sequence[Lexeme], i: int) -> bool:
     if i == 0:
         return False
     before = tokens[i - 1]
-    return before.type in ("DOTS", "EQUALS", "COMMA", "PLUS") or (
+    return before.type in ("DOTS", "EQUALS", "COMMA", "PLUS", *_OF_LEVELS) or (
         before.type == "WORD" and before.value in CLAUSE_WORDS
     )
+
+
+_OF_LEVELS = ("AT_LEAST", "AT_MOST", "EXACTLY", "GAINS", "LOSES", "BECOMES", "CHANGES_TO")
 
 
 def _columns(lines: list[_Line]) -> None:

@@ -329,10 +329,17 @@ def _state(variables: Sequence[StateVariable]) -> list[str]:
 
 def _variable(variable: StateVariable) -> str:
     words = []
-    if variable.values != (False, True):
+    if variable.is_number:
+        words.append("= number")
+    elif variable.values != (False, True):
         words.append(f"= {', '.join(map(written.value, variable.values)) or '[]'}")
     if variable.initial is not None:
         words.append(f"initial {written.value(variable.initial)}")
+    if variable.min is not None or variable.max is not None:
+        least, greatest = (
+            "" if bound is None else written.signed(bound) for bound in (variable.min, variable.max)
+        )
+        words.append(" ".join(f"within {least} .. {greatest}".split()))
     words += [
         f"changes to {written.value(change.value)} at {written.time(change.at)}"
         for change in variable.changes
@@ -348,6 +355,8 @@ def _facts(word: str, facts: Sequence[Any], default: str) -> list[str]:
 
 def _fact(fact: Any) -> str:
     name = written.name(fact.var)
+    if (level := _level(fact)) is not None:
+        return f"{name} {level}"
     return name if fact.value is True else f"{name} = {written.value(fact.value)}"
 
 
@@ -389,7 +398,29 @@ def _group(group: Group) -> str:
 def _goal(goal: Any) -> str:
     if isinstance(goal, str):
         return written.name(goal)
+    if (level := _level(goal)) is not None:
+        return f"{written.name(goal.var)} {level}"
     return f"{written.name(goal.var)} = {written.value(goal.value)}"
+
+
+def _level(fact: Any) -> str | None:
+    """What a fact says of a number: `>= 10`, `-= 2.5`; None where it is about a value."""
+    said = [
+        f"{sign} {written.signed(level)}"
+        for field, sign in _LEVELS.items()
+        if (level := getattr(fact, field, None)) is not None
+    ]
+    if (amount := getattr(fact, "add", None)) is not None:
+        said.append(f"{'-=' if amount < 0 else '+='} {written.signed(abs(amount))}")
+    return " ".join(said) or None
+
+
+_LEVELS = {"at_least": ">=", "at_most": "<=", "equals": "==", "set": ":="}
+
+
+def _becomes(value: Any) -> str:
+    sign = "=" if isinstance(value, (bool, str)) else ":="
+    return f"{sign} {written.value(value)}"
 
 
 def _objective(names: Sequence[str]) -> str:
@@ -459,7 +490,7 @@ _CHANGES: Mapping[str, Callable[[_Printer, Any], str]] = {
         f"set release of {written.name(c.action)} = {written.time(c.release)}"
     ),
     "set_goals": lambda _, c: f"set goals = {', '.join(map(_goal, c.goals)) or '[]'}",
-    "set_state": lambda _, c: f"set state {written.name(c.var)} = {written.value(c.value)}",
+    "set_state": lambda _, c: f"set state {written.name(c.var)} {_becomes(c.value)}",
     "set_objective": lambda _, c: f"set objective = {_objective(c.objective)}",
     "remove_precedence": _remove,
     "retry_action": _retry,

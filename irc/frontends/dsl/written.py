@@ -33,11 +33,13 @@ def last_name(text: str) -> str:
     return quoted(text) if written[-1:].isdigit() and written.split()[-1].isdigit() else written
 
 
-def value(said: bool | str) -> str:
+def value(said: bool | str | int | Fraction) -> str:
     """A value of a state variable; texts that look like the booleans are quoted."""
     if isinstance(said, bool):
         return str(said).lower()
-    return quoted(said) if said in ("true", "false") else name(said)
+    if isinstance(said, (int, Fraction)):
+        return signed(said)
+    return quoted(said) if said in ("true", "false", "number") else name(said)
 
 
 def bare(said: Instant) -> str:

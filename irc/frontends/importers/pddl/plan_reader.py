@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Source
-from irc.model import Action, Task
+from irc.model import Action, Condition, Effect, Task
 from irc.model.quantities import exact
 from irc.schedule import Entry, Schedule
 
@@ -132,19 +132,35 @@ def _chosen(
         left[k] = [a for a in left[k] if _holds(a, when, values)] or left[k][:1]
         for effect in left[k][0].effects:
             if effect.at == when:
-                values[effect.var] = effect.value
+                values[effect.var] = _after(values[effect.var], effect)
     for step, actions in zip(steps, left, strict=True):
         yield step, actions[0].id
 
 
-def _changes(task: Task) -> Iterator[tuple[Fraction, str, bool | str]]:
+def _after(value: object, effect: Effect) -> object:
+    """The value of a variable after an effect on it."""
+    if effect.add is not None and isinstance(value, (int, Fraction)):
+        return value + effect.add
+    return effect.value if effect.set is None else effect.set
+
+
+def _changes(task: Task) -> Iterator[tuple[Fraction, str, object]]:
     for variable in task.state:
         for change in variable.changes:
             yield Fraction(task.number(change.at)), variable.id, change.value
 
 
 def _holds(action: Action, when: str, values: Mapping[str, object]) -> bool:
-    return all(values[c.var] == c.value for c in action.conditions if c.at == when)
+    return all(_is_met(values[c.var], c) for c in action.conditions if c.at == when)
+
+
+def _is_met(value: object, condition: Condition) -> bool:
+    if not condition.asks_for_a_level:
+        return value == condition.value
+    least, greatest = condition.limits
+    return isinstance(value, (int, Fraction)) and (
+        (least is None or value >= least) and (greatest is None or value <= greatest)
+    )
 
 
 def _numbered(task: Task, steps: Iterable[tuple[_Step, str]]) -> Iterator[Entry]:
