@@ -105,6 +105,7 @@ MEANING: dict[type, dict[str, str]] = {
     Mode: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "cost"), PLAIN),
         **dict.fromkeys(("stock", "conditions", "effects"), "part"),
+        **dict.fromkeys(("number_conditions", "number_effects"), "part"),
     },
     Requirement: {
         "alternatives": "resources",
@@ -364,7 +365,14 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
         before = d.previous_occurrence
         chain = None if before is None else refs("activities", [before])
         rest = replace(
-            d, previous_occurrence=None, use_modes=(), stock=(), conditions=(), effects=()
+            d,
+            previous_occurrence=None,
+            use_modes=(),
+            stock=(),
+            conditions=(),
+            effects=(),
+            number_conditions=(),
+            number_effects=(),
         )
         return (
             replace(a, uses=(), open_demands=(), details=rest),

@@ -429,7 +429,7 @@ class _NumberEncoder:
                 continue
             if write.point != point and self.happenings.one_happening(i) is not None:
                 continue
-            literals = [literal for literal in write.when if literal.index not in known]
+            literals: list[Any] = [literal for literal in write.when if literal.index not in known]
             if write.point != point:
                 literals.append(~self.happenings.is_stretched(i))
             changing: Any = True
