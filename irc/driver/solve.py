@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.checks import run_checks
+from irc.checks import Checked, run_checks
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.asking import asked
 from irc.driver.compile import lower_checked, notes_on, reporting_refusals
@@ -61,43 +61,51 @@ def solve_task(
 def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
-    if not _may_ask_a_planner(task, options, budget):
+    planner = _planner_for(task, options, budget)
+    if planner is None:
         return solve_by(task, backend, engine, options, budget)
-    answer = solve_by(task, backend, engine, options, budget.share(FIRST_SHARE))
-    planner = get_backend(PLANNERS)
-    if answer.schedule.status is not Status.UNKNOWN or planner.engine().missing() is not None:
-        return answer
-    note = Diagnostic(
-        Code.NO_ANSWER,
-        f"{backend.name!r} found no schedule of this task from PDDL within {budget.elapsed:.1f} s,"
-        f" so {PLANNERS!r} was asked",
-        hint="name the target with --target to ask it at once",
-    )
-    found = solve_by(task, planner, planner.engine(), options, budget)
-    return Answer(found.schedule, found.problem, (*found.notes, note))
+    from irc.driver.beside import with_planner
 
+    checked = run_checks(task, lint=False)
 
-FIRST_SHARE = 0.5
-"""The share of the time after which a planner is asked about a task from PDDL."""
+    def solve(part: Budget) -> Answer:
+        return solve_by(task, backend, engine, options, part, checked)
+
+    def plan(part: Budget) -> Answer:
+        alone = replace(options, target=PLANNERS, on_progress=None, cancel=part.cancel)
+        return solve_by(task, planner, planner.engine(), alone, part, checked)
+
+    return with_planner(solve, plan, budget, backend.name)
+
 
 PLANNERS = "pddl21"
 """The target whose engines are planners."""
 
 
-def _may_ask_a_planner(task: Task, options: SolveOptions, budget: Budget) -> bool:
-    """Whether a task came from PDDL, and neither an engine nor endless time is asked for."""
-    return (
-        "pddl" in task.metadata
-        and (options.target, options.engine) == ("cpsat", "auto")
-        and budget.is_limited
-    )
+def _planner_for(task: Task, options: SolveOptions, budget: Budget) -> Backend | None:
+    """The backend of planners, if they are asked too: about a task from PDDL, where neither an
+    engine nor endless time was asked for.
+    """
+    if (
+        "pddl" not in task.metadata
+        or (options.target, options.engine) != ("cpsat", "auto")
+        or not budget.is_limited
+    ):
+        return None
+    planner = get_backend(PLANNERS)
+    return planner if planner.engine().missing() is None else None
 
 
 def solve_by(
-    task: Task, backend: Backend, engine: Engine, options: SolveOptions, budget: Budget
+    task: Task,
+    backend: Backend,
+    engine: Engine,
+    options: SolveOptions,
+    budget: Budget,
+    checked: Checked | None = None,
 ) -> Answer:
-    """The answer of `solve_task` by a given backend and engine."""
-    checked = run_checks(task, lint=False)
+    """The answer of `solve_task` by a given backend and engine; `checked`: the task's checks."""
+    checked = checked or run_checks(task, lint=False)
     if checked.report.contradicts:
         outcome = Outcome(Status.INFEASIBLE, CHECKS_ENGINE, notes=checked.report.errors)
         return _answer(task, checked.problem, outcome, backend, budget)

@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 from irc.diagnostics.source import Source
 from irc.model.base import Instant, Node, Span, Text
 from irc.model.lazy import Events, Goals, Groups, Lapses, State
+from irc.model.original import Original
 from irc.model.parts import (
     Action,
     ObjectiveName,
@@ -56,6 +57,7 @@ class Task(Node):
 
     _source: Source | None = PrivateAttr(default=None)
     _clock: tuple[tuple[Any, ...], Clock] | None = PrivateAttr(default=None)
+    _original: tuple[tuple[Any, ...], Original] | None = PrivateAttr(default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -109,6 +111,20 @@ class Task(Node):
     def with_source(self, source: Source | None) -> Task:
         """This task, with the text that it was read from."""
         self._source = source
+        return self
+
+    @property
+    def original(self) -> Original | None:
+        """The PDDL that this very task was made of; None for any other, and for a changed copy."""
+        if self._original is None:
+            return None
+        made, original = self._original
+        now = self.__dict__.values()
+        return original if all(a is b for a, b in zip(made, now, strict=True)) else None
+
+    def with_original(self, original: Original) -> Task:
+        """This task, with the PDDL that it was made of."""
+        self._original = tuple(self.__dict__.values()), original
         return self
 
     @property

@@ -377,11 +377,13 @@ def test_what_is_not_valid_is_not_written() -> None:
         plan_text(task, Schedule(()))
 
 
-def test_a_time_that_no_decimal_equals_is_not_rounded() -> None:
+def test_a_time_that_no_decimal_equals_is_rounded_and_the_plan_says_so() -> None:
     task = imported(DOMAIN.replace("(= ?duration (len ?x))", "(= ?duration (/ (len ?x) 3))"))
     entries = (Entry("(b b1 b2)", 0, 0), Entry("(a b2)", 0, Fraction(5, 12)))
-    with pytest.raises(PlanError, match="no decimal number equals"):
-        plan_text(task, Schedule(entries))
+    heading, first, second = plan_text(task, Schedule(entries)).splitlines()
+    assert heading.startswith("; times are rounded")
+    (lasts,) = re.findall(r"\(a b2\) \[(.*)\]", f"{first} {second}")
+    assert 0 < abs(Fraction(lasts) - Fraction(5, 12)) < Fraction(1, 10**6)
 
 
 @pytest.mark.slow

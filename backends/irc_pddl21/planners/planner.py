@@ -32,7 +32,8 @@ class PlanRequest(NamedTuple):
     deadline.
     `first_plan`: any plan of it will do. A plan whose makespan is `enough` (ticks) ends the run.
     `search` is one of the planner's kinds of search, "" its usual one. `shortened`: with actions
-    that are shorter by the slack; see `irc_pddl21.decoding.rounding`.
+    that are shorter by the slack; see `irc_pddl21.decoding.rounding`. `original`: it reads the PDDL
+    that the task was made of.
     """
 
     problem: Problem
@@ -40,6 +41,7 @@ class PlanRequest(NamedTuple):
     enough: int
     search: str = ""
     shortened: bool = False
+    original: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class PlannerInput:
     @property
     def target(self) -> Fraction:
         """A plan of this length (planner time) re-times to enough; half a tick is for drift."""
-        scale: int = self.names["planner_units_per_tick"]
+        scale: int | Fraction = self.names["planner_units_per_tick"]
         return (self.request.enough + Fraction(1, 2)) * scale
 
 

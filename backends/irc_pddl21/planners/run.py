@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Mapping
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from irc.targets import (
 )
 from irc.targets.process import CommandNotFound, Ended, ProcessLimits, ProcessResult, run
 from irc_pddl21.decoding.decode import Accept, best_of
+from irc_pddl21.decoding.original import names_of_original, with_actions_of
 from irc_pddl21.decoding.plan_log import PlanLog
 from irc_pddl21.decoding.plan_reader import read_plans
 from irc_pddl21.encoding.encode import DOMAIN_FILE, PROBLEM_FILE, encode
@@ -58,7 +60,7 @@ def run_planner(
     if budget.is_cancelled:
         return Outcome(Status.UNKNOWN, planner.name)
     domain, problem_text, names = _texts(planner, program, request)
-    planner.refuse(program.problem, names["planner_units_per_tick"])
+    planner.refuse(program.problem, ceil(names["planner_units_per_tick"]))
     with tempfile.TemporaryDirectory(prefix="irc-", ignore_cleanup_errors=True) as folder:
         files = Path(folder, DOMAIN_FILE), Path(folder, PROBLEM_FILE)
         for path, text in zip(files, (domain, problem_text), strict=True):
@@ -73,6 +75,9 @@ def run_planner(
 def _texts(
     planner: Planner, program: Program, request: PlanRequest
 ) -> tuple[str, str, Mapping[str, Any]]:
+    original = program.task.original
+    if request.original and original is not None:
+        return original.domain, original.problem, names_of_original(program.problem)
     is_own = request.problem is program.problem and not request.shortened
     if is_own and planner.epsilon == EPSILON:
         return program.files[DOMAIN_FILE], program.files[PROBLEM_FILE], program.names
@@ -122,7 +127,7 @@ class _OutputWatcher:
     def _take(self, block: str) -> bool:
         problem = self.given.program.problem
         try:
-            log = read_plans(block)
+            log = _read(self.given, block)
             schedule = best_of(problem, self.given.names, log, accepted_by(self.given.program))
         except AnswerError:
             return False  # Reported at the end, from the whole output, if nothing better comes.
@@ -163,6 +168,14 @@ def accepted_by(program: Program) -> Accept | None:
     return accept
 
 
+def _read(given: PlannerInput, text: str) -> PlanLog:
+    """The plans of a text, with the names of the program's actions."""
+    log, original = read_plans(text), given.program.task.original
+    if not given.request.original or original is None:
+        return log
+    return with_actions_of(original, log)
+
+
 def _is_better(program: Program, new: Schedule, old: Schedule | None) -> bool:
     if old is None:
         return True
@@ -183,7 +196,7 @@ def _outcome(
     """
     if seen is not None and result.ended is Ended.CANCELLED:
         return Outcome(Status.FEASIBLE, engine, seen, 0, seconds)
-    log = read_plans(result.stdout)
+    log = _read(given, result.stdout)
     notes = _damage_notes(engine, log)
     schedule, reason = seen, ""
     try:

@@ -21,6 +21,7 @@ class Tactics:
     the order of the list schedule. `tighten`: ask for a plan that is a tick shorter than the best.
     `steps`: ask for one that also differs from it in a few places only. `anytime`: let the planner
     minimise by itself. `shortened`: where state and resources meet, ask with shortened actions too.
+    `original`: ask for a plan of the PDDL that the task was made of.
     """
 
     bound: bool = True
@@ -29,6 +30,7 @@ class Tactics:
     steps: bool = True
     anytime: bool = True
     shortened: bool = True
+    original: bool = True
 
 
 ALL_TACTICS = Tactics()
@@ -46,6 +48,8 @@ class PlannerSession:
     best: Schedule | None = None
     notes: list[Diagnostic] = field(default_factory=list)
     runs: int = 0
+    of_original: bool = False
+    """Whether the best plan is one of the PDDL that the task was made of."""
     _error: Exception | None = None
 
     def __post_init__(self) -> None:
@@ -78,12 +82,13 @@ class PlannerSession:
         first_plan: bool = True,
         search: str = "",
         shortened: bool = False,
+        original: bool = False,
     ) -> Schedule | None:
         """The plan that one run of the planner on `problem` finds; the best of all is kept."""
         if self.is_over:
             return None
         self.runs += 1
-        request = PlanRequest(problem, first_plan, enough, search, shortened)
+        request = PlanRequest(problem, first_plan, enough, search, shortened, original)
         budget = self.budget.at_most(seconds)
         try:
             outcome = run_planner(self.planner, self.program, request, self.options, budget)
@@ -92,19 +97,22 @@ class PlannerSession:
             return None
         self.notes = list(dict.fromkeys([*self.notes, *outcome.notes]))
         if outcome.schedule is not None:
-            self.keep(outcome.schedule)
+            self.keep(outcome.schedule, original=original)
         return outcome.schedule
 
-    def keep(self, schedule: Schedule) -> None:
-        """Remembers a schedule if it is the best so far."""
+    def keep(self, schedule: Schedule, *, original: bool = False) -> None:
+        """Remembers a schedule if it is the best so far. `original`: it is of the original PDDL."""
         problem = self.problem
         values = objective_values(problem, schedule)
         if self.best is None or values < objective_values(problem, self.best):
             self.best = schedule
+            self.of_original = original
 
     def outcome(self, status: Status | None = None) -> Outcome:
         """The best plan of all runs. Raises the last run's error where no run gave an answer."""
         name = self.planner.name
+        if self.of_original:
+            name += ", which read the original PDDL"
         if self.best is not None:
             notes = tuple(n for n in self.notes if n.code is not Code.NO_ANSWER)
             status = status or Status.FEASIBLE

@@ -17,6 +17,7 @@ from irc_pddl21.planners.planner import Planner
 from irc_pddl21.search.choice_search import ChoiceSearch
 from irc_pddl21.search.choices import choices_of
 from irc_pddl21.search.makespan import shorten
+from irc_pddl21.search.original import plan_original
 from irc_pddl21.search.planner_session import ALL_TACTICS, PlannerSession, Tactics, ticks
 from irc_pddl21.search.selection import (
     SELECTIVE,
@@ -55,6 +56,8 @@ def solve_with(
         fixed = _with_fixed_presence(problem)
     except TimesContradictError:
         return Outcome(Status.INFEASIBLE, planner.name, notes=(_CONTRADICTION,))
+    if session.tactics.original:
+        plan_original(session)
     first = tuple(takewhile(lambda name: name in SELECTIVE, problem.objectives))
     rest = problem.objectives[len(first) :]
     if first:
@@ -78,6 +81,7 @@ def _by_makespan(
     `fixed`: the problem in which all that must be present is mandatory.
     """
     best, bound = shortest_of_selections(session, fixed)
+    best = best or session.best
     if bound is not None and bound > problem.bounds.makespan.value:
         problem = problem.with_bound(bound, "the optional items, one selection after the other")
     best = shorten(session, problem, best)

@@ -10,6 +10,7 @@ likes; a timed initial literal is a timed change of state.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.diagnostics.source import Source
@@ -18,11 +19,13 @@ from irc.frontends.importers.pddl.ground import DurationError, UnreachableError,
 from irc.frontends.importers.pddl.join import TooLargeError
 from irc.frontends.importers.pddl.lifted import Lifted
 from irc.frontends.importers.pddl.metric import objective_of
+from irc.frontends.importers.pddl.plan_reader import original_steps
 from irc.frontends.importers.pddl.reader import Reader
 from irc.frontends.importers.pddl.sexpr import Form, SyntaxFault, read_form
 from irc.frontends.importers.pddl.symmetry import without_symmetry
 from irc.frontends.importers.pddl.task import pddl_task
 from irc.model import Task
+from irc.model.original import Original
 
 __all__ = ["import_pddl", "read_pddl"]
 
@@ -55,6 +58,7 @@ def read_pddl(
     lifted = Reader(*found, lenient=lenient).read(forms[0], forms[1])
     _raise_errors(sources, found)
     task = _task(lifted, sources, found)
+    task = task.with_original(Original(domain[0], problem[0], partial(original_steps, task)))
     return task, _report(sources, found)
 
 

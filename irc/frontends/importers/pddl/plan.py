@@ -34,8 +34,9 @@ class PlanError(IrcError, ValueError):
 def plan_text(task: Task, schedule: Schedule) -> str:
     """The plan: a line `time: (action objects) [duration]` for each entry, in order of time.
 
-    Times are exact. Raises `PlanError` for a schedule that is not valid, has a time that no
-    decimal number equals, or is only valid for an infinitesimal epsilon.
+    Times are exact; one that no decimal number equals is rounded to a thousandth of the epsilon,
+    and a comment says so. Raises `PlanError` for a schedule that is not valid, or is only valid for
+    an infinitesimal epsilon.
     """
     verdict = validate(task, schedule)
     if not verdict.valid:
@@ -47,14 +48,35 @@ def plan_text(task: Task, schedule: Schedule) -> str:
     steps = _offsets(schedule.entries, found)
     moved = [(steps[start], steps[end]) for start, end in found.nodes]
     epsilon = _epsilon(task, schedule.entries, moved)
+    times = [
+        (entry.start + at_start * epsilon, entry.end + at_end * epsilon)
+        for entry, (at_start, at_end) in zip(schedule.entries, moved, strict=True)
+    ]
+    rounded = _rounded(times, epsilon)
     lines = []
-    for entry, (at_start, at_end) in zip(schedule.entries, moved, strict=True):
-        start = entry.start + at_start * epsilon
-        lasts = entry.end + at_end * epsilon - start
-        duration = f" [{_decimal(lasts)}]" if lasts else ""
+    for entry, (start, end) in zip(schedule.entries, rounded or times, strict=True):
+        duration = f" [{_decimal(end - start)}]" if end > start else ""
         name = _VARIANT.sub("", entry.id)
         lines.append((start, entry.id, f"{_decimal(start)}: {name}{duration}\n"))
-    return "".join(line for _, _, line in sorted(lines))
+    heading = "; times are rounded: no decimal number equals some of them\n" if rounded else ""
+    return heading + "".join(line for _, _, line in sorted(lines))
+
+
+def _rounded(
+    times: Sequence[tuple[Number, Number]], epsilon: Fraction
+) -> list[tuple[Fraction, Fraction]] | None:
+    """The times as decimal numbers; None where they are some already.
+
+    Equal times stay equal, and others apart.
+    """
+    step = epsilon / 1000
+
+    def decimal(time: Number) -> Fraction:
+        exact = Fraction(time)
+        return exact if _digits(exact) is not None else round(exact / step) * step
+
+    made = [(decimal(start), decimal(end)) for start, end in times]
+    return None if made == list(times) else made
 
 
 @dataclass(frozen=True)
@@ -123,9 +145,8 @@ def _epsilon(task: Task, entries: Iterable[Entry], moved: Sequence[tuple[int, in
     return epsilon
 
 
-def _decimal(value: Number) -> str:
-    """The exact decimal number. Raises `PlanError` if there is none."""
-    value = Fraction(value)
+def _digits(value: Fraction) -> int | None:
+    """The decimal places that a number has; None where no decimal number equals it."""
     digits, rest = 0, value.denominator
     for factor in (2, 5):
         count = 0
@@ -133,12 +154,16 @@ def _decimal(value: Number) -> str:
             rest //= factor
             count += 1
         digits = max(digits, count)
-    if rest != 1:
-        raise PlanError(f"no decimal number equals the time {value}")
+    return digits if rest == 1 else None
+
+
+def _decimal(value: Number) -> str:
+    """The decimal number that equals a value."""
+    value = Fraction(value)
+    digits = _digits(value)
+    assert digits is not None, f"no decimal number equals {value}"
     whole = str(abs(value.numerator) * 10**digits // value.denominator).rjust(digits + 1, "0")
     sign = "-" if value < 0 else ""
-    return (
-        f"{sign}{whole[: len(whole) - digits]}.{whole[len(whole) - digits :]}"
-        if digits
-        else (f"{sign}{whole}")
-    )
+    if not digits:
+        return f"{sign}{whole}"
+    return f"{sign}{whole[: len(whole) - digits]}.{whole[len(whole) - digits :]}"

@@ -14,6 +14,7 @@ from fractions import Fraction
 from irc.diagnostics import Code, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Source
 from irc.model import Action, Condition, Effect, Task
+from irc.model.original import OriginalStep
 from irc.model.quantities import exact
 from irc.schedule import Entry, Schedule
 
@@ -51,23 +52,43 @@ def read_plan(text: str, name: str, task: Task) -> Schedule:
     steps = list(_last_plan(_steps(text)))
     if not steps and not re.search(r"found|plan", text, re.IGNORECASE):
         findings.add(Code.BAD_ANSWER, "there is no plan in the text", offset=0, hint=_HINT)
+    chosen = _actions(task, steps, findings)
+    if findings.items:
+        raise InputError(Report(tuple(findings.items), Source(name, text)))
+    return Schedule(tuple(_numbered(task, chosen)))
+
+
+def _actions(task: Task, steps: list[_Step], findings: Findings) -> list[tuple[_Step, str]]:
+    """The steps that matter, each with the id of its action."""
     ways: dict[str, list[Action]] = {}
     for action in task.actions:
         ways.setdefault(_VARIANT.sub("", action.id), []).append(action)
-    useless = task.metadata.get("actions_that_change_nothing_that_matters", ())
+    left_out = task.metadata.get("actions_that_change_nothing_that_matters", ())
+    useless = {_VARIANT.sub("", str(other)) for other in left_out}
     for equal in task.metadata.get("pddl", {}).get("interchangeable", ()):
         steps = _matched(steps, equal["objects"], equal["in_the_order_of"])
     known: list[_Step] = []
     for step in steps:
         if step.name in ways:
             known.append(step)
-        elif step.name not in {_VARIANT.sub("", str(other)) for other in useless}:
+        elif step.name not in useless:
             message = f"the task has no action {step.name!r} that could ever happen"
             hint = did_you_mean(step.name, ways)
             findings.add(Code.BAD_ANSWER, message, offset=step.offset, hint=hint)
+    return [] if findings.items else list(_chosen(task, known, ways))
+
+
+def original_steps(task: Task, steps: Iterable[OriginalStep]) -> list[OriginalStep]:
+    """The steps of a plan of the original that are actions of the task, with their ids.
+
+    Raises `InputError` like `read_plan`.
+    """
+    given = [_Step(s.action.lower(), s.start, s.end - s.start, 0) for s in steps]
+    findings = Findings()
+    chosen = _actions(task, given, findings)
     if findings.items:
-        raise InputError(Report(tuple(findings.items), Source(name, text)))
-    return Schedule(tuple(_numbered(task, _chosen(task, known, ways))))
+        raise InputError(Report(tuple(findings.items)))
+    return [OriginalStep(id, step.start, step.start + step.lasts) for step, id in chosen]
 
 
 def _steps(text: str) -> Iterator[_Step]:
