@@ -476,7 +476,7 @@ def test_what_a_domain_has_that_is_not_taken_is_named_with_its_line(
         ("(p b1)", "(at 3 (= (len b1) 2))", "timed numeric effects", 3),
         ("(p b1)", "(pp b1)", "there is no predicate 'pp'", 3),
         ("(= (len b2) 1.25)", "(= (len b2) x)", "expected (= (FUNCTION …) NUMBER)", 3),
-        ("(= (len b2) 1.25)", "(= (len b2) 0)", "lasts from 0 to 0", None),
+        ("(= (len b2) 1.25)", "(= (len b2) -1)", "lasts from -1 to -1", None),
         ("(p b1)", "(p b9)", "there is no object 'b9'", 3),
         ("(= (len b2) 1.25)", "(= (length b2) 1.25)", "there is no function 'length'", 3),
         ("(= (len b2) 1.25)", "(= (len b2 b1) 1.25)", "'len' takes 1 objects, not 2", 3),

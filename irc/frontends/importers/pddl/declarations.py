@@ -123,10 +123,12 @@ def typed_names(items: Sequence[Word | Form], faults: Faults) -> TypedNames:
     for item in rest:
         if isinstance(item, Form):
             faults.add(item, "expected a name here")
-        elif item.text != "-":
+        elif not item.text.startswith("-"):
             open_names.append(item)
         else:
-            types = _types(next(rest, None), item, faults)
+            # (Some write "?x -block": a name begins with a letter, so that is what it means.)
+            glued = Word(item.text[1:], item.offset + 1) if len(item.text) > 1 else None
+            types = _types(glued or next(rest, None), item, faults)
             found += [(name, types) for name in open_names]
             open_names = []
     return [*found, *((name, ()) for name in open_names)]

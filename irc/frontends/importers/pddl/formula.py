@@ -7,7 +7,7 @@ what no action changes, and what the delete relaxation never reaches.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -175,7 +175,7 @@ def _too_many(offset: int) -> NotSupportedError:
     return NotSupportedError(f"this has more than {MOST_WAYS} alternatives", offset)
 
 
-_RELATIONS: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
+RELATIONS: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
     "<": operator.lt,
     "<=": operator.le,
     "=": operator.eq,
@@ -183,6 +183,21 @@ _RELATIONS: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
     ">=": operator.ge,
     ">": operator.gt,
 }
+"""Comparisons by their signs."""
+
+ValuesOf = Callable[[Fact, int], Sequence[Fraction]]
+"""The values that a number may ever have; the second argument is the place of what depends on it.
+
+Raises `NotSupportedError` where they are too many.
+"""
+
+
+def no_values(fact: Fact, offset: int) -> Sequence[Fraction]:
+    """Refuses what depends on the value of a number that changes."""
+    raise NotSupportedError(
+        f"this depends on ({' '.join(fact)}), which actions change; a constant is wanted here",
+        offset,
+    )
 
 
 class Decider:
@@ -191,6 +206,7 @@ class Decider:
     def __init__(self, lifted: Lifted, reached: set[Fact]) -> None:
         self.lifted = lifted
         self.reached = reached
+        self.values_of: ValuesOf = no_values
         self.limits: dict[Fact, dict[Fact, Limit]] = {}
 
     def formula(self, condition: Condition, binding: Mapping[str, str]) -> Formula:
@@ -219,22 +235,6 @@ class Decider:
 
     # --- numbers ---------------------------------------------------------------------------------
 
-    def number(self, expression: Expression, binding: Mapping[str, str]) -> Fraction | None:
-        """The value of an expression of constants; None if a function has no value.
-
-        Raises `NotSupportedError` where it depends on what actions change.
-        """
-        linear = self.linear(expression, binding)
-        if linear is None:
-            return None
-        if linear.factors:
-            name = " ".join(next(iter(linear.factors)))
-            raise NotSupportedError(
-                f"this depends on ({name}), which actions change; a constant is wanted here",
-                _offset(expression),
-            )
-        return linear.constant
-
     def linear(self, expression: Expression, binding: Mapping[str, str]) -> Linear | None:
         """An expression as a sum of functions that change and a constant."""
         if isinstance(expression, Number):
@@ -251,30 +251,49 @@ class Decider:
         known = [part for part in parts if part is not None]
         return _applied(expression, known) if len(known) == len(parts) else None
 
-    def _comparison(self, comparison: Comparison, binding: Mapping[str, str]) -> Formula:
+    def difference(self, comparison: Comparison, binding: Mapping[str, str]) -> Linear | None:
+        """The left side minus the right one; None where a function has no value."""
         left = self.linear(comparison.left, binding)
         right = self.linear(comparison.right, binding)
         if left is None or right is None:
+            return None
+        return left.plus(right.times(Fraction(-1)))
+
+    def _comparison(self, comparison: Comparison, binding: Mapping[str, str]) -> Formula:
+        difference = self.difference(comparison, binding)
+        if difference is None:
             return False  # A function without a value makes it false, as in PDDL2.1.
-        difference = left.plus(right.times(Fraction(-1)))
+        if ("?duration",) in difference.factors or ("total-time",) in difference.factors:
+            raise NotSupportedError(
+                "a condition on ?duration or total-time is not supported", comparison.offset
+            )
+        return self._compared(comparison.relation, difference, comparison.offset)
+
+    def _compared(self, relation: str, difference: Linear, offset: int) -> Formula:
+        """Whether a sum compares so with 0, by the values of all its numbers but one."""
         factors = difference.factors
         if not factors:
-            return _RELATIONS[comparison.relation](difference.constant, Fraction(0))
-        if len(factors) > 1 or ("?duration",) in factors or ("total-time",) in factors:
-            names = ", ".join(f"({' '.join(fact)})" for fact in factors)
-            raise NotSupportedError(
-                f"this compares several numbers that change ({names}); only one of them with a"
-                " constant is supported",
-                comparison.offset,
+            return RELATIONS[relation](difference.constant, Fraction(0))
+        fact = min(factors)
+        if len(factors) > 1:
+            return disjunction(
+                conjunction(
+                    iter((self.equals(fact, value, offset), self._compared(relation, rest, offset)))
+                )
+                for value in self.values_of(fact, offset)
+                for rest in (difference.given({fact: value}),)
             )
-        ((fact, factor),) = factors.items()
-        relation = comparison.relation
+        factor = factors[fact]
         if factor < 0:
             relation = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}.get(relation, relation)
         limit = -difference.constant / factor
-        at_least = self._limit(fact, limit, comparison.offset, strict=False)
-        more = self._limit(fact, limit, comparison.offset, strict=True)
+        at_least = self._limit(fact, limit, offset, strict=False)
+        more = self._limit(fact, limit, offset, strict=True)
         return _COMPARED[relation](at_least, more)
+
+    def equals(self, fact: Fact, value: Fraction, offset: int) -> Formula:
+        """That a number has a value."""
+        return self._compared("=", Linear({fact: Fraction(1)}, -value), offset)
 
     def _limit(self, fact: Fact, least: Fraction, offset: int, *, strict: bool) -> Atom:
         """The fact that says whether a number is at least something, or more than that."""
@@ -301,6 +320,19 @@ class Linear:
 
     factors: Mapping[Fact, Fraction]
     constant: Fraction
+
+    def __hash__(self) -> int:
+        return hash((frozenset(self.factors.items()), self.constant))
+
+    def value(self, known: Mapping[Fact, Fraction]) -> Fraction:
+        """The value where those of all its functions are known."""
+        return sum((known[f] * x for f, x in self.factors.items()), self.constant)
+
+    def given(self, known: Mapping[Fact, Fraction]) -> Linear:
+        """What is left once the values of some functions are known."""
+        rest = {f: x for f, x in self.factors.items() if f not in known}
+        own = {f: x for f, x in self.factors.items() if f in known}
+        return Linear(rest, Linear(own, self.constant).value(known))
 
     def plus(self, other: Linear) -> Linear:
         """The sum."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 from typing import NamedTuple
 
 from irc.errors import IrcError
@@ -53,11 +54,15 @@ from irc.frontends.importers.pddl.lifted import (
 )
 from irc.frontends.importers.pddl.numbers import Numbers
 from irc.frontends.importers.pddl.reached import reachable
+from irc.frontends.importers.pddl.values import DURATION, TIME, Known, ReachedValues
 
-MOST_ACTIONS = 50_000
+MOST_ACTIONS = 200_000
 """Problems with more ground actions are refused."""
 
 TimedWay = tuple[TimedTest, ...]
+
+_Flat = tuple[tuple[tuple[str, Formula], ...], tuple[Change | NumericChange, Mapping[str, str]]]
+"""An effect with the objects of its names, behind the conditions that are not constant."""
 
 
 class DurationError(IrcError, ValueError):
@@ -92,7 +97,9 @@ def ground(lifted: Lifted) -> Grounded:
     """
     join = Join(lifted)
     bound = join.run()
-    grounder = _Grounder(lifted, Decider(lifted, join.reached))
+    decider = Decider(lifted, join.reached)
+    decider.values_of = ReachedValues(lifted, bound, decider).of
+    grounder = _Grounder(lifted, decider)
     goal = grounder.lasting(grounder.goal())
     variants = [
         variant
@@ -117,14 +124,16 @@ def ground(lifted: Lifted) -> Grounded:
 def _with_length(actions: list[Ground]) -> list[Ground]:
     """The actions that can last; flying from a place to itself, say, takes no time and is none.
 
-    Raises `DurationError` where no action of a name can last.
+    An action of no length may be an instant, if its start touches nothing of its end. Raises
+    `DurationError` where no action of a name can last.
     """
     kept = []
     without: dict[str, Ground] = {}
     for action in actions:
         most = action.longest
         lasts = most is None or (most > 0 and most >= action.shortest)
-        if not action.durative or (action.shortest >= 0 and lasts):
+        at_once = action.shortest == most == 0 and _may_be_an_instant(action)
+        if not action.durative or (action.shortest >= 0 and lasts) or at_once:
             kept.append(action)
         else:
             without.setdefault(action.name, action)
@@ -136,6 +145,18 @@ def _with_length(actions: list[Ground]) -> list[Ground]:
                 f" {action.longest}; a length must be more than 0"
             )
     return kept
+
+
+def _may_be_an_instant(action: Ground) -> bool:
+    """Whether the start and the end of an action may be at one time, as in PDDL2.1."""
+    asked = [{test.fact for w, test in action.conditions if w == at} for at in ("start", "end")]
+    given = [{effect.effect.fact for effect in action.effects if effect.at == at} for at in _ENDS]
+    later = {test.fact for when, test in action.conditions if when == "all"}
+    touched = [asked[0] | given[0], asked[1] | given[1]]
+    return not (given[0] & (touched[1] | later) or given[1] & touched[0])
+
+
+_ENDS = ("start", "end")
 
 
 class _Grounder:
@@ -190,21 +211,62 @@ class _Grounder:
         """The variants of an action, without the upkeep of derived facts."""
         names = [name for name, _ in schema.parameters]
         binding = dict(zip(names, objects, strict=True))
-        span = self._duration(schema, binding)
-        if span is None:
+        conditions = [
+            (when, self._condition(schema, when, binding)) for when in ("start", "all", "end")
+        ]
+        if any(formula is False for _, formula in conditions):
             return
-        conditions: list[tuple[str, Formula]] = []
-        for when in ("start", "all", "end"):
-            parts = (self.decider.formula(p, binding) for w, p in schema.conditions if w == when)
-            formula = conjunction(parts)
-            if when == "all" and not isinstance(formula, bool):
-                formula = conjunction(iter(self.lasting(formula)))
-            conditions.append((when, formula))
-        base, cases = self._effects(schema, binding, span)
-        for way, effects in self._variants(schema, conditions, base, cases):
-            yield Ground(
-                schema.name, objects, way, _merged(effects), *span, schema.duration is not None
-            )
+        flat = list(self._flat(schema.effects, binding, ()))
+        for known in self._all_known(schema, binding, flat):
+            span = self._duration(schema, binding, known["start"])
+            if span is None:
+                continue
+            base, cases = self._effects(flat, span, known)
+            asked = [(when, self._equal(known, schema, when)) for when in ("start", "end")]
+            asked = [(when, formula) for when, formula in asked if formula is not True]
+            for way, effects in self._variants(schema, [*conditions, *asked], base, cases):
+                yield Ground(
+                    schema.name, objects, way, _merged(effects), *span, schema.duration is not None
+                )
+
+    def _condition(self, schema: Schema, when: str, binding: Mapping[str, str]) -> Formula:
+        parts = (self.decider.formula(p, binding) for w, p in schema.conditions if w == when)
+        formula = conjunction(parts)
+        if when == "all" and not isinstance(formula, bool):
+            formula = conjunction(iter(self.lasting(formula)))
+        return formula
+
+    # --- numbers that an action reads ------------------------------------------------------------
+
+    def _all_known(
+        self, schema: Schema, binding: Mapping[str, str], flat: Sequence[_Flat]
+    ) -> Iterator[Mapping[str, Known]]:
+        """The values of the numbers on which the duration and the changes of an action depend."""
+        reads: dict[tuple[str, Fact], int] = {}
+        for bound in schema.duration or ():
+            linear = self.decider.linear(bound.amount, binding)
+            for fact in () if linear is None else linear.factors:
+                reads.setdefault(("start", fact), schema.offset)
+        for _, (effect, bound_names) in flat:
+            if isinstance(effect, NumericChange):
+                linear = self.decider.linear(effect.amount, bound_names)
+                for fact in () if linear is None else linear.factors:
+                    if fact not in (DURATION, TIME):
+                        reads.setdefault((effect.at, fact), effect.offset)
+        values = [self.decider.values_of(fact, offset) for (_, fact), offset in reads.items()]
+        for chosen in product(*values):
+            found: dict[str, dict[Fact, Fraction]] = {"start": {}, "end": {}}
+            for (when, fact), value in zip(reads, chosen, strict=True):
+                found[when][fact] = value
+            yield found
+
+    def _equal(self, known: Mapping[str, Known], schema: Schema, when: str) -> Formula:
+        """That the numbers have the values that are taken as known."""
+        return conjunction(
+            self.decider.equals(fact, value, schema.offset) for fact, value in known[when].items()
+        )
+
+    # --- alternatives ----------------------------------------------------------------------------
 
     def _variants(
         self,
@@ -240,16 +302,17 @@ class _Grounder:
         yield from found
 
     def _duration(
-        self, schema: Schema, binding: Mapping[str, str]
+        self, schema: Schema, binding: Mapping[str, str], known: Known
     ) -> tuple[Fraction, Fraction | None] | None:
         """The least and the greatest duration; None if a bound has no value."""
         if schema.duration is None:
             return Fraction(0), Fraction(0)
         least, most = Fraction(0), None
         for bound in schema.duration:
-            amount = self.decider.number(bound.amount, binding)
-            if amount is None:
+            linear = self.decider.linear(bound.amount, binding)
+            if linear is None:
                 return None
+            amount = linear.value(known)
             if bound.relation in ("=", ">="):
                 least = max(least, amount) if amount >= 0 or bound.relation == ">=" else amount
             if bound.relation in ("=", "<="):
@@ -260,15 +323,15 @@ class _Grounder:
 
     def _effects(
         self,
-        schema: Schema,
-        binding: Mapping[str, str],
+        flat: Sequence[_Flat],
         span: tuple[Fraction, Fraction | None],
+        known: Mapping[str, Known],
     ) -> tuple[list[TimedEffect], list[_Case]]:
         """The effects without conditions, and those with, by their conditions."""
         base: list[TimedEffect] = []
         cases: dict[tuple[tuple[str, Formula], ...], list[TimedEffect]] = {}
-        for conditions, effect in self._flat(schema.effects, binding, ()):
-            made = self._effect(effect[0], effect[1], span)
+        for conditions, effect in flat:
+            made = self._effect(effect[0], effect[1], span, known)
             if made is None:
                 continue
             if _is_plain_anyway(conditions, made):
@@ -284,12 +347,7 @@ class _Grounder:
         effects: Iterable[Effect],
         binding: Mapping[str, str],
         outer: tuple[tuple[str, Formula], ...],
-    ) -> Iterator[
-        tuple[
-            tuple[tuple[str, Formula], ...],
-            tuple[Change | NumericChange, Mapping[str, str]],
-        ]
-    ]:
+    ) -> Iterator[_Flat]:
         for effect in effects:
             if not isinstance(effect, Conditional):
                 yield outer, (effect, binding)
@@ -326,6 +384,7 @@ class _Grounder:
         effect: Change | NumericChange,
         binding: Mapping[str, str],
         span: tuple[Fraction, Fraction | None],
+        known: Mapping[str, Known],
     ) -> TimedEffect | None:
         if isinstance(effect, Change):
             fact = effect.literal.fact(binding)
@@ -335,12 +394,13 @@ class _Grounder:
         linear = self.decider.linear(effect.amount, binding)
         if linear is None:
             return None
-        amount = linear.constant
-        for name, factor in linear.factors.items():
-            if name != ("?duration",) or span[0] != span[1]:
+        left = linear.given(known[effect.at])
+        amount = left.constant
+        for name, factor in left.factors.items():
+            if name != DURATION or span[0] != span[1]:
                 raise NotSupportedError(
-                    f"this changes a number by what depends on {atom_text(name)}; only changes by"
-                    " constants are supported",
+                    f"this changes a number by what depends on {atom_text(name)}, which is not"
+                    " certain when the action begins; that is not supported",
                     effect.offset,
                 )
             amount += factor * span[0]

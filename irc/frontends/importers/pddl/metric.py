@@ -10,8 +10,7 @@ from math import lcm
 from irc.frontends.importers.pddl.formula import Decider, NotSupportedError
 from irc.frontends.importers.pddl.ground_action import Ground, NumericEffect
 from irc.frontends.importers.pddl.lifted import Fact, Lifted
-
-TIME = ("total-time",)
+from irc.frontends.importers.pddl.values import TIME
 
 
 @dataclass(frozen=True)
