@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 
@@ -114,6 +115,7 @@ def test_a_hand_made_plan_is_valid_here_and_on_the_original_pddl(
     name = next(n for n, plan in PLANS.items() if scheduled(task, plan) == schedule)
     assert verdict.makespan == Fraction(str(MAKESPANS[name]))
     assert judge.accepts(plan_text(task, schedule))
+    assert judge.finds_valid(plan_text(task, schedule))
 
 
 def damaged(schedule: Schedule) -> Iterator[tuple[str, Schedule]]:
@@ -137,9 +139,11 @@ def test_a_damaged_plan_is_valid_for_neither(case: tuple[Task, Schedule, Judge])
         valid = irc.validate(task, numbered(other)).valid
         if valid:  # Some things may as well be done at another time.
             assert judge.accepts(plan_text(task, numbered(other))), what
+            assert judge.finds_valid(plan_text(task, numbered(other))), what
         else:
             rejected += 1
             assert not judge.accepts(bare_plan(other)), what
+            assert not judge.finds_valid(bare_plan(other)), what
     assert rejected > 2 * len(schedule.entries)
 
 
@@ -186,6 +190,7 @@ def test_both_agree_on_random_retimings(case: tuple[Task, Schedule, Judge]) -> N
         other = numbered(Schedule(tuple(entries)))
         valid = irc.validate(task, other).valid
         found[valid] += 1
+        assert judge.finds_valid(plan_text(task, other) if valid else bare_plan(other)) is valid
         if valid:
             assert judge.accepts(plan_text(task, other))
         elif starts_are_seen(task):
@@ -502,11 +507,13 @@ def test_faults_of_both_files_come_in_one_run() -> None:
     assert any(d.message.startswith("problem.pddl:3:10: ") for d in found)
 
 
-@pytest.mark.slow
-def test_a_domain_too_large_to_ground_is_refused() -> None:
-    names = " ".join(f"x{i}" for i in range(300))
+def test_a_domain_too_large_to_ground_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    # (The package has a function of that name, too.)
+    module = import_module("irc.frontends.importers.pddl.ground")
+    monkeypatch.setattr(module, "MOST_ACTIONS", 1000)
+    names = " ".join(f"x{i}" for i in range(40))
     found = told(DOMAIN, PROBLEM.replace("b1 b2 - big", f"b1 b2 {names} - big"))
-    assert "more than 50,000 ground actions" in found[0].message
+    assert "more than 1,000 ground actions" in found[0].message
 
 
 @pytest.mark.parametrize(
@@ -515,6 +522,20 @@ def test_a_domain_too_large_to_ground_is_refused() -> None:
 def test_rubbish_is_a_diagnostic(text: str) -> None:
     for files in ((text, PROBLEM), (DOMAIN, text), (text, text)):
         assert told(*files)
+
+
+@pytest.mark.parametrize("part", [0, 1])
+def test_a_file_cut_in_half_is_an_error_with_its_place(part: int) -> None:
+    """Wherever it is cut: never a traceback, and never a task of what is left."""
+    whole = (DOMAIN, PROBLEM)[part].rstrip()
+    for end in range(len(whole)):
+        files = [DOMAIN, PROBLEM]
+        files[part] = whole[:end]
+        with pytest.raises(InputError) as refused:
+            imported(*files)
+        first = refused.value.report.located().diagnostics[0]
+        assert first.code is Code.NOT_AN_IMPORT
+        assert first.line is not None or re.search(r"problem\.pddl:\d+:\d+", first.message), end
 
 
 # --- the command --------------------------------------------------------------------------------

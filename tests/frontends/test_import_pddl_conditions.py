@@ -271,8 +271,9 @@ def test_a_number_without_limits_has_the_values_that_are_asked_for() -> None:
     ("old", "new", "message", "line"),
     [
         ("(increase (level) 5)", "(increase (level) 0.01)", "more than 200 values", 5),
-        ("(>= (level) 7)", "(>= (level) (work))", "compares several numbers that change", 7),
+        ("(>= (level) 7)", "(<= (level) (work))", "may have more than 200 values", 7),
         ("(increase (level) 5)", "(increase (level) (work))", "depends on (work)", 5),
+        ("(increase (level) 5)", "(scale-up (level) 5)", "other than increase", 5),
         ("(increase (level) 5)", "(increase (level) (* #t 5))", "continuous effects", 5),
     ],
 )
@@ -287,6 +288,59 @@ def test_numbers_that_cannot_be_counted_are_refused_with_their_line(
     found = refused.value.report.located()
     assert any(message in d.message for d in found), found
     assert any(d.line in (line, line + 1, line - 1) for d in found), [d.line for d in found]
+
+
+def test_two_numbers_that_change_are_compared() -> None:
+    """What is built first is sold: the second sale waits for the second piece."""
+    domain = """(define (domain shop) (:requirements :durative-actions :fluents)
+      (:functions (built) (sold))
+      (:durative-action build :parameters () :duration (= ?duration 2)
+        :condition (at start (< (built) 3)) :effect (at end (increase (built) 1)))
+      (:durative-action sell :parameters () :duration (= ?duration 1)
+        :condition (at start (> (built) (sold))) :effect (at start (increase (sold) 1))))"""
+    problem = """(define (problem p) (:domain shop)
+      (:init (= (built) 0) (= (sold) 0)) (:goal (>= (sold) 2)))"""
+    task = import_pddl((domain, "d.pddl"), (problem, "p.pddl"))
+    assert optimum(task) == 2 * 2 + 1
+
+
+BATTERY = """(define (domain rover)
+  (:requirements :durative-actions :fluents)
+  (:predicates (sent))
+  (:functions (energy) (rate))
+  (:durative-action charge :parameters () :duration (= ?duration (/ (- 80 (energy)) (rate)))
+    :condition (at start (< (energy) 80))
+    :effect (at end (increase (energy) (* ?duration (rate)))))
+  (:durative-action drive :parameters () :duration (= ?duration 1)
+    :condition (at start (>= (energy) 20)) :effect (at start (decrease (energy) 20)))
+  (:durative-action send :parameters () :duration (= ?duration 1)
+    :condition (at start (>= (energy) 70)) :effect (at end (sent))))"""
+
+
+@pytest.mark.parametrize(("energy", "makespan"), [(80, 1), (60, 3), (30, 6)])
+def test_a_duration_that_depends_on_a_number_is_an_action_for_each_value(
+    energy: int, makespan: int
+) -> None:
+    problem = f"""(define (problem p) (:domain rover)
+      (:init (= (energy) {energy}) (= (rate) 10)) (:goal (sent)))"""
+    task = import_pddl((BATTERY, "d.pddl"), (problem, "p.pddl"))
+    assert optimum(task) == makespan
+
+
+def test_an_action_of_no_length_is_an_instant_unless_its_start_touches_its_end() -> None:
+    domain = """(define (domain d) (:requirements :durative-actions) (:predicates (a) (b) (c))
+      (:durative-action one :parameters () :duration (= ?duration 0)
+        :condition (at start (a)) :effect (at end (b)))
+      (:durative-action two :parameters () :duration (= ?duration 0)
+        :condition (and (at start (b)) (at end (c))) :effect (at start (c))))"""
+    problem = "(define (problem p) (:domain d) (:init (a)) (:goal GOAL))"
+    task = import_pddl(
+        (domain.split("(:durative-action two")[0] + ")", "d.pddl"),
+        (problem.replace("GOAL", "(b)"), "p.pddl"),
+    )
+    assert [action.id for action in task.actions] == ["(one)"]
+    with pytest.raises(InputError, match="a length must be more than 0"):
+        import_pddl((domain, "d.pddl"), (problem.replace("GOAL", "(b)"), "p.pddl"))
 
 
 # --- model-written PDDL -------------------------------------------------------------------------

@@ -1,4 +1,7 @@
-"""A second opinion on plans: unified-planning's validator on the original domain and problem."""
+"""Two opinions on plans of the original domain and problem: unified-planning's validator and ours.
+
+Ours (`pddl_validity`) knows all of PDDL2.1, level 3; unified-planning's is by other people.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,8 @@ import re
 import warnings
 from pathlib import Path
 from typing import Any
+
+from oracles.pddl_validity import reason_against
 
 
 class Judge:
@@ -20,6 +25,7 @@ class Judge:
         domain, problem = (
             (folder / f"{name}.pddl").read_text("utf-8") for name in ("domain", "problem")
         )
+        self.texts = domain, problem
         # A metric says nothing about validity, and it cannot read some.
         problem = re.sub(r"\(:metric (?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)", "", problem)
         self.problem = self.reader.parse_problem_string(domain, problem)
@@ -36,3 +42,7 @@ class Judge:
             with PlanValidator(name="up_time_triggered_validator") as validator:
                 result: Any = validator.validate(self.problem, plan)
         return bool(result.status is ValidationResultStatus.VALID)
+
+    def finds_valid(self, plan_text: str) -> bool:
+        """Whether our own judge accepts the plan."""
+        return reason_against(*self.texts, plan_text) is None

@@ -1,0 +1,131 @@
+"""Planners read the PDDL that a task was made of; what they find is matched, re-timed and judged."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+import irc
+from irc.diagnostics import Code
+from irc.driver.beside import with_planner
+from irc.driver.judge import Answer
+from irc.driver.solve import solve_task
+from irc.frontends.importers.pddl import import_pddl
+from irc.frontends.importers.pddl.plan import plan_text
+from irc.model import Task
+from irc.model.original import OriginalStep
+from irc.schedule import Status
+from irc.targets import Budget, EngineFailed
+from oracles.pddl_validity import reason_against
+from paths import EXAMPLES
+
+
+def texts(name: str) -> tuple[str, str]:
+    folder = EXAMPLES / "pddl" / name
+    domain, problem = (folder / f"{part}.pddl" for part in ("domain", "problem"))
+    return domain.read_text("utf-8"), problem.read_text("utf-8")
+
+
+def example(name: str) -> Task:
+    domain, problem = texts(name)
+    return import_pddl((domain, "domain.pddl"), (problem, "problem.pddl"))
+
+
+def test_a_task_knows_its_original_as_long_as_it_is_what_was_read() -> None:
+    task = example("deliveries")
+    assert task.original is not None
+    assert (task.original.domain, task.original.problem) == texts("deliveries")
+    assert task.model_copy(update={"deadline": 30}).original is None
+    assert task.model_copy().original is not None
+    assert pickle.loads(pickle.dumps(task)).original is not None
+
+
+def test_steps_of_the_original_get_the_ids_of_the_tasks_actions() -> None:
+    task = example("matchcellar")
+    assert task.original is not None
+    step = OriginalStep("(MEND-FUSE fuse1 match1)", Fraction(0), Fraction(2))
+    with pytest.raises(irc.InputError, match="no action"):
+        task.original.steps_of([step])
+    known = OriginalStep("(mend-fuse fuse1)", Fraction(0), Fraction(2))
+    assert task.original.steps_of([known]) == [known]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["deliveries", "satellite", "ferry", "matchcellar"])
+def test_a_plan_of_the_original_is_an_answer(name: str) -> None:
+    pytest.importorskip("kairos")
+    task = example(name)
+    schedule = irc.solve(task, "pddl21", engine="kairos", time_limit=3)
+    assert schedule.answered
+    assert reason_against(*texts(name), plan_text(task, schedule)) is None
+
+
+@pytest.mark.slow
+def test_the_answer_says_that_the_planner_read_the_original() -> None:
+    pytest.importorskip("kairos")
+    schedule = irc.solve(example("satellite"), "pddl21", engine="kairos", time_limit=2)
+    assert schedule.answered
+    assert schedule.engine in ("kairos", "kairos, which read the original PDDL")
+
+
+def answer(makespan: int | None, status: Status = Status.FEASIBLE) -> Answer:
+    """An answer with a schedule that ends at a time."""
+    task = Task.model_validate({"actions": [{"id": "a", "duration": {"min": 1, "max": 99}}]})
+    found = solve_task(task)
+    entries = () if makespan is None else (irc.Entry("a", 0, makespan),)
+    return replace(found, schedule=replace(found.schedule, entries=entries, status=status))
+
+
+NOTHING = answer(None, Status.UNKNOWN)
+
+
+@pytest.mark.parametrize(
+    ("usual", "planner", "expected"),
+    [
+        (answer(5), answer(4), 4),
+        (answer(4), answer(5), 4),
+        (answer(4), NOTHING, 4),
+        (NOTHING, answer(5), 5),
+        (NOTHING, NOTHING, None),
+        (answer(6, Status.OPTIMAL), answer(4), 6),
+    ],
+)
+def test_the_better_of_two_answers_counts(
+    usual: Answer, planner: Answer, expected: int | None
+) -> None:
+    found = with_planner(lambda _: usual, lambda _: planner, Budget(5), "cpsat")
+    entries = found.schedule.entries
+    assert (entries[0].end if entries else None) == expected
+    is_planners = expected is not None and found.schedule is planner.schedule
+    assert any(n.code is Code.NO_ANSWER and "from PDDL" in n.message for n in found.notes) is (
+        is_planners
+    )
+
+
+def test_a_planner_that_fails_changes_nothing_and_one_that_answers_saves_the_day() -> None:
+    def fails(_: Budget) -> Answer:
+        raise EngineFailed("it broke")
+
+    assert with_planner(lambda _: answer(4), fails, Budget(5), "cpsat").schedule.makespan == 4
+    assert with_planner(fails, lambda _: answer(5), Budget(5), "cpsat").schedule.makespan == 5
+    with pytest.raises(EngineFailed, match="it broke"):
+        with_planner(fails, lambda _: NOTHING, Budget(5), "cpsat")
+    with pytest.raises(EngineFailed, match="it broke"):
+        with_planner(fails, fails, Budget(5), "cpsat")
+
+
+def test_a_proof_ends_the_planner() -> None:
+    ended: list[bool] = []
+
+    def waits(budget: Budget) -> Answer:
+        while not budget.is_over:
+            pass
+        ended.append(budget.is_cancelled)
+        return NOTHING
+
+    proven = answer(4, Status.OPTIMAL)
+    assert with_planner(lambda _: proven, waits, Budget(60), "cpsat") is proven
+    assert ended == [True]
