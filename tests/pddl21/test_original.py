@@ -1,4 +1,4 @@
-"""Planners read the PDDL that a task was made of; what they find is matched, re-timed and judged."""
+"""Planners read the PDDL that a task was made of; what they find is re-timed and judged."""
 
 from __future__ import annotations
 
