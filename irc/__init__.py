@@ -75,7 +75,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "irc.api.calls": "check compile explain extract replan simulate solve validate",
-    "irc.api.elements": "Action Group Mode Resource StateVariable",
+    "irc.api.elements": "Action Calendar Group Mode Resource StateVariable",
     "irc.api.event": "Event",
     "irc.api.running": "Solving aexplain areplan asimulate asolve asolve_iter solve_iter start",
     "irc.api.task": "Task load loads",

@@ -54,6 +54,8 @@ class Entry:
     rank: int = 0
     end_rank: int | None = None
     status: str | None = None
+    paused: Number = field(default=0, compare=False)
+    """The closed time between its start and its end, in which its work pauses."""
 
     @property
     def last_rank(self) -> int:
@@ -311,6 +313,8 @@ def _entry_json(entry: Entry) -> dict[str, Any]:
         shown["rank"] = entry.rank
     if entry.end_rank is not None and entry.end_rank != entry.rank:
         shown["end_rank"] = entry.end_rank
+    if entry.paused:
+        shown["paused"] = json_number(entry.paused)
     if entry.status is not None:
         shown["status"] = entry.status
     return shown
@@ -335,7 +339,10 @@ _SCHEDULE_FIELDS = frozenset(
     ]
 )
 _ENTRY_FIELDS = frozenset(
-    ["id", "start", "end", "resources", "mode", "occurrence", "rank", "end_rank", "status"]
+    [
+        *("id", "start", "end", "resources", "mode", "occurrence", "rank", "end_rank", "status"),
+        "paused",
+    ]
 )
 
 
@@ -514,6 +521,7 @@ class _ScheduleReader:
             self._whole(raw, "rank", 0, pointer),
             self._whole(raw, "end_rank", None, pointer),
             status if isinstance(status, str) else None,
+            self.time(raw.get("paused", 0), (*pointer, "paused")),
         )
 
     def _whole(self, raw: Mapping[str, Any], key: str, default: Any, pointer: Pointer) -> Any:

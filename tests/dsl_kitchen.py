@@ -6,8 +6,11 @@ task "rested combo"
 unit min
 days per month 30
 resolution 1 s
+calendar day shift zone "Europe/Berlin" open mon .. fri 06:00 .. 14:00 closed 2026-12-25
+calendar cycle every 1 day open 6 .. 14
 resource grill, board capacity 2 label "the board"
 resource press setup initial clean setup from red -> blue = 20 min cost 5 setup from * -> red = 30
+resource bench during calendar day shift
 stock flour initial 3 within 0 .. 10
 pool robots = r1, r2
 state chicken = raw, grilled initial raw
@@ -21,6 +24,7 @@ rest 0.5h occurs 0 .. 2 after grill chicken + 3 .. 20, end of cut lettuce starts
 print 9 min on press of family red
 stir 3 needs heat >= 1 <= 8, heat == 2 at end sets heat += 1, heat -= 2 at start, heat := 3
 taste 1 min starts by 35 when broken restart
+polish 5 min during calendar cycle may pause at most 2 h
 grill chicken -> start of rest
 goal chicken = grilled, heat <= 4
 deadline 40

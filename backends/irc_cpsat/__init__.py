@@ -47,6 +47,8 @@ class CpSat(Backend):
             Feature.DUE_DATE,
             Feature.CALENDARS,
             Feature.SETUPS,
+            Feature.ACTION_CALENDARS,
+            Feature.PAUSES,
             Feature.RESERVOIRS,
             Feature.STATE,
             Feature.NUMBERS,

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, Self, TypeVar, overload
 from irc.api.values import Duration, Length, Moment, duration, length, moment, read_part
 from irc.errors import OptionError
 from irc.model import Action as IrAction
+from irc.model import Calendar as IrCalendar
 from irc.model import Group as IrGroup
 from irc.model import Resource as IrResource
 from irc.model import StateVariable as IrStateVariable
@@ -32,7 +33,10 @@ Level = int | float | str | Fraction | Decimal
 AnyValue = Value | Level
 """A value of a state variable, or a level of a number variable."""
 
-_Node = TypeVar("_Node", IrAction, IrGroup, IrResource, IrStateVariable)
+Day = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
+"""A day of the week."""
+
+_Node = TypeVar("_Node", IrAction, IrCalendar, IrGroup, IrResource, IrStateVariable)
 
 
 def without_none(**fields: Any) -> dict[str, Any]:
@@ -96,6 +100,49 @@ class Element(Generic[_Node]):
         return f"{type(self).__name__}({self.id!r})"
 
 
+class Calendar(Element[IrCalendar]):
+    """Open times that repeat without end: by days of the week, or every so much time."""
+
+    section = "calendars"
+
+    def __init__(
+        self,
+        id: str,
+        start: Length,
+        end: Length,
+        *days: Day,
+        time_zone: str | None = None,
+        every: Length | None = None,
+        label: str | None = None,
+        description: str | None = None,
+    ) -> None:
+        """A calendar that is open from `start` to `end`, on these days, or on all.
+
+        They are times of day such as "06:00", or, with `every`, times since a cycle began.
+        """
+        fields = without_none(
+            id=id, time_zone=time_zone, every=None if every is None else length(every)
+        )
+        opened = [_opening(start, end, days)]
+        super().__init__(
+            {**fields, "open": opened, **without_none(label=label, description=description)}
+        )
+
+    def open(self, start: Length, end: Length, *days: Day) -> Self:
+        """Opens it at another time, too."""
+        return self._more("open", _opening(start, end, days))
+
+    def closed(self, start: Moment, end: Moment | None = None) -> Self:
+        """Closes it on a day, or from `start` to `end`."""
+        if end is None:
+            return self._more("closed", start)
+        return self._more("closed", {"from": self._moment(start), "to": self._moment(end)})
+
+
+def _opening(start: Length, end: Length, days: Sequence[Day]) -> dict[str, Any]:
+    return {**({"days": list(days)} if days else {}), "from": length(start), "to": length(end)}
+
+
 class Resource(Element[IrResource]):
     """A station, a robot, a crew (renewable), or a stock (reservoir)."""
 
@@ -145,6 +192,10 @@ class Resource(Element[IrResource]):
     def initial_family(self, family: str) -> Self:
         """Sets the family that the resource is set up for at t = 0."""
         return self._set(setups={**(self._raw.get("setups") or {}), "initial": family})
+
+    def calendar(self, calendar: Calendar | str) -> Self:
+        """Sets the calendar: while that is closed the resource has no capacity."""
+        return self._set(calendar=name_of(calendar))
 
 
 class StateVariable(Element[IrStateVariable]):
@@ -383,6 +434,15 @@ class Action(_Wanted[IrAction], _CarriedOut):
     def latest_start(self, time: Moment) -> Self:
         """Starts no later."""
         return self._set(latest_start=self._moment(time))
+
+    def calendar(self, calendar: Calendar | str) -> Self:
+        """Sets the calendar at whose open times it is carried out."""
+        return self._set(calendar=name_of(calendar))
+
+    def pauses(self, at_most: Length | None = None) -> Self:
+        """Lets its work pause at closed times, for `at_most` so long altogether."""
+        limit = {} if at_most is None else {"max_pause": length(at_most)}
+        return self._set(breaks="pause", **limit)
 
     def on_failure(self, how: OnFailure) -> Self:
         """Is done again if a resource breaks that it holds: what is left ("resume"), or all."""

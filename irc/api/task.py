@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal, Never, Self, TypeVar, Unpack
 from irc.api import calls
 from irc.api.elements import (
     Action,
+    Calendar,
+    Day,
     Element,
     Goal,
     Group,
@@ -44,7 +46,7 @@ Object = Mapping[str, Any]
 """An element as the JSON document has it."""
 
 _Element = TypeVar("_Element", bound=Element[Any])
-_PARTS = ("resources", "state", "actions", "precedence", "groups", "goals", "events")
+_PARTS = ("calendars", "resources", "state", "actions", "precedence", "groups", "goals", "events")
 
 
 def load(path: str | Path) -> Task:
@@ -86,6 +88,7 @@ class Task:
         days_per_month: int | None = None,
         resolution: Length | None = None,
         metadata: Mapping[str, Any] | None = None,
+        calendars: Iterable[Calendar | Object] = (),
         resources: Iterable[Resource | Object] = (),
         state: Iterable[StateVariable | Object] = (),
         actions: Iterable[Action | Object] = (),
@@ -111,6 +114,7 @@ class Task:
             "lapsed": list(lapsed) or None,
         }
         given: dict[str, list[Any]] = {
+            "calendars": list(calendars),
             "resources": list(resources),
             "state": list(state),
             "actions": list(actions),
@@ -265,6 +269,33 @@ class Task:
     ) -> Action:
         """A new action; its duration is in the task's unit, or has its own units, or is a range."""
         return self._joined(Action(id, duration, label=label, description=description))
+
+    def calendar(
+        self,
+        id: str,
+        start: Length,
+        end: Length,
+        *days: Day,
+        time_zone: str | None = None,
+        every: Length | None = None,
+        label: str | None = None,
+        description: str | None = None,
+    ) -> Calendar:
+        """A new calendar, open from `start` to `end` on these days (on all if none is named).
+
+        They are times of day such as "06:00", or, with `every`, times since a cycle began.
+        """
+        made = Calendar(
+            id,
+            start,
+            end,
+            *days,
+            time_zone=time_zone,
+            every=every,
+            label=label,
+            description=description,
+        )
+        return self._joined(made)
 
     def resource(
         self,

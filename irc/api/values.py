@@ -114,6 +114,7 @@ def read(document: Mapping[str, Any], *, null_is_absent: bool = True) -> IrTask:
 
 _NODES = {
     "actions": "Action",
+    "calendars": "Calendar",
     "groups": "Group",
     "precedence": "Precedence",
     "resources": "Resource",

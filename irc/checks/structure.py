@@ -31,11 +31,13 @@ class DeclaredNames:
         self.resources = {r.id: r for r in task.resources}
         self.state = {s.id: s for s in task.state}
         self.groups = {g.id: g for g in task.groups}
+        self.calendars = {c.id: c for c in task.calendars}
         self.tables: dict[str, dict[str, Any]] = {
             "action": self.actions,
             "resource": self.resources,
             "state variable": self.state,
             "group": self.groups,
+            "calendar": self.calendars,
         }
         self._guesses: Guesses | None = None
 
@@ -100,6 +102,7 @@ _HOW_TO_DECLARE = {
     "resource": 'add one to "resources"',
     "state variable": 'add one to "state"',
     "group": 'add one to "groups"',
+    "calendar": 'add one to "calendars"',
 }
 
 
@@ -120,6 +123,7 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
     _check_unique(task.resources, "resource", ("resources",), findings)
     _check_unique(task.state, "state variable", ("state",), findings)
     _check_unique(task.groups, "group", ("groups",), findings)
+    _check_unique(task.calendars, "calendar", ("calendars",), findings)
     times = TimeChecks(clock, findings)
     times.point(task.deadline, "deadline", ("deadline",))
     for i, resource in enumerate(task.resources):
@@ -138,6 +142,10 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
         else:
             check_value(goal, ("goals", i), names)
     _check_repeated_objectives(task, findings)
+    if _has_calendars(task):
+        from irc.checks.calendars import check_calendars
+
+        check_calendars(task, names, times, findings)
     return names, times
 
 
@@ -153,6 +161,17 @@ def _check_families(
         from irc.checks.setups import check_setups
 
         check_setups(task, names, times, findings)
+
+
+def _has_calendars(task: Task) -> bool:
+    """Whether anything of a task is about calendars; their checks are loaded only then."""
+    return (
+        bool(task.calendars)
+        or any(resource.calendar is not None for resource in task.resources)
+        or any(
+            action.calendar is not None or action.max_pause is not None for action in task.actions
+        )
+    )
 
 
 def _removed(*pointers: Pointer) -> Fix:
@@ -278,7 +297,8 @@ def check_resource(resource: Resource, at: Pointer, times: TimeChecks, findings:
                 (*at, "initial"),
                 hint=f'write an "initial" of {_limits(resource)}',
             )
-        meaningless = {"capacity", "availability", "setups"} & resource.model_fields_set
+        meaningless = {"capacity", "availability", "calendar", "setups"}
+        meaningless &= resource.model_fields_set
     else:
         meaningless = {"initial", "min", "max"} & resource.model_fields_set
     for name in sorted(meaningless):

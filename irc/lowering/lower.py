@@ -38,6 +38,12 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
         for i, a in reversed(list(enumerate(task.actions)))
         if simple[i] or _has_sense(a, clock)
     }
+    calendars = None
+    if task.calendars:
+        from irc.lowering.work import expanded
+
+        calendars = expanded(task, clock, instants)
+        instants = calendars.instants
     to_ticks, tick = _tick(task, actions.values(), simple, clock, instants)
     ids = sorted(actions, key=natural_order)
     index = {name: k for k, name in enumerate(ids)}
@@ -50,6 +56,8 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
     renewables = tuple(
         _renewable(task, resources[name], to_ticks, families) for name in resource_ids
     )
+    if calendars is not None:
+        renewables = tuple(calendars.renewable(r, to_ticks) for r in renewables)
     problem = Problem(
         name=task.name,
         time_unit=task.time_unit,
@@ -70,6 +78,10 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
         from irc.lowering.choices import add_choices
 
         problem = add_choices(problem, task, index, to_ticks)
+    if calendars is not None or any(a.breaks != "avoid" for a in task.actions):
+        from irc.lowering.work import add_work
+
+        problem = add_work(problem, task, calendars, to_ticks)
     return problem
 
 
@@ -192,6 +204,8 @@ def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[
             yield action.start
         if action.latest_start is not None:
             yield action.latest_start
+        if action.max_pause is not None:
+            yield action.max_pause
         if action.due is not None:
             yield action.due
     for group in task.groups:

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from irc.model.details import (
+        Calendar,
+        ClosedTime,
         Condition,
         Effect,
         Goal,
         Group,
         Mode,
         OccurrenceRange,
+        OpenTime,
         Setups,
         SetupTime,
         StateGoal,
@@ -29,7 +32,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Action",
+    "Calendar",
     "Change",
+    "ClosedTime",
     "Condition",
     "DurationRange",
     "Effect",
@@ -38,6 +43,7 @@ __all__ = [
     "Group",
     "Mode",
     "OccurrenceRange",
+    "OpenTime",
     "Precedence",
     "Resource",
     "SetupTime",
@@ -53,7 +59,7 @@ __all__ = [
 
 _HOMES = {
     "details": (
-        "Condition Effect Goal Group Mode OccurrenceRange "
+        "Calendar ClosedTime Condition Effect Goal Group Mode OccurrenceRange OpenTime "
         "SetupTime Setups StateGoal StateVariable StockChange Window"
     ),
     "events": "Change Event",

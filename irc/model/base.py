@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidat
 from irc.model.quantities import Number, Quantity, level_of
 from irc.model.quantities import Span as _Span
 from irc.model.times import Instant as _Instant
-from irc.model.times import json_number, parse_instant, parse_span
+from irc.model.times import json_number, parse_day_time, parse_instant, parse_span
 
 
 class Node(BaseModel):
@@ -55,6 +55,20 @@ Instant = Annotated[
     PlainValidator(parse_instant),
     PlainSerializer(write_time),
     WithJsonSchema({**_TIME_SCHEMA, "description": "A time after t = 0, or a date-time."}),
+]
+DayTime = Annotated[
+    str | _Span,
+    PlainValidator(parse_day_time),
+    PlainSerializer(lambda value: value if isinstance(value, str) else write_time(value)),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number"},
+                {"type": "string", "examples": ["06:00", "22:30", "24:00", "8 h"]},
+            ],
+            "description": "A time of day, or the time since the beginning of a cycle.",
+        }
+    ),
 ]
 Name = Annotated[str, Field(min_length=1, strict=True)]
 Count = Annotated[int, Field(ge=0, strict=True)]

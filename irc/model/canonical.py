@@ -19,13 +19,15 @@ from irc.model.base import Node, write_time
 from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, json_number
 
-_SETS = frozenset(["actions", "resources", "state", "groups", "precedence", "goals", "lapsed"])
+_SETS = frozenset(
+    ["actions", "calendars", "resources", "state", "groups", "precedence", "goals", "lapsed"]
+)
 """Arrays whose order does not matter and where a repetition counts once."""
 
 _BAGS = frozenset(
     [
         *("uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"),
-        *("availability", "timed_changes", "times"),
+        *("availability", "timed_changes", "times", "open", "closed", "days"),
     ]
 )
 """Arrays whose order does not matter but where a repetition counts again."""

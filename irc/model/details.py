@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from irc.model.base import (
     Amount,
     AnyValue,
     Count,
+    DayTime,
     Instant,
     Level,
     Name,
@@ -52,6 +53,56 @@ class Setups(Node):
 
     initial: Name | None = None
     times: tuple[SetupTime, ...] = ()
+
+
+Day = Annotated[
+    Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"],
+    BeforeValidator(lambda raw: _DAYS.get(raw.lower(), raw) if isinstance(raw, str) else raw),
+]
+
+_DAYS = {
+    name: name[:3]
+    for name in ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
+}
+
+
+class OpenTime(Node):
+    """An open time of each of the `days` (all, if none is named), or of each cycle of `every`.
+
+    Where `to` is not after `from` it runs over midnight, or over the end of the cycle.
+    """
+
+    days: tuple[Day, ...] = ()
+    from_: DayTime = Field(alias="from")
+    to: DayTime
+
+
+class ClosedTime(Node):
+    """A time [from, to) at which a calendar is closed, whatever its open times say."""
+
+    from_: Instant = Field(alias="from")
+    to: Instant
+
+
+ClosedTimes = Annotated[
+    Annotated[Instant, Tag("text")] | Annotated[ClosedTime, Tag("object")],
+    Discriminator(lambda raw: "object" if isinstance(raw, (dict, ClosedTime)) else "text"),
+]
+
+
+class Calendar(Node):
+    """Open times that repeat without end: by days of the week, or `every` so much time from t = 0.
+
+    Times of day are those of the clock in `time_zone`, by default that of the task's `origin`.
+    """
+
+    id: Name
+    label: Text | None = None
+    description: Text | None = None
+    time_zone: Name | None = None
+    every: Span | None = None
+    open: Annotated[tuple[OpenTime, ...], Field(min_length=1)]
+    closed: tuple[ClosedTimes, ...] = ()
 
 
 class StockChange(Node):
@@ -274,6 +325,7 @@ Goal = Annotated[
     Discriminator(_object_or_text),
 ]
 
+Calendars = tuple[Calendar, ...]
 Conditions = tuple[Condition, ...]
 Effects = tuple[Effect, ...]
 Goals = tuple[Goal, ...]

@@ -41,8 +41,10 @@ class Feature(Enum):
     RESOURCES = "renewable resources"
     AMOUNTS = "amounts above 1"
     ALTERNATIVES = "a choice of resources (one_of)"
-    CALENDARS = "availability windows"
     SETUPS = "set-ups"
+    CALENDARS = "availability windows and calendars"
+    ACTION_CALENDARS = "calendars of actions"
+    PAUSES = "work that pauses"
     RESERVOIRS = "reservoirs"
     STATE = "state variables"
     NUMBERS = "number variables"
@@ -104,6 +106,8 @@ def _of_resource(resource: Resource, at: Pointer) -> Iterator[FeatureUse]:
         yield FeatureUse(Feature.CALENDARS, (*at, "availability"), name)
     if resource.setups is not None:
         yield FeatureUse(Feature.SETUPS, (*at, "setups"), name)
+    if resource.calendar is not None:
+        yield FeatureUse(Feature.CALENDARS, (*at, "calendar"), name)
 
 
 _ACTION_FIELDS = (
@@ -114,6 +118,7 @@ _ACTION_FIELDS = (
     ("due", Feature.DUE_DATE),
     ("start", Feature.FIXED_START),
     ("latest_start", Feature.LATEST_START),
+    ("calendar", Feature.ACTION_CALENDARS),
     ("conditions", Feature.CONDITIONS),
     ("effects", Feature.EFFECTS),
     ("reward", Feature.REWARD),
@@ -147,6 +152,8 @@ def _of_action(action: Action, index: int) -> Iterator[FeatureUse]:
                 its = f"mode {mode.id!r} of {name}"
                 yield FeatureUse(Feature.MODE_ELEMENTS, pointer, its)
                 yield FeatureUse(_FEATURES[field], pointer, its)
+    if action.breaks == "pause":
+        yield FeatureUse(Feature.PAUSES, ("actions", index, "breaks"), name)
     if action.occurrence_bounds != (1, 1):
         greatest = action.occurrence_bounds[1]
         repeated = greatest is None or greatest > 1

@@ -64,6 +64,7 @@ class Lazy:
 
 if TYPE_CHECKING:
     from irc.model.details import (
+        Calendars,
         Conditions,
         Effects,
         Goals,
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
     )
     from irc.model.events import Events
 else:
+    Calendars = Annotated[Any, Lazy("details", "Calendars")]
     Conditions = Annotated[Any, Lazy("details", "Conditions")]
     Effects = Annotated[Any, Lazy("details", "Effects")]
     Events = Annotated[Any, Lazy("events", "Events")]
@@ -92,6 +94,7 @@ else:
     Windows = Annotated[Any, Lazy("details", "Windows")]
 
 __all__ = [
+    "Calendars",
     "Conditions",
     "Effects",
     "Events",

@@ -20,6 +20,9 @@ ObjectiveName = Literal[
     "minimize_setup_cost",
 ]
 
+Breaks = Literal["avoid", "pause"]
+"""Whether an action keeps clear of closed times, or pauses at them."""
+
 OnFailure = Literal["resume", "restart"]
 """How an action is done again that ran on a resource when this broke."""
 
@@ -49,6 +52,7 @@ class Resource(Node):
     label: Text | None = None
     description: Text | None = None
     capacity: Count = 1
+    calendar: Name | None = None
     availability: Windows = ()
     setups: ResourceSetups = None
     initial: Annotated[int, Field(strict=True)] = 0
@@ -105,6 +109,9 @@ class Action(Node):
     weight: Count | None = None
     start: Instant | None = None
     latest_start: Instant | None = None
+    calendar: Name | None = None
+    breaks: Breaks = "avoid"
+    max_pause: Span | None = None
     conditions: Conditions = ()
     effects: Effects = ()
     reward: Annotated[int, Field(strict=True)] | None = None

@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.diagnostics.source import Source
 from irc.model.base import Instant, Node, Span, Text
-from irc.model.lazy import Events, Goals, Groups, Lapses, State
+from irc.model.lazy import Calendars, Events, Goals, Groups, Lapses, State
 from irc.model.original import Original
 from irc.model.parts import (
     Action,
@@ -45,6 +45,7 @@ class Task(Node):
     origin: datetime | None = None
     resolution: Span | None = None
     metadata: dict[str, Any] = Field(default_factory=dict)
+    calendars: Calendars = ()
     resources: tuple[Resource, ...] = ()
     state: State = ()
     actions: tuple[Action, ...]
@@ -143,6 +144,10 @@ class Task(Node):
         """The clock; the parts in `exact` are known to have no raw times."""
         unit = unit_seconds(self.time_unit, self.days_per_month)
         clock = Clock(unit, self.days_per_month, self.origin)
+        if self.calendars:
+            from irc.model.zones import zone_of_naive_times
+
+            clock = clock._replace(zone=zone_of_naive_times(self))
         if self.resolution is not None:
             resolution: Number | None = clock.exact(self.resolution)
         else:
@@ -164,4 +169,5 @@ _CLOCK_FIELDS = (
     "precedence",
     "resources",
     "groups",
+    "calendars",
 )

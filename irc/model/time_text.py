@@ -109,6 +109,25 @@ def _unknown_unit(unit: str) -> str:
     return f"unknown unit {shown(unit)}; {meant} are {UNIT_EXAMPLES}"
 
 
+_CLOCK = re.compile(r"([0-9]{1,2}):([0-9]{2})(?::([0-9]{2}))?")
+
+
+def day_time(text: str) -> str:
+    """A time of day in its usual form: "6:00" is "06:00". Raises `TimeError`."""
+    found = _CLOCK.fullmatch(text)
+    if found is not None:
+        hours, minutes, seconds = (int(part or 0) for part in found.groups())
+        whole = hours * 3600 + minutes * 60 + seconds
+        if minutes < 60 and seconds < 60 and whole <= 24 * 3600:
+            return f"{hours:02}:{minutes:02}" + (f":{seconds:02}" if seconds else "")
+    raise TimeError(f"{shown(text)} is not a time of day; write it as '06:00' or '22:30'")
+
+
+def day_seconds(text: str) -> int:
+    """The seconds from midnight to a time of day in its usual form."""
+    return sum(int(part) * size for part, size in zip(text.split(":"), (3600, 60, 1), strict=False))
+
+
 def parse_date(text: str) -> datetime | None:
     """The date-time that an ISO 8601 text names; None where the text is something else.
 

@@ -7,7 +7,7 @@ through its shortest decimal text.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from datetime import datetime
+from datetime import UTC, datetime, tzinfo
 from decimal import Decimal
 from fractions import Fraction
 from math import floor, gcd, lcm
@@ -77,6 +77,18 @@ def parse_instant(raw: object) -> Instant:
     return parse_span(raw)
 
 
+def parse_day_time(raw: object) -> str | Span:
+    """A time of day ("06:00", "22:30:15", "24:00"), which stays text, or a length of time.
+
+    Raises `TimeError` for a time that no clock shows.
+    """
+    if isinstance(raw, str) and ":" in raw:
+        from irc.model.time_text import day_time
+
+        return day_time(raw.strip())
+    return parse_span(raw)
+
+
 def unit_seconds(unit: str, days_per_month: Number = 30) -> Fraction:
     """Seconds in one `unit` ("s", "min", "day", "month" …). Raises `TimeError` if unknown."""
     name = unit.strip().lower()
@@ -96,6 +108,8 @@ class Clock(NamedTuple):
     origin: datetime | None = None
     resolution: Number | None = None
     """Times are read as multiples of it, in the task's time unit; None: exactly."""
+    zone: tzinfo | None = None
+    """The zone of date-times that name none; None: they count from an `origin` that names none."""
 
     def number(self, value: Instant) -> Number:
         """`value` in the task's time unit, rounded to the resolution if there is one.
@@ -115,11 +129,23 @@ class Clock(NamedTuple):
             return exact(seconds / self.unit)
         if self.origin is None:
             raise TimeError("a date-time needs the task's 'origin' (the date-time of t = 0)")
-        if (value.tzinfo is None) != (self.origin.tzinfo is None):
+        origin = self.origin
+        if self.zone is not None:
+            value, origin = in_utc(value, self.zone), in_utc(origin, self.zone)
+        if (value.tzinfo is None) != (origin.tzinfo is None):
             raise TimeError("the date-time and the task's 'origin' must both have a time zone")
-        delta = value - self.origin
+        delta = value - origin
         micros = (delta.days * DAY + delta.seconds) * 1_000_000 + delta.microseconds
         return exact(Fraction(micros, 1_000_000) / self.unit)
+
+
+def in_utc(value: datetime, zone: tzinfo) -> datetime:
+    """A date-time in UTC; one that names no zone is read in `zone`.
+
+    Of a local time that clocks show twice it is the first; a local time that they leave out is
+    read as if they had not been put forward yet (PEP 495, fold 0).
+    """
+    return (value if value.tzinfo else value.replace(tzinfo=zone)).astimezone(UTC)
 
 
 def rounded(value: Number, resolution: Number) -> Number:

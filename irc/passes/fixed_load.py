@@ -44,8 +44,8 @@ def _certain(activity: Activity) -> list[OpenDemand]:
 
 
 def _released(activity: Activity, profiles: list[Profile]) -> Activity:
-    if not activity.open_demands or not activity.duration_min:
-        return activity
+    if not activity.open_demands or not activity.duration_min or activity.details.work:
+        return activity  # (What pauses starts in an open time that is shorter than its work.)
     demands = _certain(activity)
     start, stable = activity.release, False
     while not stable:

@@ -54,8 +54,9 @@ def grid_of(problem: Problem) -> Grid:
     Where heads are known they are the floors: they are implied, and on the grid themselves.
     """
     step = gcd(_step(problem), _step_of_setups(problem))
-    if step == 1 or problem.has_state:
-        # (Where ranks cannot tell two happenings apart, state may keep them a tick apart.)
+    if step == 1 or problem.has_state or any(a.details.work for a in problem.activities):
+        # (Where ranks cannot tell two happenings apart, state may keep them a tick apart. Work that
+        # pauses lasts as long as closed times do.)
         return EVERY_TICK
     floors = {0}
     for i, activity in enumerate(problem.activities):
@@ -69,6 +70,8 @@ def grid_of(problem: Problem) -> Grid:
         setups = resource.setups
         if setups is not None and setups.initial is not None:
             floors.add(setups.since)
+    for calendar in problem.calendars:
+        floors.update(start for start, _ in calendar.times)
     if problem.previous.stability or "changes" in problem.objectives:
         # An activity that stays where the previous plan has it has its start as its floor.
         for places in (problem.previous.places, *problem.previous.recurring.values()):

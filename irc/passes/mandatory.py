@@ -12,10 +12,10 @@ from irc.problem.projection import Projected, Projection, restricted
 def mandatory_part(problem: Problem) -> Projected:
     """A relaxation with plain activities only: its bounds hold for every valid schedule.
 
-    Optional activities, state, stock, modes (their shortest and longest duration remain) and
-    windows (their greatest capacity remains) are left out. The problem itself where it has none
-    of them. Activities keep their order. The least number of occurrences of repeated activities
-    stays, one after the other. The way back leads to the first occurrence of each.
+    Optional activities, state, stock, modes (their shortest and longest duration remain), windows
+    (their greatest capacity remains), calendars and pauses are left out. The problem itself where
+    it has none of them. Activities keep their order. The least number of occurrences of repeated
+    activities stays, one after the other. The way back leads to the first occurrence of each.
     """
     if problem.is_plain and not problem.has_calendars:
         return problem, Projection.identity(problem)
@@ -45,6 +45,7 @@ def mandatory_part(problem: Problem) -> Projected:
             tuple(replace(p, base=None, windows=()) for p in core.contention.pools)
         ),
         arcs=(*core.arcs, *chains),
+        calendars=(),
     )
     return core, way
 

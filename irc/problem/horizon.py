@@ -24,6 +24,7 @@ def safe_horizon(problem: Problem) -> int:
     for resource, longest_setup in zip(problem.resources, setups, strict=True):
         if resource.setups is not None and resource.setups.initial is not None:
             floor = max(floor, resource.setups.since + longest_setup)
+    floor = max((floor, *(c.times[-1][1] for c in problem.calendars if c.times)))
     # A start waits for a timed change, and an end may have to come a tick after one.
     floor = max((floor, *(c.at + 1 for c in problem.timed_changes)))
     for places in (problem.previous.places, *problem.previous.recurring.values()):
@@ -48,7 +49,8 @@ def safe_horizon(problem: Problem) -> int:
             back = from_end if arc.to_end else from_start
             back[arc.after] = max(back[arc.after], -arc.max_lag)
     horizon = floor + total + sum(from_start) + sum(from_end)
-    return horizon if problem.deadline is None else min(horizon, problem.deadline)
+    known = (t for t in (problem.deadline, problem.horizon) if t is not None)
+    return min((horizon, *known))
 
 
 def within(problem: Problem, horizon: int) -> Problem:

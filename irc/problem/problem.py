@@ -183,6 +183,11 @@ class Details:
     `ranks` are those that its start and its end are known to have; where it starts at the time of
     `not_before`, (time, rank), its start has that rank at least, and changes stock behind all that
     ended then.
+
+    With a `calendar` (index into `Problem.calendars`) it starts, lasts and ends at open times. If
+    it pauses, `work` has its least and greatest working time, one pair for each mode or one alone.
+    Closed times come on top of that, `max_pause` of them at most, so its durations only limit the
+    time from start to end.
     """
 
     optional: bool = False
@@ -193,6 +198,9 @@ class Details:
     use_modes: tuple[int | None, ...] = ()
     ranks: Ranks | None = None
     not_before: tuple[int, int] | None = None
+    calendar: int | None = None
+    work: tuple[tuple[int, int], ...] = ()
+    max_pause: int | None = None
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()
@@ -432,6 +440,18 @@ class Renewable:
 
 
 @dataclass(frozen=True, slots=True)
+class OpenCalendar:
+    """A calendar that actions have: the (start, end) in which it is open, in order.
+
+    They do not touch; after the last one it is closed.
+    """
+
+    id: str
+    times: tuple[tuple[int, int], ...]
+    origin: Pointer = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Reservoir:
     """A stock whose level stays within [least, greatest] (None: no limit) at every instant."""
 
@@ -628,6 +648,7 @@ class Problem:
     "cost", "changes", "setup_time", "setup_cost"). `state_precedences` are pairs of activities: by
     state, through `arcs`, the second starts after the end of the first, perhaps at the same time,
     but then at a higher rank.
+    `horizon` is a time by which some optimal schedule ends, where calendars had to be cut there.
     """
 
     name: str | None
@@ -647,6 +668,8 @@ class Problem:
     required: tuple[int, ...] = ()
     objectives: tuple[str, ...] = ("makespan",)
     state_precedences: tuple[tuple[int, int], ...] = ()
+    calendars: tuple[OpenCalendar, ...] = ()
+    horizon: int | None = None
     contention: Contention = Contention()
     bounds: Bounds = Bounds()
     previous: PreviousPlan = PreviousPlan()
@@ -716,8 +739,16 @@ class Problem:
 
     @property
     def has_calendars(self) -> bool:
-        """Whether some resource has a calendar."""
-        return any(resource.windows for resource in self.resources)
+        """Whether some resource has a calendar, or an action has one or pauses."""
+        return bool(self.calendars) or any(resource.windows for resource in self.resources)
+
+    @property
+    def has_work(self) -> bool:
+        """Whether some activity has a calendar, or pauses at closed times."""
+        return any(
+            a.details is not PLAIN and (a.details.calendar is not None or a.details.work)
+            for a in self.activities
+        )
 
     @property
     def has_setups(self) -> bool:
@@ -737,4 +768,6 @@ def _decides(details: Details) -> bool:
         or details.previous_occurrence is not None
         or bool(details.modes or details.stock)
         or details.touches_state
+        or details.calendar is not None
+        or bool(details.work)
     )

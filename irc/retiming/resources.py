@@ -55,20 +55,37 @@ def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
     The order alone does not show it: activities that overlap in the answer overlap in the schedule.
     """
     changes: dict[int, list[tuple[int, int]]] = {}
+    unpaused: dict[int, list[tuple[int, int]]] = {}
     for activity, place in zip(problem.activities, placed, strict=True):
         for use, r in zip(activity.uses, place.resources, strict=True):
             if r is not None and place.end > place.start:
-                changes.setdefault(r, []).append((place.start, use.amount))
-                changes[r].append((place.end, -use.amount))
+                own = [(place.start, use.amount), (place.end, -use.amount)]
+                changes.setdefault(r, []).extend(own)
+                unpaused.setdefault(r, []).extend(() if activity.details.work else own)
     for r, steps in changes.items():
         capacity, taken = _capacity(problem, r)
-        for start, end, amount in taken:
-            steps += [(start, amount), (end, -amount)]
-        level = 0
-        for _, amount in sorted(steps):  # At one instant what is freed comes first.
-            level += amount
-            if level > capacity:
-                raise AnswerError(f"more of {problem.resources[r].id!r} is held than its capacity")
+        if len(unpaused[r]) < len(steps):
+            # What pauses keeps its units while there is no capacity.
+            _require_room(problem, r, unpaused[r], capacity, taken)
+            taken = [part for part in taken if part[2] < capacity]
+        _require_room(problem, r, steps, capacity, taken)
+
+
+def _require_room(
+    problem: Problem,
+    r: int,
+    steps: Sequence[tuple[int, int]],
+    capacity: int,
+    taken: Sequence[tuple[int, int, int]],
+) -> None:
+    """Raises `AnswerError` where changes of what is held, and what is taken away, are too much."""
+    level, both = 0, list(steps)
+    for start, end, amount in taken:
+        both += [(start, amount), (end, -amount)]
+    for _, amount in sorted(both):  # At one instant what is freed comes first.
+        level += amount
+        if level > capacity:
+            raise AnswerError(f"more of {problem.resources[r].id!r} is held than its capacity")
 
 
 def _capacity(problem: Problem, r: int) -> tuple[int, list[tuple[int, int, int]]]:

@@ -86,7 +86,12 @@ def _retime_once(
     add_setups(problem, moments, chosen, points, network, floors, tolerance)
     batches = keep_stock(problem, decisions, points, network, floors)
     raise_floors(problem, decisions, chosen, points.start, floors, tolerance)
-    times = earliest(network, floors)
+    if problem.has_work:
+        from irc.retiming.work import earliest_with_work
+
+        times = earliest_with_work(problem, decisions, chosen, points, network, floors, tolerance)
+    else:
+        times = earliest(network, floors)
     if times.cycles:
         raise AnswerError("the order of the answer contradicts the lags of the task")
     return with_ranks(problem, placed_at(problem, times.t, points, chosen), orders, batches)

@@ -69,9 +69,12 @@ def _in_mode(activity: Activity, decision: Decision) -> Activity:
     if not activity.details.modes or decision.mode is None:
         return activity
     mode = activity.details.modes[decision.mode]
+    details = activity.details
+    if details.work:
+        details = replace(details, work=(details.work[decision.mode],))
     return replace(
         activity,
         duration_min=mode.duration_min,
         duration_max=mode.duration_max,
-        details=activity.details.in_mode(decision.mode),
+        details=details.in_mode(decision.mode),
     )

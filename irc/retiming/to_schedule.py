@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from irc.problem import Problem
+from irc.problem import Activity, Problem
 from irc.problem.decisions import Placed
+from irc.problem.work_times import WorkTimesOf
 from irc.schedule import Entry, Schedule
 
 
@@ -20,7 +21,8 @@ def schedule_of(problem: Problem, placed: Sequence[Placed]) -> Schedule:
         (i for i, place in enumerate(placed) if place.present),
         key=lambda i: (placed[i].start, placed[i].end, problem.activities[i].id, placed[i].rank),
     )
-    entries = tuple(_entry(problem, i, placed[i]) for i in order)
+    times = WorkTimesOf(problem)
+    entries = tuple(_entry(problem, i, placed[i], times) for i in order)
     if len({entry.id for entry in entries}) < len(entries):
         entries = _numbered(entries)
     return Schedule(entries, task=problem.name)
@@ -36,7 +38,7 @@ def _numbered(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     return tuple(numbered)
 
 
-def _entry(problem: Problem, index: int, placed: Placed) -> Entry:
+def _entry(problem: Problem, index: int, placed: Placed, times: WorkTimesOf) -> Entry:
     activity = problem.activities[index]
     held: dict[str, int] = {}
     for use, r in zip(activity.uses, placed.resources, strict=True):
@@ -51,4 +53,13 @@ def _entry(problem: Problem, index: int, placed: Placed) -> Entry:
         mode=None if placed.mode is None else activity.details.modes[placed.mode].id,
         rank=placed.rank,
         end_rank=None if placed.end_rank == placed.rank else placed.end_rank,
+        paused=problem.to_units(_paused(activity, placed, times)) if activity.details.work else 0,
     )
+
+
+def _paused(activity: Activity, placed: Placed, times: WorkTimesOf) -> int:
+    """The closed time between the start and the end of an activity, in ticks."""
+    held = () if placed.end == placed.start else [r for r in placed.resources if r is not None]
+    own = times.of(activity, held)
+    worked = own.work_before(placed.end) - own.work_before(placed.start)
+    return placed.end - placed.start - worked

@@ -12,8 +12,10 @@ from irc.model import Task
 from irc.model.quantities import Number, TimeError
 from irc.schedule import Schedule
 from irc.validation.bound_schedule import InexactTimeError, UncheckedTaskError, bind
+from irc.validation.breaks import check_breaks
 from irc.validation.choices import check_choices
 from irc.validation.objectives import check_stated, objective_values
+from irc.validation.open_times import UnreadableCalendarError
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
 from irc.validation.setups import check_setups
@@ -35,6 +37,7 @@ __all__ = [
 _CHECKS = (
     check_presence,
     check_windows,
+    check_breaks,
     check_precedence,
     check_choices,
     check_capacity,
@@ -68,7 +71,7 @@ def validate(task: Task, schedule: Schedule, at: Number | None = None) -> Verdic
     """
     try:
         return _validate(task, schedule, at)
-    except TimeError as error:
+    except (TimeError, UnreadableCalendarError) as error:
         raise UncheckedTaskError(f"the task has a time that cannot be used: {error}") from error
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -24,6 +24,7 @@ from irc.model import (
 from irc.model.quantities import Number
 from irc.model.times import Clock
 from irc.schedule import Entry, LeftOut, Schedule
+from irc.validation.open_times import Calendars, Span, time_in
 
 CANCELLED, ABANDONED = "cancelled", "abandoned"
 """The statuses that an entry of a schedule that is being carried out may have."""
@@ -58,7 +59,8 @@ class Occurrence(NamedTuple):
 
     `action` has the stock, state and cost of the chosen mode among its own.
     `shortest` and `longest` bound its duration; both are None where the mode is not known. A
-    cancelled occurrence could end at any time.
+    cancelled occurrence could end at any time. Where it pauses they bound the time from its start
+    to its end, which is never the longest, so that its end has a rank of its own.
     `number` is its place in `BoundSchedule.occurrences`; `past` is None for an occurrence that may
     still be planned differently.
     """
@@ -74,6 +76,10 @@ class Occurrence(NamedTuple):
     rank: int
     end_rank: int
     past: Past | None
+    paused: Number | None = None
+    """The closed time between its start and its end; None where it does not pause."""
+    most_work: Number | None = None
+    """The greatest working time of an occurrence that pauses."""
     by_itself: bool = False
     """Whether it stands for a timed change of state, which no entry says and whose rank is free."""
 
@@ -132,8 +138,19 @@ class BoundSchedule:
     """Entries that name no action of the task."""
     at: Number | None = None
     """Entries that began before this time are history; None: no entry is."""
+    calendars: Calendars | None = None
+    """The closed times until the last end."""
     changes: tuple[Occurrence, ...] = ()
     """The timed changes of state until the last end, numbered behind the occurrences."""
+
+    def closed_times(self, occurrence: Occurrence) -> list[Sequence[Span]]:
+        """The closed times of an occurrence: of its calendar, and where it pauses of what it holds.
+
+        What takes no time holds nothing.
+        """
+        if self.calendars is None:
+            return []
+        return _closed_times(self.calendars, occurrence.action, occurrence.entry, self.resources)
 
     @property
     def happening(self) -> tuple[Occurrence, ...]:
@@ -176,6 +193,7 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
     variables = _by_id("state variable", task.state)
     groups = _by_id("group", task.groups)
     _check_references(task, actions, resources, variables)
+    calendars = Calendars(task, clock, schedule.makespan)
     occurrences: list[Occurrence] = []
     by_action: dict[str, list[Occurrence]] = {}
     unknown = []
@@ -185,6 +203,8 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
             unknown.append(entry)
             continue
         occurrence = _occurrence(len(occurrences), entry, action, clock, at)
+        if action.breaks == "pause":
+            occurrence = _pausing(occurrence, calendars, resources)
         occurrences.append(occurrence)
         by_action.setdefault(entry.id, []).append(occurrence)
     return BoundSchedule(
@@ -200,6 +220,7 @@ def bind(task: Task, schedule: Schedule, at: Number | None = None) -> BoundSched
         frozenset(o.entry.id for o in occurrences if not o.cancelled),
         tuple(unknown),
         at,
+        calendars,
         tuple(_changes(task, schedule, clock, at, len(occurrences))),
     )
 
@@ -278,6 +299,34 @@ def _occurrence(
         end_rank,
         past,
     )
+
+
+def _pausing(
+    occurrence: Occurrence, calendars: Calendars, resources: dict[str, Resource]
+) -> Occurrence:
+    """The occurrence of an action that pauses, with the closed time in it."""
+    closed = _closed_times(calendars, occurrence.action, occurrence.entry, resources)
+    paused = time_in(closed, occurrence.start, occurrence.end)
+    longest = occurrence.longest
+    if longest is None:
+        return occurrence._replace(paused=paused)
+    lasts = occurrence.end - occurrence.start
+    return occurrence._replace(
+        paused=paused,
+        most_work=longest,
+        longest=max(longest + paused, lasts) + 1,
+        end_rank=occurrence.entry.last_rank,
+    )
+
+
+def _closed_times(
+    calendars: Calendars, action: Action, entry: Entry, resources: dict[str, Resource]
+) -> list[Sequence[Span]]:
+    found = [] if action.calendar is None else [calendars.closed(action.calendar)]
+    if action.breaks == "pause" and entry.start < entry.end:
+        held = (resources[name] for name, n in entry.resources.items() if n and name in resources)
+        found += [calendars.without_capacity(r) for r in held if r.kind == "renewable"]
+    return found
 
 
 def _past(

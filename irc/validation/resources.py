@@ -6,7 +6,7 @@ A sweep over the moments at which something changes: O(n log n).
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import chain, groupby
+from itertools import chain, groupby, pairwise
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -90,7 +90,7 @@ def _check_renewable(
     moments: _Moments,
     violations: Violations,
 ) -> None:
-    capacity, in_use = bound.resources[name].capacity, 0
+    capacity, in_use, paused = bound.resources[name].capacity, 0, 0
     holding: dict[int, int] = {}
     changes: dict[int, int] = {}
     level = capacity
@@ -106,32 +106,35 @@ def _check_renewable(
                 capacity = changes[place]
                 continue
             in_use += amount
+            if bound.occurrences[number].paused is not None:
+                paused += amount
             tighter = tighter or amount > 0
             if amount > 0:
                 holding[number] = amount
             else:
                 holding.pop(number, None)
-        if tighter and in_use > capacity:
+        # (What pauses keeps its units while there is no capacity.)
+        if tighter and in_use - (0 if capacity else paused) > capacity:
             time = moments.times[place // moments.width]
             _add_overload(bound, name, time, in_use, capacity, holding, violations)
 
 
 def capacity_changes(bound: BoundSchedule, resource: Resource) -> dict[Number, int]:
-    """The capacity at each instant at which an availability window starts or ends, and after it."""
+    """The capacity at each instant at which it may change, and after it."""
     number = bound.clock.number
     windows = sorted(
         (number(w.from_), number(w.to), w.capacity)
         for w in dict.fromkeys(resource.availability)
         if number(w.from_) < number(w.to)
     )
+    if any(start < end for (_, end, _), (start, _, _) in pairwise(windows)):
+        raise UncheckedTaskError(f"the availability windows of {resource.id!r} overlap")
+    if resource.calendar is not None and bound.calendars is not None:
+        return dict(bound.calendars.levels(resource))
     capacities: dict[Number, int] = {}
-    last: Number | None = None
     for start, end, capacity in windows:
-        if last is not None and start < last:
-            raise UncheckedTaskError(f"the availability windows of {resource.id!r} overlap")
         capacities[start] = capacity
         capacities[end] = resource.capacity
-        last = end
     return capacities
 
 

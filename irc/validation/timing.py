@@ -79,6 +79,11 @@ def _check_mode(occurrence: Occurrence, violations: Violations) -> None:
 def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
     shortest, longest = occurrence.shortest, occurrence.longest
     lasts = occurrence.end - occurrence.start
+    pauses = ""
+    if occurrence.paused is not None and longest is not None:
+        longest = occurrence.most_work
+        lasts -= occurrence.paused
+        pauses = f" besides {violations.time(occurrence.paused)} of pauses"
     if shortest is None or longest is None:
         # Its mode is unknown, which is reported elsewhere; still, nothing ends before it starts.
         if lasts >= 0:
@@ -93,7 +98,7 @@ def _check_duration(occurrence: Occurrence, violations: Violations) -> None:
     violations.add(
         "duration",
         f"{occurrence.name} lasts {violations.time(lasts)} "
-        f"({format_number(occurrence.start)} to {format_number(occurrence.end)}) "
+        f"({format_number(occurrence.start)} to {format_number(occurrence.end)}){pauses} "
         f"instead of {wanted}",
         [occurrence.entry.id],
         (occurrence.start, occurrence.end),

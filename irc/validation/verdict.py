@@ -29,6 +29,8 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "release": 2,
         "deadline": 2,
         "latest_start": 2,
+        "calendar": 2,
+        "pause": 2,
         "precedence": 3,
         "resources": 4,
         "capacity": 4,

@@ -67,6 +67,12 @@ def whole() -> irc.Task:
     task.resource("bench")
     nap = task.action("nap", Fraction(1, 3)).optional().reward(4).deadline(400).latest_start(350)
     nap.on_failure("resume")
+    shift = task.calendar("shift", "06:00", "14:00", "mon", "tue", label="early", description="x")
+    shift.open("22:00", "06:00", "fri").closed("2026-12-25").closed("2026-12-26", "2026-12-28")
+    task.calendar("zoned", "8:00", "9:00", time_zone="UTC")
+    task.calendar("cycle", 0, "5 h", every="1 day")
+    board.calendar(shift)
+    nap.calendar("shift").pauses(at_most="1 h")
     call = task.action("call", 2).start("10:00").due("10:01", weight=2)
     task.group("order", mix, "grill", label="No. 1").optional().reward(10).due(300, weight=1)
     task.group("late", "nap").deadline("13:30")
@@ -91,6 +97,23 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
         "resolution": "1 ms",
         "metadata": {"ticket": 1},
         "lapsed": [{"action": "nap", "deadline": 5}],
+        "calendars": [
+            {
+                "id": "shift",
+                "label": "early",
+                "description": "x",
+                "open": [
+                    {"days": ["mon", "tue"], "from": "06:00", "to": "14:00"},
+                    {"days": ["fri"], "from": "22:00", "to": "06:00"},
+                ],
+                "closed": [
+                    "2026-12-25T00:00:00",
+                    {"from": "2026-12-26T00:00:00", "to": "2026-12-28T00:00:00"},
+                ],
+            },
+            {"id": "zoned", "time_zone": "UTC", "open": [{"from": "08:00", "to": "09:00"}]},
+            {"id": "cycle", "every": "1 day", "open": [{"from": 0, "to": "5 h"}]},
+        ],
         "resources": [
             {
                 "id": "board",
@@ -104,6 +127,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                     "times": [{"from": "raw", "to": "*", "time": "5 min", "cost": 2}],
                     "initial": "clean",
                 },
+                "calendar": "shift",
             },
             {"id": "eggs", "kind": "reservoir", "initial": 6, "min": 1, "max": 12},
             {"id": "bench"},
@@ -174,6 +198,9 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                 "deadline": 400,
                 "latest_start": 350,
                 "on_failure": "resume",
+                "calendar": "shift",
+                "breaks": "pause",
+                "max_pause": "1 h",
             },
             {
                 "id": "call",
@@ -238,6 +265,7 @@ def test_every_field_of_the_ir_can_be_said() -> None:
         "group": set().union(*(g.model_fields_set for g in document.groups)),
         "state": set().union(*(v.model_fields_set for v in document.state)),
         "precedence": set().union(*(p.model_fields_set for p in document.precedence)),
+        "calendar": set().union(*(c.model_fields_set for c in document.calendars)),
     }
     for part, fields in said.items():
         node: Any = {
@@ -247,6 +275,7 @@ def test_every_field_of_the_ir_can_be_said() -> None:
             "group": document.groups[0],
             "state": document.state[0],
             "precedence": document.precedence[0],
+            "calendar": document.calendars[0],
         }[part]
         assert set(type(node).model_fields) - fields <= {"irc"}, part
 

@@ -11,6 +11,7 @@ import pytest
 
 from dsl_kitchen import KITCHEN
 from irc.frontends.dsl.lexer import (
+    CALENDAR_WORDS,
     CHANGE_PHRASES,
     CLAUSE_WORDS,
     PHRASES,
@@ -133,8 +134,9 @@ def test_every_keyword_of_the_lark_grammar_is_one_of_these() -> None:
         for kind in line.split()
     }
     general = {"WORD", "INT", "STRING", "TIME", "JSON", "COMMA", "COLON", "EQUALS", "TIMES"}
-    general |= {"PLUS", "MINUS", "ARROW", "DOTS", "OPEN", "CLOSE"}
     general |= {"AT_LEAST", "AT_MOST", "EXACTLY", "GAINS", "LOSES", "BECOMES"}
+    general |= {"PLUS", "MINUS", "ARROW", "DOTS", "OPEN", "CLOSE", "CLOCK"}
+    general |= set(CALENDAR_WORDS.values())
     words = {w.upper() for w in STATEMENT_WORDS | CLAUSE_WORDS | {"in"}}
     assert declared - general == words | {*PHRASES.values(), *CHANGE_PHRASES.values()}
 
@@ -161,6 +163,7 @@ EXPECTED = {
     "PLUS": "keyword.operator",
     "COMMA": "punctuation",
     "COLON": "punctuation",
+    "CLOCK": "constant",
     "OPEN": "punctuation",
     "CLOSE": "punctuation",
 }

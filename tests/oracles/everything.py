@@ -14,10 +14,22 @@ EVERYTHING: dict[str, Any] = {
     "deadline": "2026-03-02T14:00:00",
     "origin": "2026-03-02T06:00:00",
     "metadata": {"ticket": 4711, "nested": [{"a": None, "b": [True, "x # y"]}], "": {}},
+    "calendars": [
+        {
+            "id": "day shift",
+            "label": "by day",
+            "description": "with a holiday",
+            "time_zone": "Europe/Berlin",
+            "open": [{"days": ["mon", "tue"], "from": "06:00", "to": "14:00"}],
+            "closed": ["2026-12-25", {"from": "2026-12-26", "to": "2026-12-27T10:00"}],
+        },
+        {"id": "cycle", "every": "1 day", "open": [{"from": 6, "to": "14 h"}]},
+    ],
     "resources": [
         {
             "id": "oven",
             "kind": "renewable",
+            "calendar": "day shift",
             "label": "the oven",
             "description": "hot",
             "capacity": 2,
@@ -70,6 +82,9 @@ EVERYTHING: dict[str, Any] = {
             "reward": 7,
             "cost": -2,
             "on_failure": "resume",
+            "calendar": "cycle",
+            "breaks": "pause",
+            "max_pause": "1 h",
         },
         {
             "id": "cool",

@@ -82,6 +82,18 @@ EXCLUDED: Mapping[str, str] = {
     "StateVariable.changes": "judged by `oracles.timed_changes`",
     "Resource.setups": "judged by `oracles.setups`",
     "Use.family": "judged by `oracles.setups`",
+    **dict.fromkeys(
+        [
+            *("Task.calendars", "Resource.calendar", "Action.calendar", "Action.breaks"),
+            *("Action.max_pause", "Calendar.time_zone", "Calendar.every", "Calendar.open"),
+            *("Calendar.closed", "OpenTime.days", "OpenTime.from", "OpenTime.to"),
+            *("ClosedTime.from", "ClosedTime.to"),
+        ],
+        "judged by `oracles.pauses`; see `oracles.pause_witnesses`",
+    ),
+    "Calendar.id": _NAME,
+    "Calendar.label": _DESCRIPTIVE,
+    "Calendar.description": _DESCRIPTIVE,
     "Group.id": _NAME,
     "Group.label": _DESCRIPTIVE,
 }

@@ -203,6 +203,8 @@ def read(task: Task) -> Plain:
         raise ValueError("this oracle does not know events")
     if any(variable.changes for variable in task.state):
         raise ValueError("this oracle does not know timed changes of state")
+    if task.calendars or any(a.calendar or a.breaks != "avoid" for a in task.actions):
+        raise ValueError("this oracle does not know calendars or pauses")
     if "minimize_changes" in task.objective:
         raise ValueError("this oracle does not know 'minimize_changes'")
     return _Reader(task).read()

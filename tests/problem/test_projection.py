@@ -70,6 +70,8 @@ MEANING: dict[type, dict[str, str]] = {
         "goals": "variables, value",
         "required": "activities",
         "state_precedences": "activities, activities",
+        "calendars": PLAIN,
+        "horizon": PLAIN,
         "contention": "part",
         "bounds": "part",
         "previous": "part",
@@ -91,7 +93,8 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Details: {
         **dict.fromkeys(("optional", "repeats", "occurrence", "due", "weight"), PLAIN),
-        **dict.fromkeys(("reward", "cost", "not_before"), PLAIN),
+        **dict.fromkeys(("reward", "cost", "not_before", "calendar", "max_pause"), PLAIN),
+        "work": PLAIN,
         "ranks": "part",
         "modes": "part",
         "previous_occurrence": "activities",

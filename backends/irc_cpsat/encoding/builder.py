@@ -31,15 +31,25 @@ DemandLiterals = list[list[list[tuple[int, Literal]]]]
 
 @dataclass
 class ResourceUses:
-    """The intervals that take from one pool, with their amounts."""
+    """The intervals that take from one pool, with their amounts, and whether each pauses."""
 
     intervals: list[cp_model.IntervalVar] = field(default_factory=list)
     amounts: list[int] = field(default_factory=list)
+    pauses: list[bool] = field(default_factory=list)
 
-    def add(self, interval: cp_model.IntervalVar, amount: int) -> None:
+    def add(self, interval: cp_model.IntervalVar, amount: int, pauses: bool = False) -> None:
         """Adds one interval."""
         self.intervals.append(interval)
         self.amounts.append(amount)
+        self.pauses.append(pauses)
+
+    @property
+    def without_pauses(self) -> ResourceUses:
+        """The uses that do not pause."""
+        kept = [k for k, pauses in enumerate(self.pauses) if not pauses]
+        return ResourceUses(
+            [self.intervals[k] for k in kept], [self.amounts[k] for k in kept], [False] * len(kept)
+        )
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from irc_cpsat.encoding.reservoirs import add_reservoirs, order_count
 from irc_cpsat.encoding.resources import add_resources
 from irc_cpsat.encoding.setups import add_setup_work, add_setups
 from irc_cpsat.encoding.state import add_state
+from irc_cpsat.encoding.work import add_work
 
 MODEL_FILE = "model.pbtxt"
 
@@ -56,6 +57,7 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     add_precedence(builder)
     add_occurrences(builder)
     literals = add_resources(builder)
+    add_work(builder, literals)
     if builder.takers:
         add_setups(builder)
     if builder.bounds:

@@ -13,7 +13,7 @@ from irc_cpsat.encoding.builder import (
     Taker,
     name_of,
 )
-from irc_cpsat.encoding.calendars import with_windows
+from irc_cpsat.encoding.calendars import never_away, with_windows
 
 
 def add_resources(builder: Builder) -> DemandLiterals:
@@ -89,13 +89,15 @@ def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal |
 
     (The first follows from the second, but says more about time.)
     """
-    builder.uses[r].add(interval_of(builder, i, taken), demand.amount)
     members = builder.problem.contention.pools[r].members
     if builder.problem.resources[members[0]].setups is not None:
         family = builder.problem.activities[i].uses[demand.use].family
         builder.takers.setdefault(r, []).append(Taker(i, family, taken))
+    pauses = bool(builder.problem.activities[i].details.work)
+    builder.uses[r].add(interval_of(builder, i, taken), demand.amount, pauses)
     if builder.ranked:
-        builder.uses_in_moments[r].add(_interval_of_moments(builder, i, taken), demand.amount)
+        interval = _interval_of_moments(builder, i, taken)
+        builder.uses_in_moments[r].add(interval, demand.amount, pauses)
 
 
 def _interval_of_moments(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
@@ -131,10 +133,16 @@ def interval_of(builder: Builder, i: int, literal: Literal | None) -> cp_model.I
 
 
 def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses, moments: int) -> None:
-    """Adds the capacity of a resource, for uses with `moments` to a tick."""
+    """Adds the capacity of a resource, for uses with `moments` to a tick.
+
+    What pauses keeps its units while there is no capacity, and nothing else is held then.
+    """
     if not uses.intervals:
         return
-    if pool.base is not None:
+    if pool.base is not None and any(uses.pauses):
+        _add_capacity(builder, pool, uses.without_pauses, moments)
+        uses = with_windows(builder, never_away(pool), uses, moments)
+    elif pool.base is not None:
         uses = with_windows(builder, pool, uses, moments)
     capacity = pool.capacity
     if 2 * min(uses.amounts) > capacity and max(uses.amounts) <= capacity:

@@ -343,6 +343,68 @@ class Builder:
         if signed is not None:
             self.put_field(arc, "max_lag", nodes.time(signed), at, part(lag, "DOTS"))
 
+    # --- calendars ---
+
+    def calendar(self, tree: Any, sink: Sink) -> None:
+        """Adds calendars: `calendar day shift zone "Asia/Tokyo" open mon .. fri 06:00 .. 14:00`."""
+        for found in names(part(tree, "names")):
+            at = sink.next("calendars")
+            element: Element = {"id": found.value}
+            self.mark((*at, "id"), found.start, found.end)
+            self.mark_node(at, tree)
+            for clause in tree.children:
+                if (read := _CALENDAR_CLAUSES.get(kind(clause))) is not None:
+                    read(self, element, clause, at)
+            sink.put("calendars", element)
+
+    def _zone(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, "time_zone", name(said), at, key)
+
+    def _every(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, "every", nodes.time(said), at, key)
+
+    def _opens(self, element: Element, clause: Any, at: Pointer) -> None:
+        found: list[Element] = element.setdefault("open", [])
+        self.mark_node((*at, "open"), clause, clause.children[0])
+        for node in parts(clause, "opening"):
+            pointer = (*at, "open", len(found))
+            self.mark_node(pointer, node)
+            opening: Element = {}
+            if (days := part(node, "days_named")) is not None:
+                opening["days"] = _days(days)
+                self.mark_node((*pointer, "days"), days)
+            dots = next(i for i, c in enumerate(node.children) if kind(c) == "DOTS")
+            for word, k in (("from", dots - 1), ("to", dots + 1)):
+                self.put_field(opening, word, nodes.day_time(node.children[k]), pointer)
+            found.append(opening)
+
+    def _closed(self, element: Element, clause: Any, at: Pointer) -> None:
+        found: list[Any] = element.setdefault("closed", [])
+        self.mark_node((*at, "closed"), clause, clause.children[0])
+        for node in parts(clause, "closing"):
+            pointer = (*at, "closed", len(found))
+            self.mark_node(pointer, node)
+            low, *rest = [c for c in node.children if c is not None and kind(c) != "DOTS"]
+            if not rest:
+                found.append(nodes.time(low).value)
+                continue
+            closing: Element = {}
+            self.put_field(closing, "from", nodes.time(low), pointer)
+            self.put_field(closing, "to", nodes.time(rest[0]), pointer)
+            found.append(closing)
+
+    def _calendar_of(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, said = clause.children
+        self.put_field(element, "calendar", name(said), at, key)
+
+    def _pauses(self, element: Element, clause: Any, at: Pointer) -> None:
+        key = clause.children[0]
+        self.put_field(element, "breaks", Placed("pause", *span(key)), at, key)
+        if (limit := part(clause, "PAUSE_LIMIT")) is not None:
+            self.put_field(element, "max_pause", nodes.time(clause.children[-1]), at, limit)
+
     # --- resources, state, groups, goals ---
 
     def resource(self, tree: Any, sink: Sink) -> None:
@@ -586,6 +648,26 @@ def _negated(found: Placed) -> Placed:
     return Placed(text, found.start, found.end)
 
 
+_WEEK = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+
+
+def _days(node: Any) -> list[str]:
+    """The days of `mon, wed` or `mon .. fri`."""
+    words = [str(word) for word in parts(node, "WORD")]
+    if part(node, "DOTS") is None:
+        return words
+    short = [word.lower()[:3] for word in words]
+    if not all(day in _WEEK for day in short):
+        raise Fault(
+            Code.DSL_SYNTAX,
+            f"`{words[0]} .. {words[1]}` are not days of the week",
+            *span(node),
+            f"the days are {', '.join(_WEEK)}",
+        )
+    first, last = map(_WEEK.index, short)
+    return [_WEEK[k % 7] for k in range(first, last + 1 + (7 if last < first else 0))]
+
+
 _POINT_FIELDS = {"STARTS_AT": "start", "STARTS_BY": "latest_start"}
 _PLAIN = ("end", "start")
 _ENDS = {"start": "start", "end": "finish"}
@@ -631,6 +713,10 @@ def _word(field: str) -> str:
         "latest_start": "starts by",
         "on_failure": "when broken",
         "family": "of family",
+        "calendar": "during calendar",
+        "breaks": "may pause",
+        "max_pause": "at most",
+        "time_zone": "zone",
     }.get(field, field)
 
 
@@ -648,10 +734,21 @@ _ACTION_CLAUSES: dict[str, _Clause] = {
     "point": Builder._point,
     "number": Builder._number,
     "on_failure": Builder._on_failure,
+    "calendar_of": Builder._calendar_of,
+    "pauses": Builder._pauses,
+    "label": Builder._text,
+    "describe": Builder._text,
+}
+_CALENDAR_CLAUSES: dict[str, _Clause] = {
+    "zone": Builder._zone,
+    "every": Builder._every,
+    "opens": Builder._opens,
+    "closed": Builder._closed,
     "label": Builder._text,
     "describe": Builder._text,
 }
 _RESOURCE_CLAUSES: dict[str, _Clause] = {
+    "calendar_of": Builder._calendar_of,
     "capacity": Builder._capacity,
     "initial": Builder._initial,
     "within": Builder._within,

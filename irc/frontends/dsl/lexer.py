@@ -40,6 +40,7 @@ TOKEN = re.compile(
                 r"[0-9]{4}-[0-9]{2}-[0-9]{2}(?:[T ][0-9]{2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]+)?)?"
                 rf"(?:Z|[+-][0-9]{{2}}:[0-9]{{2}})?)?(?!{_CHAR})",
             ),
+            ("CLOCK", rf"[0-9]{{1,2}}:[0-9]{{2}}(?::[0-9]{{2}})?(?!{_CHAR}|:)"),
             ("TIME", rf"{_PART}(?:[ \t]*{_PART})*(?!{_CHAR})"),
             (
                 "ISO",
@@ -88,11 +89,14 @@ CLAUSE_WORDS = frozenset(
 
 STATEMENT_WORDS = frozenset(
     """
-    action deadline description event for goal group include irc maximize metadata minimize origin
-    pool resolution resource state stock task unit
+    action calendar deadline description event for goal group include irc maximize metadata minimize
+    origin pool resolution resource state stock task unit
     """.split()  # noqa: SIM905
 )
 """Words with a meaning of their own at the beginning of a statement."""
+
+CALENDAR_WORDS = {"zone": "ZONE", "every": "EVERY", "open": "OPENS", "closed": "CLOSED"}
+"""Words with a meaning of their own in a `calendar` statement only, and their kinds."""
 
 PHRASES = {
     ("start", "of"): "START_OF",
@@ -115,6 +119,9 @@ PHRASES = {
     ("setup", "from"): "SETUP_FROM",
     ("setup", "initial"): "SETUP_INITIAL",
     ("of", "family"): "OF_FAMILY",
+    ("during", "calendar"): "DURING_CALENDAR",
+    ("may", "pause"): "MAY_PAUSE",
+    ("at", "most"): "PAUSE_LIMIT",
 }
 """Words with a meaning of their own only side by side."""
 
@@ -237,10 +244,11 @@ def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
                 rest = tokens[at:]
                 if kind == "ADD" and rest and rest[0].type != "COLON":
                     return found + classified(rest)
-        elif first.value in STATEMENT_WORDS:
+        elif first.value in STATEMENT_WORDS and not _names_an_action(tokens):
             found.append(_as(first, first.value.upper()))
             at = 1
     words = CLAUSE_WORDS | {"in"} if found and found[0].type == "FOR" else CLAUSE_WORDS
+    own = CALENDAR_WORDS if found and found[0].type == "CALENDAR" else {}
     while at < len(tokens):
         token = tokens[at]
         at += 1
@@ -249,10 +257,22 @@ def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
                 found.append(_joined(PHRASES[phrase], tokens[at - 1 : at - 1 + len(phrase)]))
                 at += len(phrase) - 1
                 continue
-            if token.value in words:
+            if token.value in own:
+                token = _as(token, own[token.value])
+            elif token.value in words:
                 token = _as(token, token.value.upper())
         found.append(token)
     return found
+
+
+def _names_an_action(tokens: list[Lexeme]) -> bool:
+    """Whether a statement that begins with `calendar` is about an action of such a name.
+
+    It is where it does not say when it is `open`, which every calendar does.
+    """
+    if tokens[0].value != "calendar" or len(tokens) == 1:
+        return False
+    return not any(t.type == "WORD" and t.value in ("open", "every", "zone") for t in tokens[1:])
 
 
 def _as(token: Lexeme, kind: str) -> Lexeme:

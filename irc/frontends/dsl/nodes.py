@@ -147,6 +147,11 @@ def time(node: Any, *, negative: bool = False) -> Placed:
     return Placed(f"-{node}" if negative else str(node), start, end)
 
 
+def day_time(node: Any) -> Placed:
+    """A time of day (`06:00`), or a time since the beginning of a cycle."""
+    return Placed(str(node), *span(node)) if kind(node) == "CLOCK" else time(node)
+
+
 def alike(low: Any, high: Any) -> None:
     """Refuses a range of which only one end has a unit: `5 .. 10 min` has two meanings."""
     tokens = [part(n, "INT", "TIME", "STRING") if kind(n) == "signed" else n for n in (low, high)]

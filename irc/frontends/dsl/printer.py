@@ -12,11 +12,11 @@ from irc.frontends.dsl.formatter import format_dsl
 from irc.frontends.dsl.lexer import quoted
 from irc.frontends.dsl.order_text import after_clauses, arrows, by_action
 from irc.frontends.dsl.pools import Choice, pools
-from irc.model import Action, DurationRange, Precedence, Resource, Task, Use
+from irc.model import Action, ClosedTime, DurationRange, Precedence, Resource, Task, Use
 from irc.model.times import Instant
 
 if TYPE_CHECKING:
-    from irc.model import Event, Group, Mode, Setups, SetupTime, StateVariable
+    from irc.model import Calendar, Event, Group, Mode, Setups, SetupTime, StateVariable
 
 _WIDEST = 98
 _INDENT = "    "
@@ -32,6 +32,7 @@ def print_task(task: Task) -> str:
     inline = by_action(task.precedence, [a.id for a in task.actions])
     sections = [
         _header(task),
+        [_calendar(calendar) for calendar in task.calendars],
         printer.resources(task.resources, declare=True),
         _state(task.state),
         [
@@ -205,6 +206,8 @@ class _Printer:
                 *_points(action, {"start": "starts at", "latest_start": "starts by"}),
                 *_numbers(action, "reward", "cost"),
                 "" if action.on_failure is None else f"when broken {action.on_failure}",
+                *_calendar_of(action),
+                *_pauses(action),
                 *_texts(action),
                 *map(self._mode, action.modes),
             ],
@@ -282,6 +285,59 @@ def _rows(ids: Sequence[str]) -> list[list[str]]:
     return rows
 
 
+def _calendar(calendar: Calendar) -> str:
+    clauses = []
+    if calendar.time_zone is not None:
+        clauses.append(f"zone {written.name(calendar.time_zone)}")
+    if calendar.every is not None:
+        clauses.append(f"every {written.time(calendar.every)}")
+    clauses += [
+        " ".join(
+            [
+                "open",
+                *([_days(part.days)] if part.days else []),
+                f"{_day_time(part.from_)} .. {_day_time(part.to)}",
+            ]
+        )
+        for part in calendar.open
+    ]
+    if calendar.closed:
+        closed = (
+            written.span(part.from_, part.to)
+            if isinstance(part, ClosedTime)
+            else written.time(part)
+            for part in calendar.closed
+        )
+        clauses.append(f"closed {', '.join(closed)}")
+    return _statement(f"calendar {written.name(calendar.id)}", [*clauses, *_texts(calendar)])
+
+
+_WEEK = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+
+
+def _days(days: Sequence[str]) -> str:
+    """`mon .. fri` for three days or more in a row, else their list."""
+    first = _WEEK.index(days[0])
+    if len(days) > 2 and tuple(days) == _WEEK[first : first + len(days)]:
+        return f"{days[0]} .. {days[-1]}"
+    return ", ".join(days)
+
+
+def _day_time(said: Any) -> str:
+    return said if isinstance(said, str) else written.time(said)
+
+
+def _calendar_of(node: Action | Resource) -> list[str]:
+    return [] if node.calendar is None else [f"during calendar {written.name(node.calendar)}"]
+
+
+def _pauses(action: Action) -> list[str]:
+    limit = "" if action.max_pause is None else f" at most {written.time(action.max_pause)}"
+    if action.breaks == "pause":
+        return [f"may pause{limit}"]
+    return []
+
+
 def _resource_clauses(resource: Resource) -> list[str]:
     said = resource.model_fields_set
     stock = resource.kind == "reservoir"
@@ -294,6 +350,7 @@ def _resource_clauses(resource: Resource) -> list[str]:
     ]
     if resource.setups is not None:
         clauses += _setups(resource.setups)
+    clauses += _calendar_of(resource)
     if resource.initial != 0 or (not stock and "initial" in said):
         clauses.append(f"initial {resource.initial}")
     least = resource.min != 0 or (not stock and "min" in said)

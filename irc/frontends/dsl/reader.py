@@ -22,6 +22,7 @@ from irc.frontends.dsl.grammar import StatementParser, parse_statement
 from irc.frontends.dsl.include import Library
 from irc.frontends.dsl.lex_words import unlexed
 from irc.frontends.dsl.lexer import (
+    CALENDAR_WORDS,
     CLAUSE_WORDS,
     PHRASE_STARTS,
     STATEMENT_WORDS,
@@ -40,7 +41,7 @@ from irc.frontends.dsl.templates import Value, filled
 MAX_FAULTS = 1000
 """Limit on faults; the rest of the text is not read, because it is probably another language."""
 
-ARRAYS = ("resources", "state", "actions", "precedence", "groups", "goals", "events")
+ARRAYS = ("calendars", "resources", "state", "actions", "precedence", "groups", "goals", "events")
 
 Values = Mapping[str, Value]
 
@@ -276,7 +277,13 @@ class _Reader:
                     raise unlexed(token, self.text)
                 if token.type != "COMMENT":
                     found.append(token)
-            if 0 < first < len(found) and _of_name(found, first - 1) and _of_name(found, first):
+            own = CALENDAR_WORDS if found and found[0].value == "calendar" else ()
+            if (
+                0 < first < len(found)
+                and _of_name(found, first - 1)
+                and _of_name(found, first)
+                and found[first].value not in own
+            ):
                 raise Fault(
                     Code.DSL_INDENTATION,
                     "this line is indented, but does not continue the statement above it",
@@ -578,6 +585,7 @@ _FIELD_VALUES: dict[str, Callable[[Any], nodes.Placed]] = {
 _ELEMENTS: dict[str, Callable[[Builder, Any, Sink], None]] = {
     "action": Builder.action,
     "order": Builder.order,
+    "calendar": Builder.calendar,
     "resource": Builder.resource,
     "pool": Builder.pool,
     "state": Builder.state,
