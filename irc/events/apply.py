@@ -10,7 +10,15 @@ from irc.checks.events import check_event
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
-from irc.events.observed import Outcome, failures, lasting, with_length, with_start, written
+from irc.events.observed import (
+    Outcome,
+    failures,
+    lasting,
+    with_length,
+    with_start,
+    working_time,
+    written,
+)
 from irc.events.repetition import lapsed_of, repetition_of, restored
 from irc.events.world import world_change
 from irc.model import Action, Event, Group, Precedence, Resource, StateVariable, Task
@@ -97,7 +105,7 @@ def with_observations(task: Task, outcomes: Sequence[Outcome]) -> Task:
     for outcome in outcomes:
         action = editor.actions.get(outcome.action)
         if action is not None:
-            editor.actions[outcome.action] = written(action, outcome, editor.clock)
+            editor.actions[outcome.action] = written(task, action, outcome)
     for name, failed in failures(outcomes).items():
         if name in editor.actions:
             editor.cancel([name], at=failed)
@@ -235,7 +243,11 @@ def _set_capacity(editor: _TaskEditor, change: SetCapacity) -> None:
     start = editor.at if change.from_ is None else max(editor.at, clock.number(change.from_))
     end = None if change.to is None else clock.number(change.to)
     resource = editor.resources[change.resource]
-    editor.resources[resource.id] = with_capacity(resource, change.capacity, start, end, clock)
+    known = (c for c in editor.task.calendars if c.id == resource.calendar)
+    calendar = next(known, None)
+    editor.resources[resource.id] = with_capacity(
+        resource, change.capacity, start, end, clock, calendar
+    )
 
 
 def _set_deadline(editor: _TaskEditor, change: SetDeadline) -> None:
@@ -278,7 +290,8 @@ def _observe(editor: _TaskEditor, change: Observe) -> None:
         started_at = _start_of(editor, name)
         if started_at is not None:
             action = editor.actions[name]
-            editor.actions[name] = lasting(action, editor.at - started_at, clock)
+            work = working_time(editor.task, action, started_at, editor.at)
+            editor.actions[name] = lasting(action, work, clock)
 
 
 def _start_of(editor: _TaskEditor, name: str) -> Number | None:
@@ -291,14 +304,17 @@ def _end_at(editor: _TaskEditor, name: str, finished: Number) -> None:
     started = _start_of(editor, name)
     if started is None or started > finished:
         raise _NoStart(name)
-    editor.actions[name] = with_length(editor.actions[name], finished - started)
+    action = editor.actions[name]
+    editor.actions[name] = with_length(action, working_time(editor.task, action, started, finished))
 
 
 def _fail(editor: _TaskEditor, name: str, failed: Number) -> None:
     """Ends an action before it was done, at a time that may have passed."""
     started = _start_of(editor, name)
     if started is not None and started <= failed:
-        editor.actions[name] = lasting(editor.actions[name], failed - started, editor.clock)
+        action = editor.actions[name]
+        work = working_time(editor.task, action, started, failed)
+        editor.actions[name] = lasting(action, work, editor.clock)
     editor.cancel([name], at=failed)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from irc.model import Resource, Window
+from irc.model import Calendar, Resource, Window
 from irc.model.quantities import Number
 from irc.model.times import Clock
 
@@ -17,13 +17,21 @@ class _Piece:
 
 
 def with_capacity(
-    resource: Resource, capacity: int, start: Number, end: Number | None, clock: Clock
+    resource: Resource,
+    capacity: int,
+    start: Number,
+    end: Number | None,
+    clock: Clock,
+    calendar: Calendar | None = None,
 ) -> Resource:
     """The resource with `capacity` at every instant of [start, end), or from `start` on.
 
     Its windows are cut at `start` and `end`. Without an end the new capacity becomes the usual
-    one, and windows give the previous capacity before `start`.
+    one, and windows give the previous capacity before `start`. With a `calendar` that is the
+    capacity at its open times; a window with an end overrides it.
     """
+    if end is None and calendar is not None:
+        return _from_now(resource, calendar, capacity, start, clock)
     pieces = [p for piece in _pieces(resource, clock) for p in _outside(piece, start, end)]
     pieces.append(_Piece(start, end, capacity))
     pieces.sort(key=lambda piece: piece.start)
@@ -35,6 +43,31 @@ def with_capacity(
     ]
     changed = {"capacity": base, "availability": tuple(windows)}
     return resource.model_copy(update=changed)
+
+
+def _from_now(
+    resource: Resource, calendar: Calendar, capacity: int, start: Number, clock: Clock
+) -> Resource:
+    """The resource with another capacity at open times from `start` on, and windows before that."""
+    from irc.lowering.calendars import OpenTimes, without
+
+    opened = [(a, min(b, start)) for a, b in OpenTimes([calendar], clock).until(start) if a < start]
+    given = sorted(
+        (clock.number(w.from_), min(clock.number(w.to), start), w.capacity)
+        for w in resource.availability
+        if clock.number(w.from_) < start
+    )
+    left = without(opened, [(a, b) for a, b, _ in given], start)
+    before = sorted([*given, *((a, b, resource.capacity) for a, b in left)])
+    windows: list[Window] = []
+    reached: Number = 0
+    for a, b, level in [*before, (start, start, 0)]:
+        if reached < a:
+            windows.append(Window(from_=reached, to=a, capacity=0))
+        if a < b:
+            windows.append(Window(from_=a, to=b, capacity=level))
+        reached = b
+    return resource.model_copy(update={"capacity": capacity, "availability": tuple(windows)})
 
 
 def _pieces(resource: Resource, clock: Clock) -> list[_Piece]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from fractions import Fraction
 from typing import Any, NamedTuple
 
-from irc.model import Action, DurationRange
-from irc.model.quantities import Number
+from irc.model import Action, DurationRange, Task
+from irc.model.quantities import Number, exact
 from irc.model.times import Clock
 
 
@@ -14,7 +15,8 @@ class Outcome(NamedTuple):
     """The known facts about an action that occurs at most once, in the task's unit.
 
     `started` is an observed start. `length` is how long it took, or takes as far as is known;
-    `at_least`: how long it takes at least. `failed` is when it failed.
+    `at_least`: how long it takes at least. `failed` is when it failed, `began` its start, observed
+    or planned.
     """
 
     action: str
@@ -22,6 +24,7 @@ class Outcome(NamedTuple):
     length: Number | None = None
     at_least: Number | None = None
     failed: Number | None = None
+    began: Number = 0
 
 
 def with_start(action: Action, started: Number, clock: Clock) -> Action:
@@ -33,6 +36,22 @@ def with_start(action: Action, started: Number, clock: Clock) -> Action:
     if latest is not None and clock.number(latest) < started:
         fields["latest_start"] = started
     return action.model_copy(update=fields)
+
+
+def working_time(task: Task, action: Action, start: Number, end: Number) -> Number:
+    """How much of an action's time was work: what lies between its start and its end, less pauses.
+
+    Of resources that it might have taken the first count; a schedule knows which it took.
+    """
+    if action.breaks != "pause" or start >= end:
+        return end - start
+    from irc.validation.open_times import Calendars, time_in
+
+    calendars = Calendars(task, task.clock, end)
+    closed = [] if action.calendar is None else [calendars.closed(action.calendar)]
+    taken = {use.alternatives[0] for use in action.uses if use.alternatives}
+    closed += [calendars.without_capacity(r) for r in task.resources if r.id in taken]
+    return exact(Fraction(end - start - time_in(closed, start, end)))
 
 
 def with_length(action: Action, length: Number) -> Action:
@@ -61,14 +80,18 @@ def _with_durations(action: Action, change: Callable[[Any], Any]) -> Action:
     return action.model_copy(update={"duration": change(action.duration)})
 
 
-def written(action: Action, outcome: Outcome, clock: Clock) -> Action:
+def written(task: Task, action: Action, outcome: Outcome) -> Action:
     """The action as it was observed; that it failed is not written here."""
+    clock = task.clock
     if outcome.started is not None:
         action = with_start(action, outcome.started, clock)
+    began = outcome.began
     if outcome.length is not None:
-        action = with_length(action, outcome.length)
+        work = working_time(task, action, began, began + outcome.length)
+        action = with_length(action, work)
     if outcome.at_least is not None:
-        action = lasting(action, outcome.at_least, clock)
+        work = working_time(task, action, began, began + outcome.at_least)
+        action = lasting(action, work, clock)
     return action
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import in_one_mode
+from irc.problem.work_times import WorkTimesOf, work_range
 from irc.schedule import CANCELLED, Entry
 
 
@@ -83,7 +84,9 @@ def as_executed(
     if activity.details.modes and past.mode is not None:
         activity = in_one_mode(activity, past.mode)
     shortest = longest = past.end - past.start
-    if past.running and not activity.is_fixed and not past.cancelled:
+    if activity.details.work and past.running and not past.cancelled:
+        shortest = longest = _end_of_work(problem, activity, past, now) - past.start
+    elif past.running and not activity.is_fixed and not past.cancelled:
         least = max(now, past.least_end)
         shortest = max(activity.duration_min, least - past.start)
         longest = max(activity.duration_max, shortest)
@@ -108,6 +111,22 @@ def as_executed(
         open_demands=activity.open_demands if longest and (past.running or frees_now) else (),
         details=details,
     )
+
+
+def _end_of_work(problem: Problem, activity: Activity, past: ExecutedActivity, now: int) -> int:
+    """The end of running work that pauses: as its calendars are now, not before it is known to end.
+
+    Where its working time is a range, it is as long as it was planned.
+    """
+    if past.resources is None:
+        return max(past.end, now)
+    times = WorkTimesOf(problem).of(activity, [r for r in past.resources if r is not None])
+    least, most = work_range(activity, None)
+    end = past.end
+    if least == most:
+        end = times.end_after(times.work_before(past.start) + least) or past.end
+    end = max(end, past.least_end, now)
+    return times.next_end(end) or end
 
 
 def _with_taken(problem: Problem, activity: Activity, past: ExecutedActivity) -> Activity:
@@ -140,6 +159,9 @@ def _as_happened(
         details,
         optional=False,
         repeats=None,
+        calendar=details.calendar if details.work else None,
+        work=(),
+        paused=bool(details.work) or details.paused,
         modes=tuple(m._replace(duration_min=shortest, duration_max=longest) for m in details.modes),
         ranks=ranks,
     )
@@ -165,7 +187,9 @@ def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None)
     It keeps that rank where it could be longer, and a deadline says that it is not.
     """
     details = activity.details
-    if past.running or past.cancelled or not (details.conditions or details.effects):
+    if past.running or past.cancelled or details.work:
+        return False
+    if not (details.conditions or details.effects):
         return False
     if ranks is not None and None not in ranks and ranks.start != ranks.end:
         return True

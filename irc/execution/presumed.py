@@ -150,21 +150,21 @@ def _outcome(
     if started is None and entry.start == now:
         started = now
     if observed.failed:
-        return Outcome(action.id, started, at_least=took, failed=entry.end)
+        return Outcome(action.id, started, at_least=took, failed=entry.end, began=entry.start)
     if entry.status == CANCELLED:
-        return Outcome(action.id, started, at_least=took)
+        return Outcome(action.id, started, at_least=took, began=entry.start)
     if observed.ended is not None:
-        return Outcome(action.id, started, took)
+        return Outcome(action.id, started, took, began=entry.start)
     usual = length_of(action, entry, task.clock)
     expected = observed.end is not None and observed.end.expected is not None
     if usual is None:
         return Outcome(action.id, started)
     if usual != took or (expected and observed.end is not None and not observed.end.as_planned):
-        return Outcome(action.id, started, took)
+        return Outcome(action.id, started, took, began=entry.start)
     seen_now = observed.end is not None and observed.end.time == now
     if entry.end > now and (seen_now or not history.assumes):
         soonest = min(entry.end, soon(action, entry, task, now))
-        return Outcome(action.id, started, at_least=soonest - entry.start)
+        return Outcome(action.id, started, at_least=soonest - entry.start, began=entry.start)
     return Outcome(action.id, started)
 
 

@@ -27,6 +27,7 @@ from irc.problem import (
     ContendedPool,
     Details,
     Effect,
+    OpenCalendar,
     PreviousPlan,
     Problem,
     Renewable,
@@ -146,6 +147,8 @@ def residual_problem(
             left.contention, pools=tuple(_pool_later(p, now) for p in left.contention.pools)
         ),
         deadline=None if deadline is None else deadline - now,
+        calendars=tuple(_calendar_later(c, now) for c in problem.calendars),
+        horizon=None if problem.horizon is None else max(0, problem.horizon - now),
         reservoirs=_stock_now(problem, executed, now, places),
         variables=_state_now(problem, executed, now, places),
         previous=_previous_later(left.previous, len(arcs.activities), now),
@@ -258,6 +261,7 @@ def _residual(
         weight=details.weight,
         reward=details.reward,
         cost=details.cost,
+        paused=details.paused,
     )
     return replace(
         activity,
@@ -291,6 +295,11 @@ def _later(resource: Renewable, now: int) -> Renewable:
     if not resource.windows:
         return resource
     return replace(resource, windows=_windows_later(resource.windows, now))
+
+
+def _calendar_later(calendar: OpenCalendar, now: int) -> OpenCalendar:
+    times = ((max(0, start - now), end - now) for start, end in calendar.times if end > now)
+    return replace(calendar, times=tuple(times))
 
 
 def _pool_later(pool: ContendedPool, now: int) -> ContendedPool:

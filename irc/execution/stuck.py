@@ -141,6 +141,8 @@ class _Search:
         length = activity.duration_min
         if mode is not None:
             length = activity.details.modes[mode].duration_min
+        if activity.details.work:
+            length = min(1, length)  # Any open time is good to begin or to go on with.
         begin = max(activity.release, self.frozen.now)
         for u in activity.uses_in(mode) if length else ():
             use = activity.uses[u]

@@ -187,7 +187,7 @@ class Details:
     With a `calendar` (index into `Problem.calendars`) it starts, lasts and ends at open times. If
     it pauses, `work` has its least and greatest working time, one pair for each mode or one alone.
     Closed times come on top of that, `max_pause` of them at most, so its durations only limit the
-    time from start to end.
+    time from start to end. One that has begun has `paused` instead: its times are known.
     """
 
     optional: bool = False
@@ -201,6 +201,7 @@ class Details:
     calendar: int | None = None
     work: tuple[tuple[int, int], ...] = ()
     max_pause: int | None = None
+    paused: bool = False
     stock: tuple[StockChange, ...] = ()
     conditions: tuple[Condition, ...] = ()
     effects: tuple[Effect, ...] = ()
@@ -224,6 +225,11 @@ class Details:
     def use_mode(self, use: int) -> int | None:
         """The mode in which a use is held; None: in all."""
         return self.use_modes[use] if self.use_modes else None
+
+    @property
+    def keeps_units(self) -> bool:
+        """Whether it keeps its units while a resource has no capacity."""
+        return bool(self.work) or self.paused
 
     def in_mode(self, mode: int | None) -> Details:
         """The details with what a mode (index) adds among their own; the modes become bare.

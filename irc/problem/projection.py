@@ -411,7 +411,10 @@ def in_one_mode(activity: Activity, mode: int) -> Activity:
         duration_min=chosen.duration_min,
         duration_max=chosen.duration_max,
         details=replace(
-            details.in_mode(mode), modes=(chosen.bare,), use_modes=tuple(None for _ in kept)
+            details.in_mode(mode),
+            modes=(chosen.bare,),
+            use_modes=tuple(None for _ in kept),
+            work=details.work[mode : mode + 1],
         ),
     )
 

@@ -61,7 +61,7 @@ def _require_capacity(problem: Problem, placed: Sequence[Placed]) -> None:
             if r is not None and place.end > place.start:
                 own = [(place.start, use.amount), (place.end, -use.amount)]
                 changes.setdefault(r, []).extend(own)
-                unpaused.setdefault(r, []).extend(() if activity.details.work else own)
+                unpaused.setdefault(r, []).extend(() if activity.details.keeps_units else own)
     for r, steps in changes.items():
         capacity, taken = _capacity(problem, r)
         if len(unpaused[r]) < len(steps):

@@ -53,12 +53,14 @@ def _entry(problem: Problem, index: int, placed: Placed, times: WorkTimesOf) -> 
         mode=None if placed.mode is None else activity.details.modes[placed.mode].id,
         rank=placed.rank,
         end_rank=None if placed.end_rank == placed.rank else placed.end_rank,
-        paused=problem.to_units(_paused(activity, placed, times)) if activity.details.work else 0,
+        paused=problem.to_units(_paused(activity, placed, times)),
     )
 
 
 def _paused(activity: Activity, placed: Placed, times: WorkTimesOf) -> int:
-    """The closed time between the start and the end of an activity, in ticks."""
+    """The closed time between the start and the end of an activity that pauses, in ticks."""
+    if not activity.details.keeps_units:
+        return 0
     held = () if placed.end == placed.start else [r for r in placed.resources if r is not None]
     own = times.of(activity, held)
     worked = own.work_before(placed.end) - own.work_before(placed.start)

@@ -44,7 +44,8 @@ def earliest_with_work(
     pausing = []
     times_of = WorkTimesOf(problem)
     for i, activity in enumerate(problem.activities):
-        if activity.details.calendar is None and not activity.details.work:
+        details = activity.details
+        if details.paused or (details.calendar is None and not details.work):
             continue
         decision, holds = decisions[i], chosen[i] if activity.details.work else ()
         if decision.end - decision.start <= tolerance:

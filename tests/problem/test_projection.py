@@ -95,6 +95,7 @@ MEANING: dict[type, dict[str, str]] = {
         **dict.fromkeys(("optional", "repeats", "occurrence", "due", "weight"), PLAIN),
         **dict.fromkeys(("reward", "cost", "not_before", "calendar", "max_pause"), PLAIN),
         "work": PLAIN,
+        "paused": PLAIN,
         "ranks": "part",
         "modes": "part",
         "previous_occurrence": "activities",

@@ -93,7 +93,7 @@ def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal |
     if builder.problem.resources[members[0]].setups is not None:
         family = builder.problem.activities[i].uses[demand.use].family
         builder.takers.setdefault(r, []).append(Taker(i, family, taken))
-    pauses = bool(builder.problem.activities[i].details.work)
+    pauses = builder.problem.activities[i].details.keeps_units
     builder.uses[r].add(interval_of(builder, i, taken), demand.amount, pauses)
     if builder.ranked:
         interval = _interval_of_moments(builder, i, taken)

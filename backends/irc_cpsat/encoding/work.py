@@ -44,7 +44,7 @@ def add_work(builder: Builder, literals: DemandLiterals) -> None:
     times = WorkTimesOf(builder.problem)
     for i, activity in enumerate(builder.problem.activities):
         details = activity.details
-        if details.calendar is not None or details.work:
+        if (details.calendar is not None or details.work) and not details.paused:
             present = builder.present[i]
             always = () if present is None else (present,)
             for way in _ways(builder, i, activity, literals[i], times):
