@@ -10,6 +10,7 @@ from irc.diagnostics.source import Pointer
 from irc.driver.compile import reporting_refusals
 from irc.driver.judge import Answer
 from irc.driver.solve import solve_task
+from irc.explanation.by_removal import conflict_by_removal
 from irc.explanation.chain import HandOver, Link, critical_chain
 from irc.explanation.contention import horizon_without_limits, resource_conflict
 from irc.explanation.demand import demand_conflict
@@ -80,7 +81,7 @@ def _explained(task: Task, budget: Budget) -> Explanation:
     problem, _ = mandatory_part(decide_presence(checked.problem))
     if checked.report.ok:
         return _with_solver(task, problem, budget, whole=problem is checked.problem)
-    explanation = _without_solver(task, problem, budget) or _by_checks(task, checked.report)
+    explanation = _without_solver(task, problem, budget) or _by_checks(task, checked.report, budget)
     return replace(explanation, reasons=checked.report.located().errors)
 
 
@@ -93,15 +94,23 @@ def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
-def _by_checks(task: Task, report: Report) -> Explanation:
-    """Returns why the checks rule every schedule out, where no conflict is known."""
+def _by_checks(task: Task, report: Report, budget: Budget) -> Explanation:
+    """Returns why the checks rule every schedule out, with a conflict if one is found."""
+    return _by_removal(task, "checks", "; ".join(d.message for d in report.errors), budget)
+
+
+def _by_removal(task: Task, by: str, reason: str | None, budget: Budget) -> Explanation:
+    """The explanation with a conflict of statements of any kind, if there is time to find it."""
+    found = conflict_by_removal(task, TARGET, budget)
+    statements, minimal = found or ([], False)
     return Explanation(
         Status.INFEASIBLE,
         task.name,
         task.time_unit,
-        minimal=False,
-        by="checks",
-        reason="; ".join(d.message for d in report.errors),
+        conflict=located(statements, task.source),
+        minimal=minimal,
+        by=by,
+        reason=reason,
     )
 
 
@@ -125,25 +134,12 @@ def _unanswered(
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = None if budget.is_over else get_backend(TARGET).refuter()
     if not whole and not _is_refuted(problem, refuter, budget):
-        return Explanation(
-            Status.INFEASIBLE,
-            task.name,
-            task.time_unit,
-            minimal=False,
-            by="solver",
-            reason=_RICH,
-        )
+        return _by_removal(task, "solver", None, budget)
     with reporting_refusals(task):
         conflict = None if refuter is None else resource_conflict(problem, refuter, budget)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
-
-
-_RICH = (
-    "state, stock, calendars or choices play a part in it; conflicting statements are named only "
-    "for durations, precedence, dates and resources"
-)
 
 
 def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bool:
