@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         asimulate,
         asolve,
         asolve_iter,
+        batch,
         between,
         check,
         compile,
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
         start,
         validate,
     )
+    from irc.batches.result import BatchResult
     from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
     from irc.errors import IrcError, LibraryMissing, NameNotFound, OptionError
     from irc.events.apply import apply
@@ -74,6 +76,8 @@ if TYPE_CHECKING:
     from irc.validation import Verdict, Violation
 
 _HOMES = {
+    "irc.api.batches": "batch",
+    "irc.batches.result": "BatchResult",
     "irc.api.calls": "check compile explain extract replan simulate solve validate",
     "irc.api.elements": "Action Calendar Group Mode Resource StateVariable",
     "irc.api.event": "Event",
@@ -100,6 +104,7 @@ _HOMES = {
 __all__ = [
     "Action",
     "AnswerError",
+    "BatchResult",
     "Between",
     "Cancellation",
     "Code",
@@ -146,6 +151,7 @@ __all__ = [
     "asimulate",
     "asolve",
     "asolve_iter",
+    "batch",
     "between",
     "check",
     "compile",

@@ -38,6 +38,7 @@ ORDER = (
     "testing",
     "methods",
     "evaluation",
+    "batches",
     "api",
     "cli",
     "__main__",

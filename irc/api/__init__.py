@@ -1,8 +1,8 @@
 """The Python API: in, tasks built in code or read; out, schedules, reports and explanations.
 
 `calls` has the functions (`solve`, `check`, …), `task` and `elements` the classes to build with,
-`event` the changes of a running task, `running` what runs in the background or is awaited. All of
-it is exported from `irc`.
+`event` the changes of a running task, `batches` many tasks at once, `running` what runs in the
+background or is awaited. All of it is exported from `irc`.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from irc.api.batches import batch
     from irc.api.calls import (
         check,
         compile,
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from irc.api.values import Between, between
 
 _HOMES = {
+    "batches": "batch",
     "calls": "check compile explain extract replan simulate solve validate",
     "elements": "Action Group Mode Resource StateVariable",
     "event": "Event",
@@ -60,6 +62,7 @@ __all__ = [
     "asimulate",
     "asolve",
     "asolve_iter",
+    "batch",
     "between",
     "check",
     "compile",

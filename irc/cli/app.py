@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irc.cli.batch import batch
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
@@ -465,6 +466,7 @@ _COMMANDS = (
     check,
     compile_,
     solve,
+    batch,
     explain,
     extract,
     validate,

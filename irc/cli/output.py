@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_NO_ANSWER, EXIT_USE
 from irc.diagnostics import DIAGNOSTICS_VERSION, Diagnostic, InputError, Report, Severity
 from irc.diagnostics.source import Source
+from irc.errors import IrcError
 from irc.outcome import FAILED, FAULTY, INTERRUPTED, MISUSED, UNKNOWN, Outcome
 
 
@@ -114,3 +115,5 @@ def reporting_errors(format: Format) -> Iterator[None]:
         fail(EXIT_USE, str(error), format)
     except (EngineMissing, EngineFailed) as error:
         fail(EXIT_ENGINE, str(error), format, error.ends_as)
+    except IrcError as error:
+        fail(error.outcome.exit, str(error), format, error.ends_as)

@@ -51,6 +51,7 @@ __all__ = [
     "ProcessError",
     "ProcessLimits",
     "ProcessResult",
+    "ProcessTree",
     "run",
 ]
 
@@ -208,7 +209,7 @@ def run(
     data = stdin.encode() if isinstance(stdin, str) else stdin
     capture = _Capture(limits.output_bytes, on_line)
     budget = Budget(limits.seconds, cancel=cancel)
-    with _Tree() as tree:
+    with ProcessTree() as tree:
         child = tree.start(command, limits.memory_mb, data is not None, cwd, env)
         with closing(_PIPES(child, data, capture)) as pipes:
             cause = _watch(child, pipes, capture, budget)
@@ -442,8 +443,11 @@ def _read_rest(pipes: _Pipes) -> None:
         pipes.pump(grace.left)
 
 
-class _Tree:
-    """The child and its descendants, which end no later than the `with` block."""
+class ProcessTree:
+    """A child and its descendants, which end no later than the `with` block, or with `end`.
+
+    `run` is made of it; a worker that answers many requests has one for as long as it lives.
+    """
 
     def __init__(self) -> None:
         self._token = os.urandom(16).hex()
@@ -469,7 +473,9 @@ class _Tree:
         has_stdin: bool,
         cwd: Path | None,
         env: Mapping[str, str] | None,
+        stderr: int | IO[bytes] = subprocess.PIPE,
     ) -> subprocess.Popen[bytes]:
+        """Starts the child with pipes to its input and output. Raises `ProcessError`."""
         environment = dict(os.environ if env is None else env)
         outer = os.environ.get(TOKEN_VARIABLE)
         environment[TOKEN_VARIABLE] = f"{outer}:{self._token}" if outer else self._token
@@ -482,7 +488,7 @@ class _Tree:
                 bufsize=0,
                 stdin=subprocess.PIPE if has_stdin else subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
+                stderr=stderr,
                 cwd=cwd,
                 env=environment,
                 start_new_session=os.name == "posix",
@@ -493,7 +499,12 @@ class _Tree:
         self._group = self._child.pid
         return self._child
 
-    def end(self, pause: Callable[[float], None]) -> None:
+    def ask_to_end(self) -> None:
+        """Sends SIGTERM to all and waits for nothing: `end` follows."""
+        if not self._over:
+            self._signal(_ASK)
+
+    def end(self, pause: Callable[[float], None] = time.sleep) -> None:
         """Sends SIGTERM to all, waits `GRACE_SECONDS` with `pause`, then sends SIGKILL."""
         if self._over:
             return

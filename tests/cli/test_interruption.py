@@ -243,3 +243,31 @@ def test_json_says_that_there_is_no_answer(capsys: pytest.CaptureFixture[str]) -
         command()
     assert ended.value.code == 130
     assert json.loads(capsys.readouterr().out)["exit"] == 130
+
+
+@pytest.mark.slow
+def test_a_batch_that_is_killed_is_resumed_and_one_that_is_ended_says_so(tmp_path: Path) -> None:
+    from irc.batches.results_file import read_results
+
+    tasks = [{"name": f"t{k}", "actions": [{"id": "a", "duration": k + 1}]} for k in range(300)]
+    lines = [*tasks, shop().model_dump(mode="json", by_alias=True, exclude_unset=True)]
+    (tmp_path / "tasks.jsonl").write_text("".join(json.dumps(t) + "\n" for t in lines), "utf-8")
+    output = tmp_path / "results.jsonl"
+    command = ("batch", "tasks.jsonl", "-o", "results.jsonl", "-j", "1", "--time-limit", "60")
+
+    def has_results(least: int) -> bool:
+        return output.exists() and output.read_bytes().count(b"\n") >= least
+
+    killed = begun(tmp_path, *command)
+    while not has_results(1):
+        time.sleep(0.005)
+    killed.kill()
+    killed.communicate(timeout=30)
+    ended = begun(tmp_path, *command, IRC_CHILD_TOKEN="batch-test-token")
+    seconds, out, errors = interrupted(ended, signal.SIGTERM, lambda: has_results(300))
+    assert (ended.returncode, "interrupted: the same command" in errors) == (143, True)
+    assert seconds < WITHIN
+    assert "cpsat" in out
+    found = [result.task for result in read_results(output)]
+    assert sorted(found) == sorted(f"tasks.jsonl:{k + 1}" for k in range(300))
+    assert planners_of("batch-test-token") == []

@@ -1,0 +1,1 @@
+"""Batches: in, tasks, targets and engines; out, a result for each trial, and a summary."""
