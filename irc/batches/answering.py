@@ -60,8 +60,8 @@ def _solved(
 
 def _task(source: Mapping[str, Any]) -> Task:
     """The task of a request's text. Raises `InputError`."""
-    from irc.frontends.convert import PLANNER, SCHEDULE_SPEC
     from irc.frontends.files import parse_task
+    from irc.frontends.formats import PLANNER, SCHEDULE_SPEC
 
     sent = TaskText(**source)
     if sent.problem is not None:

@@ -20,9 +20,20 @@ from typing import Any
 
 from irc.batches.trial import BatchTask, TaskText
 from irc.diagnostics import Code, Diagnostic, InputError, Report
-from irc.errors import OptionError
-from irc.frontends.convert import IMPORTERS, PDDL, PLANNER, SCHEDULE_SPEC, load_importer
-from irc.frontends.files import STANDARD_INPUT, parse_task, read_text
+from irc.errors import IrcError, OptionError
+from irc.frontends.files import parse_task, read_task
+from irc.frontends.formats import (
+    IMPORTERS,
+    KNOWN_SUFFIXES,
+    PDDL,
+    PLANNER,
+    SCHEDULE_SPEC,
+    SUFFIXES,
+    TABLES,
+    format_of,
+    load_importer,
+)
+from irc.frontends.texts import STANDARD_INPUT, read_text
 from irc.frontends.json.document import MAX_BYTES, decode_bytes
 from irc.model import Task
 from irc.model.built import Built
@@ -38,7 +49,8 @@ LINES = (".jsonl", ".ndjson", ".jsonl.gz", ".ndjson.gz")
 """The suffixes of files with a document on each line."""
 
 _SUFFIXES: Mapping[str, tuple[str, ...]] = {
-    IRC: (".json", ".irc", ".txt", *LINES),
+    **{format: (*suffixes, *LINES) for format, suffixes in SUFFIXES.items()},
+    IRC: (".json", ".irc", ".txt", *({*KNOWN_SUFFIXES} - {".csv"}), *LINES),
     PDDL: (".pddl",),
     PLANNER: (".json", ".txt", *LINES),
     SCHEDULE_SPEC: (".json", ".txt", *LINES),
@@ -135,10 +147,21 @@ def _tasks(one: AnyInput, options: InputOptions) -> Iterator[BatchTask]:
             yield from _lines(name, options)
         elif options.format == PDDL:
             yield _pddl(name, options.domain)
+        elif options.format == IRC and format_of(name) == TABLES:
+            yield _imported(name, read_task(name).task)
         else:
-            yield from _in_text(*read_text(name), Path(name), options)
+            source = format_of(name) if options.format == IRC else options.format
+            yield from _in_text(*read_text(name), Path(name), source)
     except InputError as error:
         yield faulty(name, error.report)
+    except IrcError as error:  # such as an extra that a format needs
+        yield faulty(name, _report(str(error)))
+    except Exception as error:  # noqa: BLE001 - one file must not stop the others
+        yield faulty(name, _report(f"reading it broke down: {type(error).__name__}: {error}"))
+
+
+def _report(message: str) -> Report:
+    return Report((Diagnostic(Code.UNREADABLE, message),))
 
 
 def _in_code(one: Task | Built[Task] | Mapping[str, Any]) -> BatchTask:
@@ -172,18 +195,18 @@ def faulty(name: str, report: Report) -> BatchTask:
 
 
 def _in_text(
-    text: str, name: str, path: Path | None, options: InputOptions, called: str | None = None
+    text: str, name: str, path: Path | None, source: str, called: str | None = None
 ) -> Iterator[BatchTask]:
     """The task of a text, or those of its instances; they are `called` after the file or line."""
     called = called or name
-    if options.format in IMPORTERS:
-        yield from _instances(text, name, options.format, called)
-    elif options.format == IRC and path is not None and _includes(text, name):
+    if source in IMPORTERS:
+        yield from _instances(text, name, source, called)
+    elif source == IRC and path is not None and _includes(text, name):
         # (An include is relative to the file, which another machine may not have.)
         task = parse_task(text, name, path).task
         yield _text(called, TaskText(IRC, dump_json(written_task(task)), f"{name}.json"))
     else:
-        yield _text(called, TaskText(options.format, text, name))
+        yield _text(called, TaskText(source, text, name))
 
 
 def _includes(text: str, name: str) -> bool:
@@ -239,7 +262,7 @@ def _lines(name: str, options: InputOptions) -> Iterator[BatchTask]:
                 yield from _line(line, f"{_shown(name)}:{number}", options)
     except (OSError, EOFError, ValueError) as error:
         message = f"cannot read {name!r}: {getattr(error, 'strerror', None) or error}"
-        raise InputError(Report((Diagnostic(Code.UNREADABLE, message),))) from None
+        raise InputError(_report(message)) from None
 
 
 def _shown(name: str) -> str:
@@ -263,7 +286,7 @@ def _line(line: bytes, called: str, options: InputOptions) -> Iterator[BatchTask
     try:
         # (A line is JSON, whatever the suffix of its file says.)
         text = decode_bytes(line, called)
-        yield from _in_text(text, f"{called}.json", None, options, called)
+        yield from _in_text(text, f"{called}.json", None, options.format, called)
     except InputError as error:
         yield faulty(called, error.report)
 
