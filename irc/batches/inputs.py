@@ -33,8 +33,8 @@ from irc.frontends.formats import (
     format_of,
     load_importer,
 )
-from irc.frontends.texts import STANDARD_INPUT, read_text
 from irc.frontends.json.document import MAX_BYTES, decode_bytes
+from irc.frontends.texts import STANDARD_INPUT, read_text
 from irc.model import Task
 from irc.model.built import Built
 from irc.model.canonical import written_task
