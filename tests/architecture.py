@@ -39,6 +39,7 @@ ORDER = (
     "methods",
     "evaluation",
     "batches",
+    "generators",
     "api",
     "cli",
     "__main__",

@@ -11,6 +11,7 @@ import typer
 
 from irc.cli.batch import batch
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
+from irc.cli.generate import generate
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -474,6 +475,7 @@ _COMMANDS = (
     simulate,
     run,
     convert,
+    generate,
     fmt,
     explain_code,
     targets,
