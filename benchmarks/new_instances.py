@@ -1,6 +1,6 @@
 """`irc generate`: statistics, gold answers and texts of new instances.
 
-    python benchmarks/generators.py [asyncplan] [robo] [--seeds N] [--count 50] [--sizes N …]
+    python benchmarks/new_instances.py [asyncplan] [robo] [--seeds N] [--count 50] [--sizes N …]
 
 `asyncplan`: for each size and seed, how many standard errors the means of 50 graphs are from those
 of AsyncPlan-XXL, and the ratio of the deviations of the number of edges; whether each gold answer
