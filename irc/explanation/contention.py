@@ -50,7 +50,9 @@ _OF_ACTION = (
 )
 
 
-def resource_conflict(problem: Problem, refuter: Refuter, budget: Budget) -> Conflict | None:
+def resource_conflict(
+    problem: Problem, refuter: Refuter, budget: Budget
+) -> Conflict[Statement] | None:
     """A minimal conflict of a problem that has no schedule, although time alone allows one.
 
     None if the budget is over at the start; if it ends during the search, the conflict may not be
@@ -69,12 +71,12 @@ class _Search:
     problem: Problem
     refuter: Refuter
     budget: Budget
-    known: dict[frozenset[Statement], Trial] = field(default_factory=dict)
+    known: dict[frozenset[Statement], Trial[Statement]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.horizon = horizon_without_limits(self.problem)
 
-    def conflict(self) -> Conflict | None:
+    def conflict(self) -> Conflict[Statement] | None:
         found = self._found()
         if found is None:
             return None
@@ -94,7 +96,7 @@ class _Search:
                 return core
         return statements
 
-    def _rechecked(self, conflict: Conflict) -> Conflict:
+    def _rechecked(self, conflict: Conflict[Statement]) -> Conflict[Statement]:
         """The conflict, minimal only if the solver alone also finds it impossible."""
         part = self._part(frozenset(conflict.statements))
         status = self.refuter.decide(part, self.horizon, self.budget)
@@ -102,7 +104,7 @@ class _Search:
             raise EngineFailed("a conflict turned out to have a schedule; this is a defect of irc")
         return replace(conflict, minimal=conflict.minimal and status is Status.INFEASIBLE)
 
-    def attempt(self, statements: frozenset[Statement]) -> Trial:
+    def attempt(self, statements: frozenset[Statement]) -> Trial[Statement]:
         """Whether these statements can hold together, decided on a problem of their own."""
         trial = self.known.get(statements)
         if trial is None:

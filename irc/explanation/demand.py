@@ -9,7 +9,7 @@ from irc.problem import Activity, Problem
 from irc.problem.statements import Kind, Side, Statement
 
 
-def demand_conflict(problem: Problem) -> Conflict | None:
+def demand_conflict(problem: Problem) -> Conflict[Statement] | None:
     """The conflict of an action's demand and the capacities below it; None if there is none.
 
     It is minimal: each use is needed for the sum, and a larger capacity of any alternative, or a

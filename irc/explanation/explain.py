@@ -10,12 +10,12 @@ from irc.diagnostics.source import Pointer
 from irc.driver.compile import reporting_refusals
 from irc.driver.judge import Answer
 from irc.driver.solve import solve_task
-from irc.explanation.by_removal import conflict_by_removal
 from irc.explanation.chain import HandOver, Link, critical_chain
 from irc.explanation.contention import horizon_without_limits, resource_conflict
 from irc.explanation.demand import demand_conflict
 from irc.explanation.minimise import Conflict
 from irc.explanation.result import ChainStep, Explanation, RenderedStatement, located
+from irc.explanation.task_conflict import task_conflict
 from irc.explanation.temporal import temporal_conflict
 from irc.explanation.wording import in_words
 from irc.model import Task
@@ -80,8 +80,12 @@ def _explained(task: Task, budget: Budget) -> Explanation:
     # (If the part that every schedule contains is infeasible, so is the whole task.)
     problem, _ = mandatory_part(decide_presence(checked.problem))
     if checked.report.ok:
-        return _with_solver(task, problem, budget, whole=problem is checked.problem)
-    explanation = _without_solver(task, problem, budget) or _by_checks(task, checked.report, budget)
+        return _with_solver(task, problem, checked.problem, budget)
+    explanation = _without_solver(task, problem, budget)
+    if explanation is None:
+        explanation = _of_elements(task, checked.problem, budget, "checks")
+        if not explanation.conflict:
+            explanation = _by_checks(task, checked.report)
     return replace(explanation, reasons=checked.report.located().errors)
 
 
@@ -94,52 +98,64 @@ def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation
     return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
 
 
-def _by_checks(task: Task, report: Report, budget: Budget) -> Explanation:
-    """Returns why the checks rule every schedule out, with a conflict if one is found."""
-    return _by_removal(task, "checks", "; ".join(d.message for d in report.errors), budget)
-
-
-def _by_removal(task: Task, by: str, reason: str | None, budget: Budget) -> Explanation:
-    """The explanation with a conflict of statements of any kind, if there is time to find it."""
-    found = conflict_by_removal(task, TARGET, budget)
-    statements, minimal = found or ([], False)
+def _by_checks(task: Task, report: Report) -> Explanation:
+    """Returns why the checks rule every schedule out, where no conflict is known."""
     return Explanation(
         Status.INFEASIBLE,
         task.name,
         task.time_unit,
-        conflict=located(statements, task.source),
-        minimal=minimal,
-        by=by,
-        reason=reason,
+        minimal=False,
+        by="checks",
+        reason="; ".join(d.message for d in report.errors),
     )
 
 
-def _with_solver(task: Task, problem: Problem, budget: Budget, *, whole: bool) -> Explanation:
-    """The explanation with a solver; `whole`: the problem is the whole task, not only a part."""
+def _with_solver(
+    task: Task, problem: Problem, whole_problem: Problem, budget: Budget
+) -> Explanation:
+    """The explanation with a solver; `problem` is what every schedule of the whole contains."""
+    whole = problem is whole_problem
     # One worker and one seed: the same task gets the same explanation.
     options = SolveOptions(TARGET, time_limit=None, workers=1, seed=0)
     part = budget.at_most(budget.left - min(budget.elapsed, AFTERWARDS_SHARE * budget.limit))
     answer = solve_task(task, options, part)
     if answer.schedule.answered:
         return _feasible(task, problem, answer) if whole else _solved(task, answer)
-    found = _unanswered(task, problem, answer, budget, whole=whole)
+    found = _unanswered(task, problem, whole_problem, answer, budget)
     return replace(found, reasons=answer.schedule.reasons)
 
 
 def _unanswered(
-    task: Task, problem: Problem, answer: Answer, budget: Budget, *, whole: bool
+    task: Task, problem: Problem, whole: Problem, answer: Answer, budget: Budget
 ) -> Explanation:
     """Why the solver has found no schedule."""
     if answer.schedule.status is not Status.INFEASIBLE:
         return Explanation(answer.schedule.status, task.name, task.time_unit)
     refuter = None if budget.is_over else get_backend(TARGET).refuter()
-    if not whole and not _is_refuted(problem, refuter, budget):
-        return _by_removal(task, "solver", None, budget)
+    if problem is not whole and not _is_refuted(problem, refuter, budget):
+        return _of_elements(task, whole, budget, "solver")
     with reporting_refusals(task):
         conflict = None if refuter is None else resource_conflict(problem, refuter, budget)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
     return _infeasible(task, problem, conflict, "solver")
+
+
+def _of_elements(task: Task, problem: Problem, budget: Budget, by: str) -> Explanation:
+    """A conflict among anything that the task says; empty where none was found in time."""
+    refuter = None if budget.is_over else get_backend(TARGET).refuter()
+    with reporting_refusals(task):
+        conflict = task_conflict(task, problem, refuter, budget)
+    found = () if conflict is None else conflict.statements
+    rendered = [RenderedStatement(e.kind, e.text, e.pointer) for e in found]
+    return Explanation(
+        Status.INFEASIBLE,
+        task.name,
+        task.time_unit,
+        conflict=located(sorted(rendered, key=lambda r: r.pointer), task.source),
+        minimal=conflict is not None and conflict.minimal,
+        by=by,
+    )
 
 
 def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bool:
@@ -181,7 +197,9 @@ def _solved(task: Task, answer: Answer) -> Explanation:
     )
 
 
-def _infeasible(task: Task, problem: Problem, conflict: Conflict, by: str) -> Explanation:
+def _infeasible(
+    task: Task, problem: Problem, conflict: Conflict[Statement], by: str
+) -> Explanation:
     statements = conflict.statements
     if conflict.excess is None:
         statements = tuple(in_canonical_order(statements))
@@ -207,7 +225,7 @@ def _rendered(problem: Problem, statement: Statement) -> RenderedStatement:
     )
 
 
-def _reason(problem: Problem, conflict: Conflict) -> str | None:
+def _reason(problem: Problem, conflict: Conflict[Statement]) -> str | None:
     """The missing time, or the bound that shows the conflict; None if there is no such number."""
     if conflict.excess is not None:
         return _cycle_in_words(problem, conflict)
@@ -220,7 +238,7 @@ def _reason(problem: Problem, conflict: Conflict) -> str | None:
     return f"at least {problem.time_text(bound.value)} are needed: {bound.reason}"
 
 
-def _cycle_in_words(problem: Problem, conflict: Conflict) -> str:
+def _cycle_in_words(problem: Problem, conflict: Conflict[Statement]) -> str:
     """The reason for a conflict of time alone, a cycle in the temporal network."""
     excess = problem.time_text(conflict.excess or 0)
     kinds = {statement.kind for statement in conflict.statements}

@@ -8,9 +8,10 @@ constraint sets in linear programs", 1991.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
+from typing import Generic, TypeVar
 
 from irc.problem import Problem
 from irc.problem.statements import KINDS, Side, Statement
@@ -31,39 +32,43 @@ class Possibility(Enum):
     UNKNOWN = auto()
 
 
+S = TypeVar("S", bound=Hashable)
+"""A statement, or an element of a task."""
+
+
 @dataclass(frozen=True, slots=True)
-class Trial:
+class Trial(Generic[S]):
     """The result for a set of statements; `core` is a subset that cannot hold together."""
 
     result: Possibility
-    core: frozenset[Statement] | None = None
+    core: frozenset[S] | None = None
 
 
-Try = Callable[[frozenset[Statement]], Trial]
+Try = Callable[[frozenset[S]], Trial[S]]
 
 
 @dataclass(frozen=True, slots=True)
-class Conflict:
+class Conflict(Generic[S]):
     """Statements that cannot hold together, and whether each was proven to be needed.
 
     `excess` (ticks) is the missing time, if the statements form a cycle in time, in their order.
     """
 
-    statements: tuple[Statement, ...]
+    statements: tuple[S, ...]
     minimal: bool
     excess: int | None = None
 
 
 @dataclass
-class _Deletion:
+class _Deletion(Generic[S]):
     """The remaining statements, and those of them that are known to be needed."""
 
-    kept: frozenset[Statement]
-    attempt: Try
-    implied: Mapping[Statement, Statement]
-    needed: set[Statement] = field(default_factory=set)
+    kept: frozenset[S]
+    attempt: Try[S]
+    implied: Mapping[S, S]
+    needed: set[S] = field(default_factory=set)
 
-    def leave_out(self, statements: frozenset[Statement]) -> Possibility:
+    def leave_out(self, statements: frozenset[S]) -> Possibility:
         """Leaves statements out for good if the others still cannot hold together."""
         rest = self.kept - statements
         trial = self.attempt(rest) if rest else Trial(Possibility.POSSIBLE)
@@ -74,7 +79,7 @@ class _Deletion:
             self.needed |= {statement, self.implied.get(statement, statement)}
         return trial.result
 
-    def leave_out_groups(self, groups: Sequence[frozenset[Statement]]) -> None:
+    def leave_out_groups(self, groups: Sequence[frozenset[S]]) -> None:
         """Leaves out whole groups: many together, and if that fails, fewer.
 
         If even few together always fail, nearly all are needed, and single statements come next.
@@ -88,7 +93,7 @@ class _Deletion:
             size = -(-size // _PARTS)
             parts = [part[k : k + size] for part in too_much for k in range(0, len(part), size)]
 
-    def _goes(self, groups: Sequence[frozenset[Statement]]) -> bool:
+    def _goes(self, groups: Sequence[frozenset[S]]) -> bool:
         statements = frozenset().union(*groups) & self.kept
         if not statements:
             return True
@@ -98,13 +103,13 @@ class _Deletion:
 
 
 def minimise(
-    found: Iterable[Statement],
-    attempt: Try,
-    order: Sequence[Statement],
-    families: Iterable[Sequence[frozenset[Statement]]] = (),
-    implied: Mapping[Statement, Statement] | None = None,
+    found: Iterable[S],
+    attempt: Try[S],
+    order: Sequence[S],
+    families: Iterable[Sequence[frozenset[S]]] = (),
+    implied: Mapping[S, S] | None = None,
     budget: Budget | None = None,
-) -> Conflict:
+) -> Conflict[S]:
     """A minimal subset of `found`, which cannot hold together.
 
     `order` is the order of leaving out: statements that help an author least come first. Two things
@@ -127,8 +132,11 @@ def minimise(
 
 
 def narrow(
-    problem: Problem, conflict: Conflict, attempt: Try, budget: Budget | None = None
-) -> Conflict:
+    problem: Problem,
+    conflict: Conflict[Statement],
+    attempt: Try[Statement],
+    budget: Budget | None = None,
+) -> Conflict[Statement]:
     """The same conflict, with the side of each statement of which only one limit binds.
 
     After the end of the budget no more is tried.

@@ -34,7 +34,7 @@ MINIMISING_SECONDS = 8.0
 """Limit on leaving out statements that are not needed; a conflict of thousands would take hours."""
 
 
-def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
+def temporal_conflict(problem: Problem, budget: Budget) -> Conflict[Statement] | None:
     """A minimal set of statements that cannot hold together in time; None if there is none.
 
     Of several it is one with few statements, within the limit `STEPS`. After the end of the budget
@@ -48,7 +48,7 @@ def temporal_conflict(problem: Problem, budget: Budget) -> Conflict | None:
     found = min(_candidates(differences, cycles), key=_Candidate.measure)
     statements = found.statements
 
-    def attempt(statements: frozenset[Statement]) -> Trial:
+    def attempt(statements: frozenset[Statement]) -> Trial[Statement]:
         if budget.is_over:
             return Trial(Possibility.UNKNOWN)
         cycles = _cycles(_graph(problem, statements))
@@ -93,7 +93,7 @@ def _is_minimal(problem: Problem, found: _Candidate) -> bool:
     return not _cycles(elsewhere)
 
 
-def _in_order(problem: Problem, conflict: Conflict) -> Conflict:
+def _in_order(problem: Problem, conflict: Conflict[Statement]) -> Conflict[Statement]:
     """The conflict with its statements in the order of the cycle, from t = 0 if it is on it."""
     cycle = _cycles(_graph(problem, conflict.statements))[0]
     first = next((k for k, d in enumerate(cycle) if d.src == ORIGIN), 0)
