@@ -1,17 +1,23 @@
 """Measures `irc explain` on infeasible tasks of 100 actions that share resources.
 
     python benchmarks/explain.py [--limit 60] [--tasks 3] [--unchecked]
+    python benchmarks/explain.py --combined 60 [--first SEED]
 
 Five families, three tasks each: jobs on stations and robots with a deadline one tick too early; the
 same with enough time, but three jobs of one station in a window too small for them; job shops with
 less time than their busiest station needs; crews with amounts and two deliveries at the same fixed
 time; batches whose steps may not wait. Each conflict is checked again, statement by statement, by
 solving the rest of the task's document.
+
+With `--combined` the tasks are small and random, with two or three features each (calendars, modes,
+stock, state, choices), and brute force has found them impossible.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
+import json
 import random
 import statistics
 import sys
@@ -25,6 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from irc.explanation import Explanation, explain_task
 from irc.model import Task
 from oracles.conflicts import faults_of
+from oracles.element_conflicts import faults_of_elements, impossible
 from oracles.generators import contended_task
 
 Document = dict[str, Any]
@@ -131,13 +138,33 @@ def _checked(task: Task, found: Explanation) -> str:
     return "; ".join(faults_of(task, found)) or "verified by removal"
 
 
+def combined(count: int, first: int, limit: float) -> None:
+    """Prints what is wrong with the conflicts of random tasks, and how many are right."""
+    right, taken = 0, []
+    for document in itertools.islice(impossible(itertools.count(first)), count):
+        began = time.perf_counter()
+        found = explain_task(Task.model_validate(document), limit)
+        taken.append(time.perf_counter() - began)
+        faults = faults_of_elements(document, found)
+        right += not faults
+        if faults:
+            print(json.dumps(document), faults, flush=True)
+    median, most = statistics.median(taken), max(taken)
+    print(f"{right}/{count} minimal by removal; median {median:.2f} s, max {most:.2f} s")
+
+
 def main() -> None:
     """Prints a line for each task, and the median and greatest time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--limit", type=float, default=60.0)
     parser.add_argument("--tasks", type=int, default=3, help="of each family")
     parser.add_argument("--unchecked", action="store_true", help="without the check by removal")
+    parser.add_argument("--combined", type=int, help="so many random tasks with several features")
+    parser.add_argument("--first", type=int, default=0, help="the first seed of --combined")
     options = parser.parse_args()
+    if options.combined is not None:
+        combined(options.combined, options.first, options.limit)
+        return
     taken = []
     for draw in FAMILIES:
         for seed in range(options.tasks):

@@ -27,8 +27,8 @@ class Element:
     """One thing that a task says.
 
     `replacement` takes its place when it is left out (None: nothing does). `of` is the action or
-    resource that it belongs to. With `relaxes`, every schedule of the task is one of the task without
-    it; what may also help (an effect, a delivery of stock) has no such guarantee.
+    resource that it belongs to. With `relaxes`, every schedule of the task is one of the task
+    without it; what may also help (an effect, a delivery of stock) has no such guarantee.
     """
 
     kind: str

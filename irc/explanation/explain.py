@@ -27,6 +27,7 @@ from irc.problem.statements import (
     Kind,
     Side,
     Statement,
+    activities_of,
     in_canonical_order,
     pointer_of,
     problem_of,
@@ -81,7 +82,7 @@ def _explained(task: Task, budget: Budget) -> Explanation:
     problem, _ = mandatory_part(decide_presence(checked.problem))
     if checked.report.ok:
         return _with_solver(task, problem, checked.problem, budget)
-    explanation = _without_solver(task, problem, budget)
+    explanation = _without_solver(task, problem, checked.problem, budget)
     if explanation is None:
         explanation = _of_elements(task, checked.problem, budget, "checks")
         if not explanation.conflict:
@@ -89,13 +90,34 @@ def _explained(task: Task, budget: Budget) -> Explanation:
     return replace(explanation, reasons=checked.report.located().errors)
 
 
-def _without_solver(task: Task, problem: Problem, budget: Budget) -> Explanation | None:
-    """A minimal conflict for the faults that the checks found; None if the problem has none."""
+def _without_solver(
+    task: Task, problem: Problem, whole: Problem, budget: Budget
+) -> Explanation | None:
+    """A minimal conflict for the faults of the checks; None if statements do not show it."""
     conflict = temporal_conflict(problem, budget)
-    if conflict is not None:
+    if conflict is not None and _is_about_all(conflict, problem, whole):
         return _infeasible(task, problem, conflict, "time")
     conflict = demand_conflict(problem)
-    return None if conflict is None else _infeasible(task, problem, conflict, "capacity")
+    if conflict is not None and _is_about_all(conflict, problem, whole):
+        return _infeasible(task, problem, conflict, "capacity")
+    return None
+
+
+def _is_about_all(conflict: Conflict[Statement], problem: Problem, whole: Problem) -> bool:
+    """Whether its statements are all that matters: each activity occurs once, in one way.
+
+    Elsewhere a goal, a choice of modes or a number of occurrences plays a part, too.
+    """
+    plain = {
+        a.id
+        for a in whole.activities
+        if not (a.details.optional or a.details.modes or a.details.repeats is not None)
+    }
+    return all(
+        problem.activities[i].id in plain
+        for statement in conflict.statements
+        for i in activities_of(problem, statement)
+    )
 
 
 def _by_checks(task: Task, report: Report) -> Explanation:
@@ -138,14 +160,14 @@ def _unanswered(
         conflict = None if refuter is None else resource_conflict(problem, refuter, budget)
     if conflict is None:
         return Explanation(Status.INFEASIBLE, task.name, task.time_unit, minimal=False, by="solver")
+    if not _is_about_all(conflict, problem, whole):
+        return _of_elements(task, whole, budget, "solver")
     return _infeasible(task, problem, conflict, "solver")
 
 
 def _of_elements(task: Task, problem: Problem, budget: Budget, by: str) -> Explanation:
     """A conflict among anything that the task says; empty where none was found in time."""
-    refuter = None if budget.is_over else get_backend(TARGET).refuter()
-    with reporting_refusals(task):
-        conflict = task_conflict(task, problem, refuter, budget)
+    conflict = task_conflict(task, problem, TARGET, budget)
     found = () if conflict is None else conflict.statements
     rendered = [RenderedStatement(e.kind, e.text, e.pointer) for e in found]
     return Explanation(

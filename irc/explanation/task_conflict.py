@@ -1,7 +1,7 @@
 """Finds conflicts of a whole task: elements are left out as long as the rest has no schedule.
 
-Each trial is a task of its own: read, checked, lowered, and decided by the solver without an
-objective. So a conflict may be about anything that the solver's target takes.
+Each trial is a task of its own: read, checked, and solved until there is any schedule. So a
+conflict may be about anything that the solver's target takes.
 """
 
 from __future__ import annotations
@@ -12,35 +12,34 @@ from itertools import groupby
 
 from irc.checks import run_checks
 from irc.diagnostics import Findings
+from irc.driver.solve import solve_task
 from irc.explanation.elements import ORDER, Element, document_of, elements_of, without
 from irc.explanation.minimise import Conflict, Possibility, Trial, minimise
 from irc.model import Task
 from irc.model.from_document import to_task
-from irc.passes import run_passes
-from irc.passes.restrict import decide_presence
 from irc.problem import Problem
 from irc.problem.horizon import safe_horizon
 from irc.schedule import Status
-from irc.targets import Budget
-from irc.targets.refuter import Refuter
+from irc.targets import Budget, Cancellation, SolveOptions
 
 
 def task_conflict(
-    task: Task, problem: Problem, refuter: Refuter | None, budget: Budget
+    task: Task, problem: Problem, target: str, budget: Budget
 ) -> Conflict[Element] | None:
     """A minimal conflict among the elements of a task that has no schedule.
 
-    None if the elements alone do not show that there is none. `problem` is the lowered task. If the
+    None if the elements alone do not show that there is none. `problem` is the lowered task, and
+    `target` has the solver. If the
     budget ends during the search, the conflict may not be minimal.
     """
-    return _Search(task, problem, refuter, budget).conflict()
+    return _Search(task, problem, target, budget).conflict()
 
 
 @dataclass
 class _Search:
     task: Task
     problem: Problem
-    refuter: Refuter | None
+    target: str
     budget: Budget
     known: dict[frozenset[Element], Trial[Element]] = field(default_factory=dict)
 
@@ -101,14 +100,20 @@ class _Search:
         if not checked.report.ok:
             proven = checked.report.contradicts
             return Possibility.IMPOSSIBLE if proven else Possibility.UNKNOWN
-        if self.refuter is None:
-            return Possibility.UNKNOWN
-        problem = run_passes(decide_presence(checked.problem))
-        return _DECIDED[self.refuter.decide(problem, safe_horizon(problem), self.budget)]
+        return self._solved(task)
 
-
-_DECIDED = {
-    Status.FEASIBLE: Possibility.POSSIBLE,
-    Status.INFEASIBLE: Possibility.IMPOSSIBLE,
-    Status.UNKNOWN: Possibility.UNKNOWN,
-}
+    def _solved(self, task: Task) -> Possibility:
+        """Whether a task has a schedule: the first one ends the search."""
+        found = Cancellation(self.budget.cancel)
+        options = SolveOptions(
+            self.target,
+            time_limit=None,
+            workers=1,
+            seed=0,
+            on_progress=lambda progress: found.cancel(),
+        )
+        status = solve_task(task, options, self.budget.ended_by(found)).schedule.status
+        if status is Status.INFEASIBLE:
+            return Possibility.IMPOSSIBLE
+        has_schedule = status in (Status.OPTIMAL, Status.FEASIBLE)
+        return Possibility.POSSIBLE if has_schedule else Possibility.UNKNOWN

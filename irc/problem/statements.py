@@ -89,6 +89,16 @@ class Difference(NamedTuple):
     statement: Statement | None = None
 
 
+def activities_of(problem: Problem, statement: Statement) -> tuple[int, ...]:
+    """The indexes of the activities that a statement is about."""
+    if statement.kind in (Kind.TASK_DEADLINE, Kind.CAPACITY):
+        return ()
+    if statement.kind is Kind.PRECEDENCE:
+        arc = problem.arcs[statement.of]
+        return arc.before, arc.after
+    return (statement.of,)
+
+
 class StatementKind(ABC):
     """The properties of one kind of statement."""
 

@@ -184,6 +184,12 @@ class Budget:
         """`seconds` from now on, or what is left if that is less."""
         return self._part(self._clock(), seconds)
 
+    def ended_by(self, cancel: Cancellation) -> Self:
+        """All that is left, which `cancel` ends too; its outer must be this budget's own."""
+        part = self._part(self._clock(), math.inf)
+        part._cancel = cancel
+        return part
+
     def _part(self, now: float, seconds: float) -> Self:
         part = type(self).__new__(type(self))
         part._clock, part._cancel, part._began = self._clock, self._cancel, now

@@ -264,7 +264,27 @@ def after_the_state(**limit: int) -> Document:
     }
 
 
+def _exchange(id: str, takes: str, gives: str, duration: object) -> dict[str, object]:
+    change = {"consumes": [{"resource": takes}], "produces": [{"resource": gives}]}
+    return {"id": id, "duration": duration, **change}
+
+
+STOCKS = [{"id": name, "kind": "reservoir"} for name in ("coins", "tokens")]
+RANGE = {"min": 0, "max": 8}
+EXCHANGES = [
+    {
+        "resources": STOCKS,
+        "actions": [
+            _exchange("buy", "coins", "tokens", RANGE),
+            _exchange("sell", "tokens", "coins", length),
+        ],
+    }
+    for length in (0, RANGE)
+]
+
 NONE = {
+    "two exchanges, one of which may take time, each need what the other gives": EXCHANGES[0],
+    "the same where both may": EXCHANGES[1],
     "state alone makes a latest start too late": after_the_state(latest_start=1),
     "state alone makes a deadline too late": after_the_state(deadline=2),
     "state alone makes a fixed start too late": after_the_state(start=1),

@@ -159,7 +159,7 @@ def test_a_conflict_is_found_among_elements_that_are_not_explained() -> None:
     document["actions"][1]["conditions"] = [{"at": "start", "var": "lit", "value": False}]
     stuck = irc.explain({**document, "deadline": 8})
     assert (stuck.feasible, stuck.minimal) == (False, True)
-    assert [s.kind for s in stuck.conflict] == ["condition", "precedence"]
+    assert [s.kind for s in stuck.conflict] == ["effect", "condition", "precedence"]
 
 
 def test_other_faults_are_told_as_ever() -> None:

@@ -94,7 +94,7 @@ def _happenings(problem: Problem) -> Iterator[_Happening]:
                 at_end = change.at_end and activity.duration_max > 0
                 amounts = found.setdefault(at_end, {})
                 amounts[change.reservoir] = amounts.get(change.reservoir, 0) + change.amount
-            for at_end, amounts in found.items():
+            for at_end, amounts in sorted(found.items()):
                 changed = {r: amount for r, amount in amounts.items() if amount}
                 if changed:
                     yield _Happening(i, at_end, changed, mode)
@@ -160,8 +160,10 @@ def _reservoirs_that_want_order(
 ) -> frozenset[int]:
     """The reservoirs of which some instant, fine as a whole, may have no order that is.
 
-    They are taken together with those that the same happenings change.
+    They are taken together with those that the same happenings change. What may start and end as
+    one happening counts as that, too.
     """
+    happenings = [*happenings, *_in_one(problem, happenings)]
     binding = {
         r: _binding_sides(reservoir, [h.amounts[r] for h in happenings if r in h.amounts])
         for r, reservoir in enumerate(problem.reservoirs)
@@ -173,6 +175,19 @@ def _reservoirs_that_want_order(
         if _wants_order(problem, component, own, binding):
             found |= component
     return frozenset(found)
+
+
+def _in_one(problem: Problem, happenings: Sequence[_Happening]) -> Iterator[_Happening]:
+    """The start and the end together, of each activity that may take no time, by mode."""
+    starts = {(h.activity, h.mode): h for h in happenings if not h.at_end}
+    for end in happenings:
+        start = starts.get((end.activity, end.mode))
+        if end.at_end and start is not None and problem.activities[end.activity].duration_min == 0:
+            both = {
+                r: start.amounts.get(r, 0) + end.amounts.get(r, 0)
+                for r in start.amounts | end.amounts
+            }
+            yield start._replace(amounts={r: amount for r, amount in both.items() if amount})
 
 
 def _binding_sides(reservoir: Reservoir, amounts: Sequence[int]) -> tuple[bool, bool]:

@@ -1,0 +1,140 @@
+"""Conflicts over anything that a task can say: named at their place, and minimal by removal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import irc
+from oracles.element_conflicts import faults_of_elements, impossible
+
+Document = dict[str, Any]
+
+CRANE = {"id": "crane", "availability": [{"from": 3, "to": 5, "capacity": 0}]}
+
+CASES: dict[str, tuple[Document, set[str]]] = {
+    "a calendar": (
+        {
+            "deadline": 8,
+            "resources": [CRANE],
+            "actions": [
+                {"id": "beams", "duration": 4, "uses": [{"resource": "crane"}]},
+                {"id": "roof", "duration": 2, "uses": [{"resource": "crane"}]},
+            ],
+        },
+        {
+            "everything ends by 8 s",
+            "'crane' has a capacity of 0 from 3 s to 5 s",
+            "'beams' takes 4 s",
+            "'beams' uses 'crane'",
+        },
+    ),
+    "modes": (
+        {
+            "deadline": 5,
+            "resources": [{"id": "mill"}, {"id": "lathe"}],
+            "actions": [
+                {
+                    "id": "turn",
+                    "modes": [
+                        {"id": "fast", "duration": 4, "uses": [{"resource": "lathe"}]},
+                        {"id": "slow", "duration": 6, "uses": [{"resource": "mill"}]},
+                    ],
+                },
+                {"id": "face", "duration": 3, "uses": [{"resource": "lathe"}]},
+                {"id": "drill", "duration": 1, "uses": [{"resource": "mill"}]},
+            ],
+        },
+        {
+            "everything ends by 5 s",
+            "'lathe' has a capacity of 1",
+            "'turn' in mode 'fast' takes 4 s",
+            "'turn' in mode 'fast' uses 'lathe'",
+            "'turn' in mode 'slow' takes 6 s",
+            "'face' takes 3 s",
+            "'face' uses 'lathe'",
+        },
+    ),
+    "stock": (
+        {
+            "resources": [{"id": "dough", "kind": "reservoir", "initial": 1}],
+            "actions": [
+                {"id": "knead", "duration": 4, "produces": [{"resource": "dough"}]},
+                {"id": "roll", "duration": 1, "consumes": [{"resource": "dough", "amount": 2}]},
+                {"id": "eat", "duration": 9},
+            ],
+            "precedence": [["roll", "knead"], ["knead", "eat"]],
+        },
+        {
+            "the stock of 'dough' begins with 1 and is never below 0",
+            "'roll' precedes 'knead'",
+            "'roll' takes 1 s",
+            "'roll' consumes 2 of 'dough'",
+        },
+    ),
+    "state": (
+        {
+            "deadline": 6,
+            "state": [{"id": "light", "initial": True, "changes": [{"at": 3, "value": False}]}],
+            "actions": [
+                {"id": "find", "duration": 2},
+                {
+                    "id": "read",
+                    "duration": 2,
+                    "conditions": [{"at": "all", "var": "light", "value": True}],
+                },
+            ],
+            "precedence": [["find", "read"]],
+        },
+        {
+            "'light' becomes False at 3 s",
+            "'find' takes 2 s",
+            "'find' precedes 'read'",
+            "'read' takes 2 s",
+            "'read' needs 'light' = true throughout",
+        },
+    ),
+    "a goal": (
+        {
+            "deadline": 3,
+            "actions": [
+                {"id": "walk", "duration": 4, "occurs": "optional"},
+                {"id": "rest", "duration": 1},
+            ],
+            "goals": ["walk"],
+        },
+        {"everything ends by 3 s", "'walk' takes 4 s", "'walk' is present"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_conflict_is_named(name: str) -> None:
+    document, expected = CASES[name]
+    explanation = irc.explain(document)
+    assert {s.text for s in explanation.conflict} == expected
+    assert faults_of_elements(document, explanation) == []
+
+
+def test_a_statement_has_its_place(tmp_path: Path) -> None:
+    text = '{"deadline": 8, "resources": [{"id": "crane", "availability": [\n{"from": 3, "to": 5,'
+    text += ' "capacity": 0}]}],\n"actions": [{"id": "a", "duration": 4, "uses":\n'
+    text += '[{"resource": "crane"}]}, {"id": "b", "duration": 1}]}'
+    (tmp_path / "task.json").write_text(text)
+    explanation = irc.explain(tmp_path / "task.json")
+    assert [(s.kind, s.line) for s in explanation.conflict] == [
+        ("duration", 3),
+        ("use", 4),
+        ("task_deadline", 1),
+        ("window", 2),
+    ]
+
+
+@pytest.mark.slow
+def test_conflicts_of_random_tasks_are_minimal() -> None:
+    documents = list(impossible(range(60)))
+    assert len(documents) >= 5
+    faults = {str(d): faults_of_elements(d, irc.explain(d)) for d in documents}
+    assert {d: said for d, said in faults.items() if said} == {}
