@@ -43,7 +43,7 @@ ORDER = (
     *("use", "effect", "condition", "produces", "consumes", "duration", "precedence"),
     *("sequence", "coupling", "setups", "no_idle", "timed_change", "calendar", "window"),
     *("release", "earliest_end", "deadline", "latest_start", "start", "max_pause"),
-    *("selection", "stock_min", "stock_max", "goal"),
+    *("selection", "stock_min", "stock_max", "number_min", "number_max", "goal"),
     *("group_deadline", "task_deadline", "capacity"),
 )
 """The order of leaving out: what an author sets once for all is kept longest."""
@@ -169,6 +169,12 @@ def _of_resource(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterat
 
 
 def _of_variable(task: Task, variable: Mapping[str, Any], at: Pointer) -> Iterator[Element]:
+    of = str(variable["id"])
+    for field, words in (("min", "below"), ("max", "above")):
+        if variable.get(field) is not None:
+            initial = variable.get("initial", 0)
+            text = f"{of!r} begins with {initial} and is never {words} {variable[field]}"
+            yield Element(f"number_{field}", (*at, field), text, of=of)
     for k, change in enumerate(variable.get("changes", ())):
         when = _at(task, next(v for v in task.state if v.id == variable["id"]).changes[k].at)
         text = f"{variable['id']!r} becomes {change['value']!r} at {when}"

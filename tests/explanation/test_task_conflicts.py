@@ -96,6 +96,48 @@ CASES: dict[str, tuple[Document, set[str]]] = {
             "'read' needs 'light' = true throughout",
         },
     ),
+    "numbers": (
+        {
+            "state": [{"id": "fuel", "kind": "number", "initial": 3, "min": 0}],
+            "actions": [
+                {
+                    "id": f"trip {n}",
+                    "duration": 2,
+                    "effects": [{"at": "start", "var": "fuel", "add": -2}],
+                }
+                for n in (1, 2)
+            ],
+        },
+        {
+            "'fuel' begins with 3 and is never below 0",
+            "'trip 1' makes 'fuel' add -2 at its start",
+            "'trip 2' makes 'fuel' add -2 at its start",
+        },
+    ),
+    "set-ups": (
+        {
+            "deadline": 6,
+            "resources": [
+                {
+                    "id": "press",
+                    "setups": {"times": [{"from": "*", "to": "*", "time": 3}]},
+                }
+            ],
+            "actions": [
+                {"id": c, "duration": 2, "uses": [{"resource": "press", "family": c}]}
+                for c in ("red", "blue")
+            ]
+            + [{"id": "wait", "duration": 5}],
+        },
+        {
+            "everything ends by 6 s",
+            "'press' needs set-ups between families",
+            "'red' takes 2 s",
+            "'red' uses 'press'",
+            "'blue' takes 2 s",
+            "'blue' uses 'press'",
+        },
+    ),
     "a goal": (
         {
             "deadline": 3,
