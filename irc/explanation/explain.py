@@ -106,8 +106,10 @@ def _without_solver(
 def _is_about_all(conflict: Conflict[Statement], problem: Problem, whole: Problem) -> bool:
     """Whether its statements are all that matters: each activity occurs once, in one way.
 
-    Elsewhere a goal, a choice of modes or a number of occurrences plays a part, too.
+    Elsewhere a goal, a choice of modes, a number of occurrences or a set-up plays a part, too.
     """
+    if any(s.kind is Kind.CAPACITY and problem.resources[s.of].setups for s in conflict.statements):
+        return False
     plain = {
         a.id
         for a in whole.activities

@@ -52,7 +52,8 @@ def _restricting(document: Document) -> Iterator[tuple[str, tuple[str | int, ...
             if resource.get("max") is not None:
                 yield "stock_max", (*at, "max")
             continue
-        yield "capacity", (*at, "capacity")
+        kind = "setups" if resource.get("setups") else "capacity"
+        yield kind, (*at, kind)
         for w, window in enumerate(resource.get("availability", ())):
             if window["capacity"] <= resource.get("capacity", 1):
                 yield "window", (*at, "availability", w)
