@@ -2,6 +2,7 @@
 
     python benchmarks/explain.py [--limit 60] [--tasks 3] [--unchecked]
     python benchmarks/explain.py --combined 60 [--first SEED]
+    python benchmarks/explain.py --late 20
 
 Five families, three tasks each: jobs on stations and robots with a deadline one tick too early; the
 same with enough time, but three jobs of one station in a window too small for them; job shops with
@@ -10,7 +11,8 @@ time; batches whose steps may not wait. Each conflict is checked again, statemen
 solving the rest of the task's document.
 
 With `--combined` the tasks are small and random, with two or three features each (calendars, modes,
-stock, state, choices), and brute force has found them impossible.
+stock, state, choices), and brute force has found them impossible. With `--late` late jobs of random
+shops are explained, and each change that is suggested is verified by solving again.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ from irc.model import Task
 from oracles.conflicts import faults_of
 from oracles.element_conflicts import faults_of_elements, impossible
 from oracles.generators import contended_task
+from oracles.late_work import faults_of as late_faults_of
+from oracles.late_work import shop
 
 Document = dict[str, Any]
 
@@ -153,6 +157,18 @@ def combined(count: int, first: int, limit: float) -> None:
     print(f"{right}/{count} minimal by removal; median {median:.2f} s, max {most:.2f} s")
 
 
+def late_work(count: int, first: int) -> None:
+    """Prints what is wrong with the explanations of late jobs, and how many there were."""
+    explained, wrong = 0, []
+    for seed in itertools.count(first):
+        faults, late = late_faults_of(shop(seed))
+        explained += late
+        wrong += faults
+        if explained >= count:
+            break
+    print(f"{explained} late jobs explained; faults: {wrong or 'none'}")
+
+
 def main() -> None:
     """Prints a line for each task, and the median and greatest time."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -160,10 +176,14 @@ def main() -> None:
     parser.add_argument("--tasks", type=int, default=3, help="of each family")
     parser.add_argument("--unchecked", action="store_true", help="without the check by removal")
     parser.add_argument("--combined", type=int, help="so many random tasks with several features")
+    parser.add_argument("--late", type=int, help="so many late jobs of random shops")
     parser.add_argument("--first", type=int, default=0, help="the first seed of --combined")
     options = parser.parse_args()
     if options.combined is not None:
         combined(options.combined, options.first, options.limit)
+        return
+    if options.late is not None:
+        late_work(options.late, options.first)
         return
     taken = []
     for draw in FAMILIES:

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         check,
         compile,
         explain,
+        explain_lateness,
         extract,
         load,
         loads,
@@ -57,7 +58,7 @@ if TYPE_CHECKING:
     from irc.errors import IrcError, LibraryMissing, NameNotFound, OptionError
     from irc.events.apply import apply
     from irc.execution import Execution, ExecutionState, Simulation, Step, state_at
-    from irc.explanation import Explanation
+    from irc.explanation import Explanation, Lateness
     from irc.model.quantities import TimeError
     from irc.outcome import Outcome
     from irc.problem.decisions import AnswerError
@@ -78,7 +79,9 @@ if TYPE_CHECKING:
 _HOMES = {
     "irc.api.batches": "batch",
     "irc.batches.result": "BatchResult",
-    "irc.api.calls": "check compile explain extract replan simulate solve validate",
+    "irc.api.calls": (
+        "check compile explain explain_lateness extract replan simulate solve validate"
+    ),
     "irc.api.elements": "Action Calendar Group Mode Resource StateVariable",
     "irc.api.event": "Event",
     "irc.api.running": "Solving aexplain areplan asimulate asolve asolve_iter solve_iter start",
@@ -90,7 +93,7 @@ _HOMES = {
     ),
     "irc.diagnostics": "Code Diagnostic InputError Report Severity",
     "irc.errors": "IrcError LibraryMissing NameNotFound OptionError",
-    "irc.explanation": "Explanation",
+    "irc.explanation": "Explanation Lateness",
     "irc.outcome": "Outcome",
     "irc.events": "apply",
     "irc.execution": "Execution ExecutionState Simulation Step state_at",
@@ -119,6 +122,7 @@ __all__ = [
     "Group",
     "InputError",
     "IrcError",
+    "Lateness",
     "LibraryMissing",
     "Mode",
     "NameNotFound",
@@ -156,6 +160,7 @@ __all__ = [
     "check",
     "compile",
     "explain",
+    "explain_lateness",
     "extract",
     "load",
     "loads",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         check,
         compile,
         explain,
+        explain_lateness,
         extract,
         replan,
         simulate,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "batches": "batch",
-    "calls": "check compile explain extract replan simulate solve validate",
+    "calls": "check compile explain explain_lateness extract replan simulate solve validate",
     "elements": "Action Group Mode Resource StateVariable",
     "event": "Event",
     "running": "Solving aexplain areplan asimulate asolve asolve_iter solve_iter start",
@@ -67,6 +68,7 @@ __all__ = [
     "check",
     "compile",
     "explain",
+    "explain_lateness",
     "extract",
     "load",
     "loads",

@@ -31,7 +31,7 @@ from irc.validation import Verdict
 if TYPE_CHECKING:
     from irc.execution.simulation import Simulation
     from irc.execution.step import Step
-    from irc.explanation import Explanation
+    from irc.explanation import Explanation, Lateness
     from irc.model import Event
 
 AnyTask = Task | Built[Task] | Mapping[str, Any] | str | Path
@@ -105,6 +105,25 @@ def explain(
 
     require_seconds(time_limit)
     return explain_task(ir_of(task), time_limit, cancel=cancel)
+
+
+def explain_lateness(
+    task: AnyTask,
+    name: str,
+    *,
+    time_limit: float | None = None,
+    cancel: Cancellation | None = None,
+) -> Lateness:
+    """Explains why an action or a group is late: by how much, what makes it so, what would help.
+
+    Each change that it suggests was verified by solving the changed task. `time_limit` is in
+    seconds of wall-clock time for all of it. Raises `InputError` where the task has no action or
+    group `name`, or is faulty.
+    """
+    from irc.explanation import explain_lateness
+
+    require_seconds(time_limit)
+    return explain_lateness(ir_of(task), name, time_limit, cancel=cancel)
 
 
 def extract(manifest: Mapping[str, Any] | Program, answer: str) -> Schedule:

@@ -227,19 +227,27 @@ def explain(
         float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for the whole explanation.")
     ] = 60.0,
     problem: ProblemOption = None,
+    why: Annotated[
+        str | None,
+        typer.Option("--why", help="An action or a group: why it is late, and what would help."),
+    ] = None,
     format: FormatOption = Format.text,
 ) -> None:
-    """Show why a task has no schedule, or why its schedule is not shorter."""
-    from irc.cli.explain import put_explanation
+    """Show why a task has no schedule, why its schedule is not shorter, or why an order is late."""
+    from irc.cli.explain import put_explanation, put_lateness
     from irc.cli.interruption import INTERRUPTION
     from irc.driver.compile import notes_on
-    from irc.explanation import explain_task
+    from irc.explanation import explain_lateness, explain_task
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file, problem)
-        explanation = explain_task(
-            reading.task, time_limit, cancel=cancel, spent=INTERRUPTION.spent(file)
-        )
+        spent = INTERRUPTION.spent(file)
+        if why is not None:
+            lateness = explain_lateness(reading.task, why, time_limit, cancel=cancel, spent=spent)
+            _print_reading_notes(reading, format)
+            put_lateness(lateness, format)
+            return
+        explanation = explain_task(reading.task, time_limit, cancel=cancel, spent=spent)
         _print_reading_notes(reading, format)
         print_notes(notes_on(reading.task))
         put_explanation(explanation, format)

@@ -10,7 +10,7 @@ from itertools import groupby
 from irc.cli.output import Format, put, put_json
 from irc.diagnostics.source import Source, pointer_text
 from irc.diagnostics.text import excerpt
-from irc.explanation import Explanation
+from irc.explanation import Explanation, Lateness
 from irc.explanation.result import ChainStep, RenderedStatement
 from irc.model.quantities import Number
 from irc.model.times import format_number
@@ -37,6 +37,16 @@ def put_explanation(explanation: Explanation, format: Format) -> None:
         put("\n".join(_lines(explanation)))
     if not explanation.outcome.answered:
         sys.exit(explanation.outcome.exit)
+
+
+def put_lateness(lateness: Lateness, format: Format) -> None:
+    """Prints why something is late, and exits with the status for what it found."""
+    if format is Format.json:
+        put_json(lateness.to_dict())
+    else:
+        put("\n".join(_of_lateness(lateness)))
+    if not lateness.outcome.answered:
+        sys.exit(lateness.outcome.exit)
 
 
 def _lines(explanation: Explanation) -> Iterator[str]:
@@ -78,16 +88,21 @@ def _infeasible(explanation: Explanation) -> Iterator[str]:
         proven = f"{ended} before irc could prove that each of them is needed"
     yield f"these {count} statements cannot hold together; {proven}:"
     yield ""
-    shown = explanation.conflict[:STATEMENTS_SHOWN]
-    if explanation.source is not None and all(t.offset is not None for t in shown):
-        yield from _snippet(explanation.source, shown)
-    else:
-        yield from (_listed(statement) for statement in shown)
-    if count > len(shown):
-        yield f"and {count - len(shown):,} more; `--format json` shows all of them"
+    yield from _conflict(explanation.conflict, explanation.source)
     if explanation.reason is not None:
         yield ""
         yield f"because {explanation.reason}"
+
+
+def _conflict(conflict: Sequence[RenderedStatement], source: Source | None) -> Iterator[str]:
+    """The first statements of a conflict, in the lines of the text where there is one."""
+    shown = conflict[:STATEMENTS_SHOWN]
+    if source is not None and all(t.offset is not None for t in shown):
+        yield from _snippet(source, shown)
+    else:
+        yield from (_listed(statement) for statement in shown)
+    if len(conflict) > len(shown):
+        yield f"and {len(conflict) - len(shown):,} more; `--format json` shows all of them"
 
 
 def _listed(statement: RenderedStatement) -> str:
@@ -107,6 +122,68 @@ def _snippet(source: Source, conflict: Iterable[RenderedStatement]) -> Iterator[
         for statement in statements:
             column = min((statement.column or 1) - 1 + first - begin, len(text))
             yield f"{'':{width}} | {'':{column}}^ {statement.text}"
+
+
+# --- late work ----------------------------------------------------------------------------------
+
+
+def _of_lateness(lateness: Lateness) -> Iterator[str]:
+    name, unit = repr(lateness.name), lateness.time_unit
+    if lateness.end is None:
+        yield _without_end(lateness)
+        return
+    ends = f"{name} ends at {format_number(lateness.end)} {unit}"
+    if lateness.due is None:
+        yield f"{ends}; it has no due date"
+    elif lateness.late:
+        due = f"due at {format_number(lateness.due)} {unit}"
+        yield f"{ends}, {format_number(lateness.late)} {unit} late ({due})"
+    else:
+        yield f"{ends}, on time: it is due at {format_number(lateness.due)} {unit}"
+    if lateness.chain:
+        yield ""
+        yield "it ends then because of this chain:"
+        yield from _chain(lateness.chain)
+    if lateness.due is not None and lateness.late:
+        yield ""
+        yield from _of_possibility(lateness)
+        yield ""
+        yield from _of_changes(lateness)
+
+
+def _without_end(lateness: Lateness) -> str:
+    if lateness.status is Status.INFEASIBLE:
+        return "the task has no schedule; `irc explain` without --why shows the reason"
+    if lateness.schedule is None or not lateness.schedule.answered:
+        return "no schedule was found in time; give it more with --time-limit"
+    return f"{lateness.name!r} is not part of the schedule"
+
+
+def _of_possibility(lateness: Lateness) -> Iterator[str]:
+    if lateness.possible is None:
+        yield "whether it could be on time was not found out in time"
+    elif lateness.possible:
+        yield "it could be on time" + (", but then:" if lateness.instead else "")
+        for shift in lateness.instead:
+            would = f"{format_number(shift.would_be)} {lateness.time_unit} late"
+            now = f"now {format_number(shift.late)}" if shift.late else "now on time"
+            yield f"  {shift.name!r} would be {would} ({now})"
+        if not lateness.instead:
+            yield "  in a plan that is worse in other ways"
+    else:
+        yield "it cannot be on time, because these statements cannot hold together:"
+        yield ""
+        yield from _conflict(lateness.conflict, lateness.source)
+
+
+def _of_changes(lateness: Lateness) -> Iterator[str]:
+    if not lateness.changes:
+        yield "no single change that was tried makes it on time"
+        return
+    yield "it would be on time with one of these changes, the smallest first:"
+    for change in lateness.changes:
+        ends = f"{format_number(change.ends)} {lateness.time_unit}"
+        yield f"  {change.text}: it ends at {ends}"
 
 
 # --- a schedule ---------------------------------------------------------------------------------

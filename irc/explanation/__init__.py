@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from irc.explanation.explain import explain_task
+from irc.explanation.lateness import Lateness, explain_lateness
 from irc.explanation.result import Explanation
 
-__all__ = ["Explanation", "explain_task"]
+__all__ = ["Explanation", "Lateness", "explain_lateness", "explain_task"]

@@ -74,12 +74,14 @@ _Cost = tuple[int, int, int]
 """(orders that are not needed, hand-overs, links)."""
 
 
-def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | None:
+def critical_chain(
+    problem: Problem, schedule: Schedule, last: Iterable[int] | None = None
+) -> tuple[Link, ...] | None:
     """The links in order of time; None for a schedule that could end earlier in the same order.
 
-    Use it only for problems without state and stock, where ranks decide nothing (see
-    `irc.retiming.slack.slacks`). `schedule` must be a valid one of exactly the problem's
-    activities.
+    With `last` (indexes of activities) the chain leads to the latest end of these. Use it only for
+    problems without state and stock, where ranks decide nothing (see `irc.retiming.slack.slacks`).
+    `schedule` must be a valid one of exactly the problem's activities.
     """
     if not schedule.entries:
         return ()
@@ -89,8 +91,8 @@ def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | N
     leaving: dict[int, list[_Edge]] = {}
     for tight in _tight_edges(problem, schedule, times):
         leaving.setdefault(tight.difference.src, []).append(tight)
-    makespan = max(times)
-    ends = {end_point(i) for i in range(len(problem.activities))}
+    ends = {end_point(i) for i in (range(len(problem.activities)) if last is None else last)}
+    latest = max(times[point] for point in ends)
     reached: dict[int, _Edge | None] = {}
     heap: list[tuple[_Cost, int, int, _Edge | None]] = [((0, 0, 0), 0, ORIGIN, None)]
     pushed = 0
@@ -99,7 +101,7 @@ def critical_chain(problem: Problem, schedule: Schedule) -> tuple[Link, ...] | N
         if point in reached:
             continue
         reached[point] = edge
-        if point in ends and times[point] == makespan:
+        if point in ends and times[point] == latest:
             return _links(reached, point, times)
         for onward in leaving.get(point, ()):
             if onward.difference.dst not in reached:

@@ -62,7 +62,7 @@ def explain_task(
     """
     with ended_by_interrupt(cancel) as ending:
         budget = Budget(time_limit, spent=spent, cancel=ending)
-        explanation = _explained(task, budget)
+        explanation = explain_within(task, budget)
         if explanation.feasible is None:
             lost(ending)
     done = explanation.status is Status.OPTIMAL or explanation.conflict
@@ -74,7 +74,8 @@ def explain_task(
     )
 
 
-def _explained(task: Task, budget: Budget) -> Explanation:
+def explain_within(task: Task, budget: Budget) -> Explanation:
+    """The explanation of a task, as part of a longer call."""
     checked = run_checks(task, lint=False)
     if not checked.report.ok and not checked.report.contradicts:
         raise InputError(checked.report)
@@ -277,7 +278,7 @@ def _feasible(task: Task, problem: Problem, answer: Answer) -> Explanation:
     schedule = answer.schedule
     links = critical_chain(problem, schedule)
     slack = slacks(problem, schedule)
-    steps = None if links is None else _steps(task, problem, links)
+    steps = None if links is None else steps_of(task, problem, links)
     bound = schedule.objective[0].bound if schedule.objective else None
     return Explanation(
         schedule.status,
@@ -291,7 +292,8 @@ def _feasible(task: Task, problem: Problem, answer: Answer) -> Explanation:
     )
 
 
-def _steps(task: Task, problem: Problem, links: tuple[Link, ...]) -> tuple[ChainStep, ...]:
+def steps_of(task: Task, problem: Problem, links: tuple[Link, ...]) -> tuple[ChainStep, ...]:
+    """The links of a critical chain in the words and the unit of the task."""
     rendered = located([_rendered_link(problem, link) for link in links], task.source)
     return tuple(
         ChainStep(statement, problem.to_units(link.start), problem.to_units(link.end))
