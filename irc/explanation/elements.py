@@ -157,15 +157,23 @@ def _of_resource(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterat
             "no_idle": "is never idle between uses",
         }
         yield Element(field, (*at, field), f"{name} {words[field]}", of=of)
-    for k, window in enumerate(resource.get("availability", ())):
-        written = next(r for r in task.resources if r.id == resource["id"]).availability[k]
-        span = f"from {_at(task, written.from_)} to {_at(task, written.to)}"
-        text = f"{name} has a capacity of {window['capacity']} {span}"
-        relaxes = window["capacity"] <= resource.get("capacity", 1)
-        yield Element("window", (*at, "availability", k), text, of=of, relaxes=relaxes)
+    yield from _of_windows(task, resource, at)
     if resource.get("calendar") is not None:
         text = f"{name} is open as in calendar {resource['calendar']!r}"
         yield Element("calendar", (*at, "calendar"), text, of=of)
+
+
+def _of_windows(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterator[Element]:
+    """The windows of a resource; without one it has its greatest capacity then."""
+    windows = next(r for r in task.resources if r.id == resource["id"]).availability
+    usual = max(resource.get("capacity", 1), *(w.capacity for w in windows), 0)
+    for k, window in enumerate(resource.get("availability", ())):
+        capacity = window["capacity"]
+        span = f"from {_at(task, windows[k].from_)} to {_at(task, windows[k].to)}"
+        text = f"{resource['id']!r} has a capacity of {capacity} {span}"
+        instead = (("from", window["from"]), ("to", window["to"]), ("capacity", usual))
+        if capacity < usual:
+            yield Element("window", (*at, "availability", k), text, instead, of=str(resource["id"]))
 
 
 def _of_variable(task: Task, variable: Mapping[str, Any], at: Pointer) -> Iterator[Element]:
@@ -218,7 +226,8 @@ def _of_part(
 ) -> Iterator[Element]:
     """The elements of an action or of one of its modes."""
     if part.get("duration") is not None:
-        text = f"{name} takes {_length(task, part['duration'])}"
+        verb = "works for" if part.get("breaks") == "pause" else "takes"
+        text = f"{name} {verb} {_length(task, part['duration'])}"
         instead = (("min", 0), ("max", longest))
         yield Element("duration", (*at, "duration"), text, instead, of)
     for k, use in enumerate(part.get("uses", ())):
