@@ -53,6 +53,15 @@ def resource_bounds(problem: Problem) -> Problem:
     return destructive_bound(problem, reached)
 
 
+def bound_by_open_times(problem: Problem) -> Problem:
+    """Raises the bound by open times; only tasks with calendars load the code."""
+    if not problem.has_calendars:
+        return problem
+    from irc.passes.open_time_bound import open_time_bound
+
+    return open_time_bound(problem)
+
+
 Pass = Callable[[Problem], Problem]
 
 PASSES: tuple[Pass, ...] = (
@@ -62,6 +71,7 @@ PASSES: tuple[Pass, ...] = (
     drop_uncontended,
     heads_and_tails,
     resource_bounds,
+    bound_by_open_times,
     bound_on_grid,
 )
 

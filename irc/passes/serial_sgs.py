@@ -11,10 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from heapq import heappop, heappush
+from typing import TYPE_CHECKING
 
 from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
 from irc.problem import Activity, OpenDemand, PreviousPlace, Problem
 from irc.problem.decisions import Decision
+
+if TYPE_CHECKING:
+    from irc.passes.work_placing import WorkPlacer
 
 Choice = tuple[int, ...]
 
@@ -51,6 +55,7 @@ def list_schedule(
     for k, arc in enumerate(problem.arcs):
         incoming[arc.after].append(k)
     profiles = [Profile(pool) for pool in problem.contention.pools]
+    placer = _work_placer(problem, profiles)
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
     for i in order:
@@ -60,12 +65,28 @@ def list_schedule(
             start = max(start, floors[i])
         if activity.start is not None:
             start = max(start, activity.start)
+        if placer is not None:
+            spot = placer.place(activity, start)
+            if spot is None:
+                return None
+            choices[i] = spot[2]
+            decisions[i] = Decision(spot[0], spot[1])
+            continue
         placed = _place(activity, start, profiles)
         if placed is None:
             return None
         start, choices[i] = placed
         decisions[i] = Decision(start, start + activity.duration_min)
     return (decisions, choices) if _keeps_windows(problem, decisions) else None
+
+
+def _work_placer(problem: Problem, profiles: list[Profile]) -> WorkPlacer | None:
+    """What places activities with calendars and pauses; loaded for problems that have them."""
+    if not problem.has_work:
+        return None
+    from irc.passes.work_placing import WorkPlacer
+
+    return WorkPlacer(problem, profiles)
 
 
 def quick_schedule(problem: Problem) -> Found | None:

@@ -552,6 +552,18 @@ class ContendedPool:
         """The capacity that the pool has at every instant."""
         return min((self._outside, *(w.capacity for w in self.windows)))
 
+    @property
+    def never_away(self) -> ContendedPool:
+        """The pool with all of its capacity where it has none."""
+        return replace(
+            self,
+            base=self._outside or self.capacity,
+            windows=tuple(
+                window if window.capacity else window._replace(capacity=self.capacity)
+                for window in self.windows
+            ),
+        )
+
     def levels(self) -> Iterator[tuple[int, int]]:
         """(From when on, capacity), in order of time; the last level stays."""
         return capacity_levels(self._outside, self.windows)
@@ -764,7 +776,11 @@ class Problem:
     @property
     def has_contention(self) -> bool:
         """Whether a solver has anything to decide besides times."""
-        return any(activity.open_demands for activity in self.activities) or not self.is_plain
+        return (
+            any(activity.open_demands for activity in self.activities)
+            or not self.is_plain
+            or self.has_work
+        )
 
 
 def _decides(details: Details) -> bool:
@@ -774,6 +790,4 @@ def _decides(details: Details) -> bool:
         or details.previous_occurrence is not None
         or bool(details.modes or details.stock)
         or details.touches_state
-        or details.calendar is not None
-        or bool(details.work)
     )

@@ -29,7 +29,7 @@ def agrees(task: Task) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [*range(12), 125, 136, 262, 282])
+@pytest.mark.parametrize("seed", [*range(12), 125, 136, 251, 262])
 def test_the_answer_is_the_best(seed: int) -> None:
     agrees(pausing_task(seed))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 from irc.problem import ContendedPool
@@ -30,18 +29,6 @@ def with_windows(
             away = builder.model.new_fixed_size_interval_var(start, end - start, f"away {pool.id}")
             filled.add(away, pool.capacity - capacity)
     return filled
-
-
-def never_away(pool: ContendedPool) -> ContendedPool:
-    """The pool with all of its capacity where it has none."""
-    return replace(
-        pool,
-        base=pool.base or pool.capacity,
-        windows=tuple(
-            window if window.capacity else window._replace(capacity=pool.capacity)
-            for window in pool.windows
-        ),
-    )
 
 
 def _steps(builder: Builder, pool: ContendedPool) -> list[tuple[int, int]]:

@@ -13,7 +13,7 @@ from irc_cpsat.encoding.builder import (
     Taker,
     name_of,
 )
-from irc_cpsat.encoding.calendars import never_away, with_windows
+from irc_cpsat.encoding.calendars import with_windows
 
 
 def add_resources(builder: Builder) -> DemandLiterals:
@@ -141,7 +141,7 @@ def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses, mom
         return
     if pool.base is not None and any(uses.pauses):
         _add_capacity(builder, pool, uses.without_pauses, moments)
-        uses = with_windows(builder, never_away(pool), uses, moments)
+        uses = with_windows(builder, pool.never_away, uses, moments)
     elif pool.base is not None:
         uses = with_windows(builder, pool, uses, moments)
     capacity = pool.capacity

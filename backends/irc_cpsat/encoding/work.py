@@ -146,6 +146,16 @@ def _add_fixed(builder: Builder, i: int, activity: Activity, way: _Way) -> None:
     model.add(builder.sizes[i] == work + together).only_enforce_if(way.literals)
 
 
+def _has_length(builder: Builder, i: int) -> Literal:
+    """A literal that says an activity has a length, whose duration may be 0."""
+    if i not in builder.positive:
+        literal = builder.model.new_bool_var("")
+        builder.model.add(builder.sizes[i] >= 1).only_enforce_if(literal)
+        builder.model.add(builder.sizes[i] == 0).only_enforce_if(~literal)
+        builder.positive[i] = literal
+    return builder.positive[i]
+
+
 def _add_range(builder: Builder, i: int, activity: Activity, way: _Way) -> None:
     """A working time that may vary: literals for the open times of its start and its end."""
     model, start, end = builder.model, builder.starts[i], builder.end(i)
@@ -159,7 +169,7 @@ def _add_range(builder: Builder, i: int, activity: Activity, way: _Way) -> None:
     for group in (begins, ends):
         model.add_bool_or(group).only_enforce_if(way.literals)
         model.add_at_most_one(group)
-    positive = builder.positive.get(i) if not way.work[0] else None
+    positive = _has_length(builder, i) if not way.work[0] else None
     for k, begin, finish in zip(kept, begins, ends, strict=True):
         opened, closed = times.intervals[k]
         model.add_linear_constraint(start, opened, closed - 1).only_enforce_if(begin)
