@@ -53,6 +53,7 @@ class CpSat(Backend):
             Feature.STATE,
             Feature.NUMBERS,
             Feature.TIMED_CHANGES,
+            Feature.TIMED_LEVELS,
             Feature.CONDITIONS,
             Feature.EFFECTS,
             Feature.GROUPS,

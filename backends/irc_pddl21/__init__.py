@@ -47,6 +47,7 @@ class Pddl21(Backend):
             Feature.CALENDARS,
             Feature.RESERVOIRS,
             Feature.STATE,
+            Feature.NUMBERS,
             Feature.TIMED_CHANGES,
             Feature.CONDITIONS,
             Feature.EFFECTS,

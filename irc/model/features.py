@@ -49,6 +49,7 @@ class Feature(Enum):
     STATE = "state variables"
     NUMBERS = "number variables"
     TIMED_CHANGES = "timed changes of state"
+    TIMED_LEVELS = "timed changes of number variables"
     CONDITIONS = "conditions"
     EFFECTS = "effects"
     STATE_GOALS = "goals on state variables"
@@ -85,7 +86,8 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
         feature = Feature.NUMBERS if variable.is_number else Feature.STATE
         yield FeatureUse(feature, ("state", i), name)
         if variable.changes:
-            yield FeatureUse(Feature.TIMED_CHANGES, ("state", i, "changes"), name)
+            timed = Feature.TIMED_LEVELS if variable.is_number else Feature.TIMED_CHANGES
+            yield FeatureUse(timed, ("state", i, "changes"), name)
     for i, action in enumerate(task.actions):
         if not action.is_simple:
             yield from _of_action(action, i)

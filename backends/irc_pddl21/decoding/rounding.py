@@ -52,11 +52,16 @@ def _node(activity: Activity, i: int, *, at_end: bool) -> Node:
 
 
 def _touched(activity: Activity, mode: int | None, *, at_end: bool) -> dict[int, bool]:
-    """The variables that matter at one end of an activity, and whether it changes them."""
+    """The variables that matter at one end of an activity, and whether it changes them.
+
+    (Number k is ~k.)
+    """
     at = "end" if at_end else "start"
     details = activity.details.in_mode(mode)
     touched = {c.var: False for c in details.conditions if c.at in (at, "all")}
-    return touched | {e.var: True for e in details.effects if e.at_end == at_end}
+    touched |= {~c.number: False for c in details.number_conditions if c.at in (at, "all")}
+    touched |= {e.var: True for e in details.effects if e.at_end == at_end}
+    return touched | {~e.number: True for e in details.number_effects if e.at_end == at_end}
 
 
 _Access = tuple[Moment, Node, bool]

@@ -10,6 +10,7 @@ from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.grounded import Meaning
 from irc_pddl21.encoding.modes import in_mode, span_of
+from irc_pddl21.encoding.numbers import NumberFluents, gives_two_levels
 from irc_pddl21.encoding.objectives import ObjectiveCounter
 from irc_pddl21.encoding.occurrences import Occurrences, occurrences_of
 from irc_pddl21.encoding.pddl import NumericCondition, NumericEffect, Operator
@@ -28,6 +29,7 @@ class Elements(NamedTuple):
     units: ResourceUnits
     state: StateFacts
     levels: ReservoirLevels
+    numbers: NumberFluents
     objective: ObjectiveCounter
     declined: frozenset[int]
 
@@ -74,13 +76,19 @@ class _ActivityEncoder:
         variants = [
             v
             for v in variants_of(self.builder.problem, activity, self.elements.units)
-            if not contradicts_itself(in_mode(activity, v.mode), instant=not v.span[1])
+            if not self._contradicts_itself(in_mode(activity, v.mode), instant=not v.span[1])
         ]
         if not variants and occurrences.least:
             raise _impossible(activity)
         self._add_chain(i, variants, occurrences)
         if occurrences.again != 0:
             self._add_reusable(i, variants, occurrences)
+
+    def _contradicts_itself(self, activity: Activity, *, instant: bool) -> bool:
+        """Whether one happening of an activity gives a variable or a number two values."""
+        return contradicts_itself(activity, instant=instant) or gives_two_levels(
+            self.builder.problem, activity, instant=instant
+        )
 
     def _add_plain(self, i: int, activity: Activity) -> None:
         """Adds by far the most frequent kind, which happens once, and in one way."""
@@ -131,7 +139,7 @@ class _ActivityEncoder:
             left = self.names.new(f"left_for_{base}")
             self.encoding.counters[left] = occurrences.again
             self.builder.grounded.tokens[left] = "how often the action may still happen"
-            facts.needs.append(NumericCondition(False, ">=", left, 1))
+            facts.needs.append(NumericCondition("start", ">=", left, 1))
             facts.changes.append(NumericEffect(False, left, -1))
         self._add_variants(i, own, variants, facts)
 
@@ -155,6 +163,8 @@ class _ActivityEncoder:
         span = variant.span
         here = list(dict.fromkeys(units.here[t] for t in variant.tokens if t in units.here))
         level_needs, level_changes = self.elements.levels.of(activity, instant=not span[1])
+        numbers = self.elements.numbers
+        number_needs, number_changes = numbers.of(activity, instant=not span[1])
         start_adds, start_deletes = state.effects(activity, at_end=False)
         end_adds, end_deletes = state.effects(activity, at_end=True)
         at_start, at_end = state.conditions(activity, "start"), state.conditions(activity, "end")
@@ -170,8 +180,13 @@ class _ActivityEncoder:
             end_deletes=end_deletes,
             end_adds=[*facts.end_adds, *end_adds, *variant.tokens],
             takes=dict(variant.takes),
-            needs=[*facts.needs, *level_needs],
-            changes=[*facts.changes, *level_changes, *self._counted(i, variant.mode)],
+            needs=[*facts.needs, *level_needs, *number_needs],
+            changes=[
+                *facts.changes,
+                *level_changes,
+                *number_changes,
+                *self._counted(i, variant.mode),
+            ],
         )
 
     def _meaning(self, activity: Activity, variant: Variant) -> Meaning:

@@ -25,6 +25,7 @@ from irc_pddl21.encoding.activities import Elements, add_activities
 from irc_pddl21.encoding.arcs import sort_arcs
 from irc_pddl21.encoding.builder import Builder
 from irc_pddl21.encoding.grounded import Grounded, names_of
+from irc_pddl21.encoding.numbers import add_numbers
 from irc_pddl21.encoding.objectives import add_objective
 from irc_pddl21.encoding.precedence import add_precedence
 from irc_pddl21.encoding.presence import absences_of, add_absences
@@ -61,6 +62,7 @@ def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = F
         units=add_resources(builder),
         state=add_state(builder),
         levels=add_reservoirs(builder),
+        numbers=add_numbers(builder),
         objective=add_objective(builder),
         declined=frozenset(i for absence in absences for i in absence.members),
     )

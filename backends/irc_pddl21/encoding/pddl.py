@@ -10,20 +10,23 @@ from typing import NamedTuple
 
 
 class NumericCondition(NamedTuple):
-    """A condition on a counter: at the start, or at the end, it is `relation` the `amount`."""
+    """A condition on a counter: at the "start", the "end" or throughout ("all") it is `relation`
+    the `amount`.
+    """
 
-    at_end: bool
+    when: str
     relation: str
     counter: str
     amount: int
 
 
 class NumericEffect(NamedTuple):
-    """An amount that the start or the end adds to a counter; a negative amount takes."""
+    """An amount that the start or the end adds to a counter (a negative one takes), or sets."""
 
     at_end: bool
     counter: str
     amount: int
+    sets: bool = False
 
 
 @dataclass
@@ -71,6 +74,7 @@ class Encoding:
     initial: list[str] = field(default_factory=list)
     timed: list[TimedLiteral] = field(default_factory=list)
     goal: list[str] = field(default_factory=list)
+    numeric_goal: list[NumericCondition] = field(default_factory=list)
     metric: str = "minimize (total-time)"
 
     def drop_unused_facts(self) -> None:
@@ -123,7 +127,8 @@ class Encoding:
             for t in self.timed
         ]
         lines[-1] += ")"
-        lines.append("  (:goal (and" + "".join(f"\n    ({fact})" for fact in self.goal) + "))")
+        goals = [f"({fact})" for fact in self.goal] + [_comparison(n) for n in self.numeric_goal]
+        lines.append("  (:goal (and" + "".join(f"\n    {goal}" for goal in goals) + "))")
         lines.append(f"  (:metric {self.metric}))")
         return "\n".join(lines) + "\n"
 
@@ -138,7 +143,7 @@ def _operator(o: Operator) -> str:
 
 def _instant(o: Operator) -> str:
     conditions = [f"({f})" for f in dict.fromkeys((*o.at_start, *o.at_end, *o.over_all))]
-    conditions += [f"({n.relation} ({n.counter}) {n.amount})" for n in o.needs]
+    conditions += dict.fromkeys(_comparison(n) for n in o.needs)
     deletes = dict.fromkeys((*o.start_deletes, *o.end_deletes))
     effects = [f"(not ({f}))" for f in deletes]
     effects += [f"({f})" for f in dict.fromkeys((*o.start_adds, *o.end_adds))]
@@ -151,9 +156,18 @@ def _instant(o: Operator) -> str:
     )
 
 
+def _comparison(n: NumericCondition) -> str:
+    return f"({n.relation} ({n.counter}) {n.amount})"
+
+
 def _numeric_effect(c: NumericEffect) -> str:
+    if c.sets:
+        return f"(assign ({c.counter}) {c.amount})"
     verb = "decrease" if c.amount < 0 else "increase"
     return f"({verb} ({c.counter}) {abs(c.amount)})"
+
+
+_WHEN = {"start": "at start", "all": "over all", "end": "at end"}
 
 
 def _point(at_end: bool) -> str:
@@ -180,7 +194,7 @@ def _timed_conditions(o: Operator) -> list[str]:
     conditions += [f"(at start (>= ({c}) {n}))" for c, n in o.takes.items()]
     conditions += [f"(over all ({f}))" for f in o.over_all]
     conditions += [f"(at end ({f}))" for f in o.at_end]
-    conditions += [f"({_point(n.at_end)} ({n.relation} ({n.counter}) {n.amount}))" for n in o.needs]
+    conditions += [f"({_WHEN[n.when]} {_comparison(n)})" for n in o.needs]
     return conditions
 
 

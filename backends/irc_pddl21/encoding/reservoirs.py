@@ -50,10 +50,11 @@ class ReservoirLevels:
         changes: list[NumericEffect] = []
         for (at_end, k), net in sorted(nets.items()):
             reservoir, counter = self.problem.reservoirs[k], self.counters[k]
+            when = "end" if at_end else "start"
             if net < 0:
-                needs.append(NumericCondition(at_end, ">=", counter, reservoir.least - net))
+                needs.append(NumericCondition(when, ">=", counter, reservoir.least - net))
             if net > 0 and reservoir.greatest is not None:
-                needs.append(NumericCondition(at_end, "<=", counter, reservoir.greatest - net))
+                needs.append(NumericCondition(when, "<=", counter, reservoir.greatest - net))
             if net:
                 changes.append(NumericEffect(at_end, counter, net))
         return needs, changes

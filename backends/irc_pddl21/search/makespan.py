@@ -165,7 +165,7 @@ def _shorter(problem: Problem, old: Schedule | None, new: Schedule | None) -> Sc
 
 def _state_meets_resources(problem: Problem) -> bool:
     """Whether ranks may require another order than tokens; see `irc_pddl21.decoding.rounding`."""
-    return bool(problem.variables) and any(
+    return problem.has_state and any(
         activity.open_demands or activity.details.all_stock for activity in problem.activities
     )
 
