@@ -231,7 +231,7 @@ def test_what_may_happen_without_end_waits_only_for_itself() -> None:
 def test_many_occurrences_count_down() -> None:
     program = program_of({"occurs": {"min": 1, "max": 40}})
     again = operator(program, "a_again")
-    assert again.needs == [NumericCondition(False, ">=", "left_for_a", 1)]
+    assert again.needs == [NumericCondition("start", ">=", "left_for_a", 1)]
     assert grounded(program).encoding.counters == {"left_for_a": 39}
     assert operator(program, "a").end_adds == ["done_a", "idle_a"]
 
@@ -260,8 +260,8 @@ def test_taking_asks_for_enough_and_putting_for_room() -> None:
         resources=[flour],
     )
     take, put = operator(program, "a"), operator(program, "b")
-    assert take.needs == [NumericCondition(False, ">=", "level_of_flour", 3)]
-    assert put.needs == [NumericCondition(True, "<=", "level_of_flour", 1)]
+    assert take.needs == [NumericCondition("start", ">=", "level_of_flour", 3)]
+    assert put.needs == [NumericCondition("end", "<=", "level_of_flour", 1)]
     assert ":fluents" in program.files["domain.pddl"]
 
 
