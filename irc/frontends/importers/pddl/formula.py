@@ -24,6 +24,7 @@ from irc.frontends.importers.pddl.lifted import (
     Lifted,
     Literal,
     Number,
+    NumericChange,
     Special,
     Value,
     Variables,
@@ -208,6 +209,14 @@ class Decider:
         self.reached = reached
         self.values_of: ValuesOf = no_values
         self.limits: dict[Fact, dict[Fact, Limit]] = {}
+        self.sums: dict[Fact, Mapping[Fact, Fraction]] = {}
+        """Numbers that are sums of others, with the factor of each."""
+        self.assigned = {
+            change.target.function
+            for schema in lifted.schemas
+            for change in schema.changes()
+            if isinstance(change, NumericChange) and change.verb == "assign"
+        }
 
     def formula(self, condition: Condition, binding: Mapping[str, str]) -> Formula:
         """The part of a condition that is not constant. Raises `NotSupportedError`."""
@@ -270,12 +279,16 @@ class Decider:
         return self._compared(comparison.relation, difference, comparison.offset)
 
     def _compared(self, relation: str, difference: Linear, offset: int) -> Formula:
-        """Whether a sum compares so with 0, by the values of all its numbers but one."""
+        """Whether a sum compares so with 0.
+
+        A sum of numbers that are only added to is a number of its own; of any other one all numbers
+        but one are replaced by their values.
+        """
         factors = difference.factors
         if not factors:
             return RELATIONS[relation](difference.constant, Fraction(0))
         fact = min(factors)
-        if len(factors) > 1:
+        if len(factors) > 1 and any(one[0] in self.assigned for one in factors):
             return disjunction(
                 conjunction(
                     iter((self.equals(fact, value, offset), self._compared(relation, rest, offset)))
@@ -283,7 +296,7 @@ class Decider:
                 for value in self.values_of(fact, offset)
                 for rest in (difference.given({fact: value}),)
             )
-        factor = factors[fact]
+        fact, factor = self._sum(factors)
         if factor < 0:
             relation = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}.get(relation, relation)
         limit = -difference.constant / factor
@@ -294,6 +307,20 @@ class Decider:
     def equals(self, fact: Fact, value: Fraction, offset: int) -> Formula:
         """That a number has a value."""
         return self._compared("=", Linear({fact: Fraction(1)}, -value), offset)
+
+    def _sum(self, factors: Mapping[Fact, Fraction]) -> tuple[Fact, Fraction]:
+        """The number that a sum is a multiple of, and the factor: itself if it is only one."""
+        first, factor = next(iter(sorted(factors.items())))
+        if len(factors) == 1:
+            return first, factor
+        parts = {fact: amount / factor for fact, amount in sorted(factors.items())}
+        terms = (
+            f"({' '.join(fact)})" if amount == 1 else f"(* {amount} ({' '.join(fact)}))"
+            for fact, amount in parts.items()
+        )
+        name = ("+", *terms)
+        self.sums[name] = parts
+        return name, factor
 
     def _limit(self, fact: Fact, least: Fraction, offset: int, *, strict: bool) -> Atom:
         """The fact that says whether a number is at least something, or more than that."""

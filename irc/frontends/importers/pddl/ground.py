@@ -11,7 +11,7 @@ Actions that the delete relaxation cannot reach can never happen, and are left o
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import product
 from typing import NamedTuple
@@ -52,7 +52,12 @@ from irc.frontends.importers.pddl.lifted import (
     Schema,
     conjuncts,
 )
-from irc.frontends.importers.pddl.numbers import Numbers
+from irc.frontends.importers.pddl.numbers import (
+    Numbers,
+    NumberVariable,
+    with_initial,
+    with_sums,
+)
 from irc.frontends.importers.pddl.reached import reachable
 from irc.frontends.importers.pddl.values import DURATION, TIME, Known, ReachedValues
 
@@ -87,6 +92,8 @@ class Grounded:
     derived: frozenset[Fact] = frozenset()
     cut: tuple[tuple[str, int], ...] = ()
     """Warnings about numbers of which only some values count, with places in the domain."""
+    numbers: Mapping[Fact, NumberVariable] = field(default_factory=dict)
+    """The number variable that each fact about a limit speaks of."""
 
 
 def ground(lifted: Lifted) -> Grounded:
@@ -107,17 +114,21 @@ def ground(lifted: Lifted) -> Grounded:
         for objects in bound[schema.name]
         for variant in grounder.variants(schema, objects)
     ]
-    numbers = Numbers(lifted, grounder.decider.limits, variants)
+    variants = list(with_sums(variants, decider.sums))
+    lifted = with_initial(lifted, decider.sums)
+    derived = {test.fact for formula in grounder.derived.values() for test in tests_of(formula)}
+    numbers = Numbers(lifted, decider.limits, variants, derived)
     variants = [variant for one in variants for variant in numbers.variants(one)]
     lifted = replace(lifted, initial=lifted.initial | set(numbers.initial))
     actions = grounder.numbered(v for one in variants for v in grounder.keep_derived(one))
     initial = lifted.initial | {
         fact for fact, formula in grounder.derived.items() if _holds(formula, lifted)
     }
-    actions = reachable(actions, initial, lifted.timed)
+    about = {limit: v for v in numbers.variables.values() for limit in v.limits}
+    actions = reachable(actions, initial, lifted.timed, about)
     actions = _with_length(actions)
     return Grounded(
-        actions, goal, frozenset(initial), frozenset(grounder.derived), tuple(numbers.cut)
+        actions, goal, frozenset(initial), frozenset(grounder.derived), tuple(numbers.cut), about
     )
 
 

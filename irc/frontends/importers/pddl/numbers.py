@@ -1,19 +1,23 @@
-"""Numbers that conditions read, compiled away: their values are counted, one fact for each.
+"""Numbers that conditions read: number variables, or counted, one fact for each value.
 
-A function that actions change by constants has the values that such changes reach. Facts say which
-of them it has, `(= (fuel plane) 40)`, and what conditions ask, `(>= (fuel plane) 5)`. An action
-that adds to it becomes a variant for each value; one that only asks has one condition on one fact.
+A function that actions change by constants is a number variable of the IR. A sum of several such
+functions that a condition compares with something is a number variable of its own, which each of
+their changes changes, too. Only two kinds are counted, with at most `MOST_VALUES` values each: a
+function without a value at first, and one that a derived fact depends on. Facts then say which
+value it has, `(= (fuel plane) 40)`, and what conditions ask, `(>= (fuel plane) 5)`. An action that
+adds to it becomes a variant for each value; one that only asks has one condition on one fact.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
+from math import ceil, floor, lcm
 
 from irc.frontends.importers.pddl.formula import Atom, Limit, NotSupportedError
-from irc.frontends.importers.pddl.ground_action import Ground, TimedEffect
+from irc.frontends.importers.pddl.ground_action import Ground, NumericEffect, TimedEffect
 from irc.frontends.importers.pddl.lifted import Fact, Lifted
 from irc.model.times import json_number
 
@@ -24,12 +28,70 @@ Limits = Mapping[Fact, Mapping[Fact, Limit]]
 """The limits that conditions ask of each function, by the fact that stands for each."""
 
 
-class Numbers:
-    """The values of the functions that conditions read."""
+@dataclass(frozen=True)
+class NumberVariable:
+    """A function as a number variable: all of its values are multiples of 1 / `parts`.
 
-    def __init__(self, lifted: Lifted, limits: Limits, actions: Sequence[Ground]) -> None:
-        self.limits = limits
+    `limits` are those that conditions ask, by the fact that stands for each.
+    """
+
+    fact: Fact
+    initial: Fraction
+    parts: int
+    limits: Mapping[Fact, Limit]
+
+    def levels(self, test: Atom) -> tuple[Fraction | None, Fraction | None]:
+        """The least and the greatest value that a test allows; None: no limit."""
+        limit = self.limits[test.fact]
+        scaled = limit.least * self.parts
+        if test.value:
+            first = floor(scaled) + 1 if limit.strict else ceil(scaled)
+            return Fraction(first, self.parts), None
+        last = floor(scaled) if limit.strict else ceil(scaled) - 1
+        return None, Fraction(last, self.parts)
+
+
+def with_sums(
+    actions: Iterable[Ground], sums: Mapping[Fact, Mapping[Fact, Fraction]]
+) -> Iterator[Ground]:
+    """The actions, which change the sums of the numbers that they change, too.
+
+    (No action assigns a number that is in a sum.)
+    """
+    for action in actions:
+        effects = list(action.effects)
+        for name, factors in sums.items():
+            added: dict[str, Fraction] = {}
+            for at, fact, _, amount in _changes(action):
+                if fact in factors:
+                    added[at] = added.get(at, Fraction(0)) + factors[fact] * amount
+            effects += [
+                TimedEffect(at, NumericEffect(name, True, amount)) for at, amount in added.items()
+            ]
+        yield replace(action, effects=tuple(effects))
+
+
+class Numbers:
+    """The functions that conditions read: `variables` as such, and `values` of the others.
+
+    `derived` are the facts that derived facts depend on.
+    """
+
+    def __init__(
+        self,
+        lifted: Lifted,
+        asked: Limits,
+        actions: Sequence[Ground],
+        derived: Container[Fact],
+    ) -> None:
         self.lifted = lifted
+        self.variables = {
+            fact: variable
+            for fact, limits in asked.items()
+            if not any(limit in derived for limit in limits)
+            and (variable := _variable(lifted, fact, limits, actions)) is not None
+        }
+        limits = self.limits = {f: own for f, own in asked.items() if f not in self.variables}
         self.values: dict[Fact, list[Fraction]] = {}
         self.cut: list[tuple[str, int]] = []
         """Numbers of which only some values count: a message, and the place of a limit."""
@@ -140,6 +202,26 @@ class Numbers:
             )
             self.cut.append((message, offset))
         return values
+
+
+def with_initial(lifted: Lifted, sums: Mapping[Fact, Mapping[Fact, Fraction]]) -> Lifted:
+    """The problem with the values that the sums have at first."""
+    found = dict(lifted.numbers)
+    for name, factors in sums.items():
+        if all(fact in found for fact in factors):
+            found[name] = sum((x * found[fact] for fact, x in factors.items()), Fraction(0))
+    return replace(lifted, numbers=found)
+
+
+def _variable(
+    lifted: Lifted, fact: Fact, limits: Mapping[Fact, Limit], actions: Iterable[Ground]
+) -> NumberVariable | None:
+    """A function as a number variable; None where it has no value at first."""
+    first = lifted.numbers.get(fact)
+    if first is None:
+        return None
+    amounts = [amount for a in actions for _, other, _, amount in _changes(a) if other == fact]
+    return NumberVariable(fact, first, lcm(*(n.denominator for n in (first, *amounts))), limits)
 
 
 _Step = tuple[Fraction, tuple[tuple[str, Atom], ...]]

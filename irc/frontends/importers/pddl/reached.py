@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -25,11 +25,13 @@ def reachable(
     actions: Sequence[Ground],
     initial: Iterable[Fact],
     timed: Iterable[tuple[Fraction, Fact, bool]],
+    numeric: Container[Fact] = (),
 ) -> list[Ground]:
     """The actions that could happen if nothing were ever undone, in time linear in their size.
 
     The effects of a start need only its start conditions, so that two actions may each need an
-    effect of the other's start. Numbers are taken to suit.
+    effect of the other's start. Numbers, of which the `numeric`
+    facts speak, are taken to suit.
     """
     phases: list[_Phase] = []
     waiting: dict[Atom, list[int]] = {}
@@ -43,7 +45,7 @@ def reachable(
         phases.append(_Phase(len(needs), gives, action))
 
     for number, action in enumerate(actions):
-        tests = [(when, test) for when, test in action.conditions if isinstance(test, Atom)]
+        tests = [(when, test) for when, test in action.conditions if test.fact not in numeric]
         at_start = {atom for when, atom in tests if when == "start"}
         add(at_start, [atom for when, atom in action.atoms if when == "start"], None)
         every = {atom for _, atom in tests}

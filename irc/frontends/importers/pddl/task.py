@@ -8,18 +8,19 @@ changes no schedule.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 from irc.frontends.importers.instances import without_empty
-from irc.frontends.importers.pddl.formula import Atom, Test
+from irc.frontends.importers.pddl.formula import Atom, Limit, Test
 from irc.frontends.importers.pddl.ground import Grounded, formula_text, unreachable_goal
-from irc.frontends.importers.pddl.ground_action import Ground, atom_text
+from irc.frontends.importers.pddl.ground_action import Ground, NumericEffect, atom_text
 from irc.frontends.importers.pddl.lifted import Fact, Lifted, Literal, conjuncts
 from irc.frontends.importers.pddl.metric import Objective
+from irc.frontends.importers.pddl.numbers import NumberVariable
 from irc.frontends.importers.pddl.symmetry import Interchangeable
 from irc.model import Task
 from irc.model.quantities import exact
@@ -101,7 +102,7 @@ class _Builder:
         actions = self.grounded.actions
         givers: dict[Test, list[int]] = {}
         for number, action in enumerate(actions):
-            for _, atom in action.atoms:
+            for atom in (*(atom for _, atom in action.atoms), *self._brings_about(action)):
                 givers.setdefault(atom, []).append(number)
         found: set[int] = set()
         waiting = list(self.grounded.goal)
@@ -116,6 +117,31 @@ class _Builder:
         gains = (n for n, action in enumerate(actions) if self.objective.cost(action) < 0)
         found.update(gains)
         return [action for number, action in enumerate(actions) if number in found]
+
+    def _brings_about(self, action: Ground) -> Iterator[Atom]:
+        """The tests of numbers that an action's changes may help to meet."""
+        for _, effect in action.effects:
+            if isinstance(effect, NumericEffect):
+                for fact, limit in self._limits.get(effect.fact, {}).items():
+                    up = effect.amount > 0 if effect.add else limit.holds(effect.amount)
+                    if effect.amount or not effect.add:
+                        yield Atom(fact, up)
+
+    @cached_property
+    def _limits(self) -> dict[Fact, Mapping[Fact, Limit]]:
+        """The limits of each number variable, by the fact that stands for each."""
+        return {variable.fact: variable.limits for variable in self.grounded.numbers.values()}
+
+    @cached_property
+    def numbers(self) -> dict[Fact, NumberVariable]:
+        """The number variables that useful actions or goals ask about, by their functions."""
+        tests = [test for action in self.useful for _, test in action.conditions]
+        asked = {test.fact for test in (*tests, *self.grounded.goal)}
+        return {
+            variable.fact: variable
+            for fact, variable in self.grounded.numbers.items()
+            if fact in asked
+        }
 
     @cached_property
     def with_variants(self) -> dict[str, None]:
@@ -141,7 +167,14 @@ class _Builder:
                 }
             )
             for fact in self.kept
+        ] + [
+            {"id": self._number_id(fact), "kind": "number", "initial": exact(number.initial)}
+            for fact, number in self.numbers.items()
         ]
+
+    def _number_id(self, fact: Fact) -> str:
+        """The id of a number variable, which no fact has."""
+        return atom_text(fact) if fact not in self.kept else f"number {atom_text(fact)}"
 
     def action(self, action: Ground) -> Raw:
         tests = ((when, test) for when, test in action.conditions if isinstance(test, Atom))
@@ -151,8 +184,15 @@ class _Builder:
             "duration": self._duration(action),
             "occurs": "optional" if self._happens_once(action) else {"min": 0},
             "uses": [{"resource": action.plan_name}] * (action.plan_name in self.with_variants),
-            "conditions": self._atoms(tests),
-            "effects": self._atoms(action.atoms),
+            "conditions": [
+                *self._atoms(tests),
+                *(
+                    {"at": when, **asked}
+                    for when in ("start", "all", "end")
+                    for asked in self._asked(t for w, t in action.conditions if w == when)
+                ),
+            ],
+            "effects": [*self._atoms(action.atoms), *self._changes(action)],
             **({"cost": cost} if cost else {}),
         }
         return without_empty(made)
@@ -181,6 +221,31 @@ class _Builder:
             if fact in self.kept
         ]
 
+    def _asked(self, tests: Iterable[Test]) -> Iterator[Raw]:
+        """What tests that hold together ask of each number."""
+        limits: dict[Fact, tuple[list[Fraction], list[Fraction]]] = {}
+        for test in tests:
+            variable = self.grounded.numbers.get(test.fact)
+            if variable is not None:
+                own = limits.setdefault(variable.fact, ([], []))
+                for level, levels in zip(variable.levels(test), own, strict=True):
+                    levels += [] if level is None else [level]
+        for fact, (least, most) in limits.items():
+            low, high = max(least, default=None), min(most, default=None)
+            asked: Raw = {"var": self._number_id(fact)}
+            if low is not None and low == high:
+                yield {**asked, "equals": exact(low)}
+                continue
+            asked |= {} if low is None else {"at_least": exact(low)}
+            yield asked if high is None else {**asked, "at_most": exact(high)}
+
+    def _changes(self, action: Ground) -> Iterator[Raw]:
+        """What an action does to numbers."""
+        for at, effect in action.effects:
+            if isinstance(effect, NumericEffect) and effect.fact in self.numbers:
+                changed = {"at": at, "var": self._number_id(effect.fact)}
+                yield {**changed, ("add" if effect.add else "set"): exact(effect.amount)}
+
     def _happens_once(self, action: Ground) -> bool:
         """Whether an action deletes a condition of its own for good, so that it can happen once."""
         undone = {atom.negated() for _, atom in action.atoms}
@@ -197,7 +262,7 @@ class _Builder:
             if isinstance(part, Literal)
         }
         for test in self.grounded.goal:
-            if not isinstance(test, Atom):
+            if test.fact in self.grounded.numbers:
                 continue
             if test.value not in self.written.get(test.fact, set()) and (
                 (test.fact in self.grounded.initial) != test.value
@@ -205,6 +270,7 @@ class _Builder:
                 raise unreachable_goal(f"the goal {formula_text(test)}", places.get(test))
             if test.fact in self.kept:
                 yield {"var": atom_text(test.fact), **({} if test.value else {"value": False})}
+        yield from self._asked(self.grounded.goal)
 
     def metadata(self) -> Raw:
         useful = set(map(id, self.useful))
