@@ -12,6 +12,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from irc.execution.executed import ExecutedActivity
+from irc.execution.numbers import without_unmet_limits
 from irc.execution.state_conflicts import without_broken_conditions
 from irc.execution.stock_conflicts import with_stock_lent
 from irc.lowering.elements import pool_of
@@ -36,6 +37,8 @@ def relaxed(
     problem = _with_room(problem, executed)
     if problem.reservoirs:
         problem = with_stock_lent(problem, executed, now)
+    if problem.numbers:
+        problem = without_unmet_limits(problem, executed, now)
     if problem.has_state:
         return without_broken_conditions(problem, executed, now)
     return problem, dict(executed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks
+from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks, together
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import in_one_mode
 from irc.problem.work_times import WorkTimesOf, work_range
@@ -171,13 +171,16 @@ def _as_happened(
             stock=tuple(c for c in details.stock if not c.at_end),
             conditions=tuple(c for c in details.conditions if c.at != "end"),
             effects=tuple(e for e in details.effects if not e.at_end),
+            number_conditions=tuple(c for c in details.number_conditions if c.at != "end"),
+            number_effects=tuple(e for e in details.number_effects if not e.at_end),
             due=None,
             reward=0,
         )
     if longest == 0:
         # (An activity of no duration is one happening, which gives each variable its last value.)
         changed = {e.var: e for e in sorted(details.effects, key=lambda e: e.at_end)}
-        details = replace(details, effects=tuple(changed.values()))
+        levels = together(e._replace(at_end=False) for e in details.number_effects)
+        details = replace(details, effects=tuple(changed.values()), number_effects=levels)
     return details
 
 
@@ -189,7 +192,7 @@ def _ends_apart(activity: Activity, past: ExecutedActivity, ranks: Ranks | None)
     details = activity.details
     if past.running or past.cancelled or details.work:
         return False
-    if not (details.conditions or details.effects):
+    if not details.touches_state:
         return False
     if ranks is not None and None not in ranks and ranks.start != ranks.end:
         return True

@@ -15,6 +15,7 @@ from irc.diagnostics import Code, Diagnostic
 from irc.execution.continuation import PROVER, Repair
 from irc.execution.freeze import with_groups
 from irc.execution.limits import HINTS, Limit, Sort, broken, in_words, time_limits, without
+from irc.execution.numbers import without_limits_on
 from irc.model.state_values import value_text
 from irc.passes import order_from_state
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Condition, PreviousPlan, Problem
@@ -184,6 +185,37 @@ def _goals(search: _LimitSearch) -> Iterator[_Reason]:
             yield f"the goal {what} cannot be reached any more", "other goals would help"
 
 
+def _number_goals(search: _LimitSearch) -> Iterator[_Reason]:
+    problem = search.problem
+    for k, goal in enumerate(problem.number_goals):
+        rest = problem.number_goals[:k] + problem.number_goals[k + 1 :]
+        if search.is_possible(replace(problem, number_goals=rest)):
+            number = problem.numbers[goal.number]
+            what = f"{number.id!r} {number.limits_text(goal.least, goal.greatest)}"
+            yield f"the goal {what} cannot be reached any more", "other goals would help"
+
+
+def _numbers(search: _LimitSearch) -> Iterator[_Reason]:
+    """Numbers without whose conditions and bounds a continuation exists."""
+    problem = search.problem
+    for k, number in enumerate(problem.numbers):
+        free = [*problem.numbers]
+        free[k] = replace(number, least=None, greatest=None)
+        activities = search.with_open(partial(without_limits_on, number=k))
+        if search.is_possible(replace(problem, activities=activities, numbers=tuple(free))):
+            asked = {
+                (a.id, number.limits_text(c.least, c.greatest))
+                for _, a in search.open
+                for c in a.details.all_number_conditions
+                if c.number == k
+            }
+            wanted = [f"{limits} for {name!r}" for name, limits in sorted(asked)[:SHOWN]]
+            if (number.least, number.greatest) != (None, None):
+                wanted.append(number.limits_text(number.least, number.greatest) + " always")
+            why = f"{number.id!r} does not reach the levels that are needed: {', '.join(wanted)}"
+            yield why, "an action that changes it, or another level now, would help"
+
+
 def _state(search: _LimitSearch) -> Iterator[_Reason]:
     """Variables without whose conditions a continuation exists."""
     problem = search.problem
@@ -264,7 +296,9 @@ _SORTS: tuple[Callable[[_LimitSearch], Iterator[_Reason]], ...] = (
     _too_small,
     _times,
     _goals,
+    _number_goals,
     _state,
+    _numbers,
     _stock,
     _capacities,
 )

@@ -7,15 +7,28 @@ cannot begin with. In doubt it can.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from irc.execution.state import Key, key_of
 from irc.model import Action, Precedence, Resource, Task
 from irc.model.quantities import Number
 from irc.model.world_changes import is_world_change
 from irc.schedule import CANCELLED, Entry
+
+if TYPE_CHECKING:
+    from irc.model.details import Limits
+
+
+class _LevelChange(NamedTuple):
+    """A change of a number by an entry (None: by the world)."""
+
+    time: Number
+    amount: Number
+    sets: bool
+    entry: Entry | None = None
 
 
 @dataclass
@@ -146,10 +159,53 @@ class Happened:
 
     def _world_allows(self, action: Action, entry: Entry) -> bool:
         return all(
-            c.value in self._values_at(c.var, entry, c.at == "all")
+            self._level_may_be(c.var, entry, c.limits, with_own=c.at == "all")
+            if c.asks_for_a_level
+            else c.value in self._values_at(c.var, entry, c.at == "all")
             for c in action.conditions
             if c.at != "end"
         )
+
+    def _level_may_be(self, var: str, entry: Entry, limits: Limits, *, with_own: bool) -> bool:
+        """Whether a number can be within limits when an entry starts, in some order of the changes
+        of that instant."""
+        changes = [c for c in self._level_changes(var) if with_own or c.entry != entry]
+        changes.sort(key=lambda change: change.time)
+        variable = next(v for v in self.task.state if v.id == var)
+        least = greatest = cast("Number", variable.start_value)
+        for change in (c for c in changes if c.time < entry.start):
+            least = greatest = change.amount if change.sets else least + change.amount
+        for change in (c for c in changes if c.time == entry.start):
+            if change.sets:
+                least, greatest = min(least, change.amount), max(greatest, change.amount)
+            else:
+                least, greatest = least + min(0, change.amount), greatest + max(0, change.amount)
+        low, high = limits
+        return (low is None or greatest >= low) and (high is None or least <= high)
+
+    def _level_changes(self, var: str) -> Iterator[_LevelChange]:
+        """The changes of a number by what has begun, and by the world."""
+        clock = self.task.clock
+        for past in self.begun.values():
+            action = self._carried_out(past)
+            for effect in () if action is None else action.effects:
+                at_end = effect.at == "end"
+                if effect.var != var or (
+                    at_end and (past.end > self.now or past.status == CANCELLED)
+                ):
+                    continue
+                time = past.end if at_end else past.start
+                amount = effect.add if effect.set is None else effect.set
+                yield _LevelChange(time, amount or 0, effect.set is not None, past)
+        for a in self.task.actions:
+            if a.start is None or (a.id, 1) in self.begun:
+                continue
+            if is_world_change(a, clock) and a.effects[0].var == var:
+                level = a.effects[0].set or 0
+                yield _LevelChange(clock.number(a.start), level, True)
+        for variable in self.task.state:
+            for change in variable.changes if variable.id == var else ():
+                yield _LevelChange(clock.number(change.at), cast("Number", change.value), True)
 
     def _values_at(self, var: str, entry: Entry, with_own: bool) -> set[object]:
         """The values that a variable can have when an entry starts."""

@@ -19,6 +19,7 @@ from irc.errors import IrcError
 from irc.execution.executed import ExecutedActivity, frozen_choices
 from irc.execution.fresh_names import fresh_name
 from irc.execution.lags import Lags, twins
+from irc.execution.numbers import numbers_now
 from irc.passes.unroll import unroll
 from irc.problem import (
     IMPOSSIBLE_DEADLINE,
@@ -27,6 +28,8 @@ from irc.problem import (
     ContendedPool,
     Details,
     Effect,
+    NumberCondition,
+    NumberEffect,
     OpenCalendar,
     PreviousPlan,
     Problem,
@@ -151,6 +154,7 @@ def residual_problem(
         horizon=None if problem.horizon is None else max(0, problem.horizon - now),
         reservoirs=_stock_now(problem, executed, now, places),
         variables=_state_now(problem, executed, now, places),
+        numbers=numbers_now(problem, executed, now, places),
         previous=_previous_later(left.previous, len(arcs.activities), now),
     )
     return ResidualProblem(problem, executed, now, residual, places)
@@ -250,6 +254,8 @@ def _residual(
                 stock=_stock_left(m.stock, elapsed),
                 conditions=_conditions_left(m.conditions, elapsed),
                 effects=_effects_left(m.effects, elapsed),
+                number_conditions=_limits_left(m.number_conditions, elapsed),
+                number_effects=_changes_left(m.number_effects, elapsed),
             )
             for m in details.modes
         ),
@@ -257,6 +263,8 @@ def _residual(
         stock=_stock_left(details.stock, elapsed),
         conditions=_conditions_left(details.conditions, elapsed),
         effects=_effects_left(details.effects, elapsed),
+        number_conditions=_limits_left(details.number_conditions, elapsed),
+        number_effects=_changes_left(details.number_effects, elapsed),
         due=None if details.due is None else details.due - now,
         weight=details.weight,
         reward=details.reward,
@@ -288,6 +296,16 @@ def _conditions_left(conditions: tuple[Condition, ...], elapsed: int) -> tuple[C
 
 
 def _effects_left(effects: tuple[Effect, ...], elapsed: int) -> tuple[Effect, ...]:
+    return tuple(e for e in effects if e.at_end or not elapsed)
+
+
+def _limits_left(
+    conditions: tuple[NumberCondition, ...], elapsed: int
+) -> tuple[NumberCondition, ...]:
+    return tuple(c for c in conditions if c.at != "start" or not elapsed)
+
+
+def _changes_left(effects: tuple[NumberEffect, ...], elapsed: int) -> tuple[NumberEffect, ...]:
     return tuple(e for e in effects if e.at_end or not elapsed)
 
 

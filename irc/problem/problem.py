@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from irc.diagnostics.source import Pointer
 from irc.model.quantities import Number, exact
+from irc.model.state_values import limits_text
 from irc.model.times import format_number
 
 if TYPE_CHECKING:
@@ -517,6 +518,14 @@ class NumberVariable:
     def text(self, level: int) -> str:
         """A level as text for messages, as the task writes it."""
         return format_number(exact(Fraction(level, self.scale)))
+
+    def limits_text(self, least: int | None, greatest: int | None) -> str:
+        """Limits as text for messages: "at least 10"."""
+        low, high = (
+            None if level is None else exact(Fraction(level, self.scale))
+            for level in (least, greatest)
+        )
+        return limits_text(low, high)
 
 
 @dataclass(frozen=True, slots=True)
