@@ -83,7 +83,7 @@ class Code(Enum):
     SELF_EDGE = ("IRC204", Severity.ERROR, "an action that must precede itself")
     EMPTY_CHOICE = ("IRC205", Severity.ERROR, "a choice with nothing to choose from")
     REPEATED_CHOICE = ("IRC206", Severity.WARNING, "a choice that names the same thing twice")
-    WRONG_KIND = ("IRC207", Severity.ERROR, "a resource of the wrong kind for this use")
+    WRONG_KIND = ("IRC207", Severity.ERROR, "a resource or variable of the wrong kind for this use")
     OCCURRENCE = (
         "IRC208",
         Severity.ERROR,

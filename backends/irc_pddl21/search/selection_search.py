@@ -155,7 +155,7 @@ class SelectionSearch:
 
 def plan_of(session: PlannerSession, problem: Problem) -> Schedule | None:
     """A plan of a problem, if the planner finds one soon."""
-    if not problem.activities and not problem.goals:
+    if not (problem.activities or problem.goals or problem.number_goals):
         nothing = Schedule((), task=problem.name)
         session.keep(nothing)
         return nothing
