@@ -23,7 +23,7 @@ grill chicken 1 h 30 min .. 2h  on grill * 1 needs chicken = raw at start sets c
 rest 0.5h occurs 0 .. 2 after grill chicken + 3 .. 20, end of cut lettuce starts at 2026-01-01T08:00
 print 9 min on press of family red
 stir 3 needs heat >= 1 <= 8, heat == 2 at end sets heat += 1, heat -= 2 at start, heat := 3
-taste 1 min starts by 35 when broken restart
+taste 1 min starts by 35 ends from 3 when broken restart
 polish 5 min during calendar cycle may pause at most 2 h
 grill chicken -> start of rest
 goal chicken = grilled, heat <= 4

@@ -35,6 +35,7 @@ class CpSat(Backend):
             Feature.DEADLINE,
             Feature.FIXED_START,
             Feature.LATEST_START,
+            Feature.EARLIEST_END,
             Feature.RESOURCES,
             Feature.AMOUNTS,
             Feature.ALTERNATIVES,

@@ -36,6 +36,7 @@ class Pddl21(Backend):
             Feature.DEADLINE,
             Feature.FIXED_START,
             Feature.LATEST_START,
+            Feature.EARLIEST_END,
             Feature.RESOURCES,
             Feature.AMOUNTS,
             Feature.ALTERNATIVES,

@@ -444,6 +444,10 @@ class Action(_Wanted[IrAction], _CarriedOut):
         limit = {} if at_most is None else {"max_pause": length(at_most)}
         return self._set(breaks="pause", **limit)
 
+    def earliest_end(self, time: Moment) -> Self:
+        """Ends no earlier."""
+        return self._set(earliest_end=self._moment(time))
+
     def on_failure(self, how: OnFailure) -> Self:
         """Is done again if a resource breaks that it holds: what is left ("resume"), or all."""
         return self._set(on_failure=how)

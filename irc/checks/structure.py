@@ -484,7 +484,7 @@ def check_action(
         findings.add(Code.MISSING_FIELD, f"{owner} has no 'duration'", at, hint='add "duration": …')
     if action.release != 0:
         times.point(action.release, "release", (*at, "release"))
-    for name in ("deadline", "due", "start", "latest_start"):
+    for name in ("deadline", "due", "start", "latest_start", "earliest_end"):
         times.point(getattr(action, name), name, (*at, name))
     if action.uses:
         _check_uses(action.uses, (*at, "uses"), owner, names)

@@ -52,6 +52,8 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
             hint=f"the latest start must be at least {problem.time_text(start)}",
         )
         return True
+    if _ends_too_early(problem, index, findings):
+        return True
     deadline = activity.deadline
     if deadline is None:
         return False
@@ -66,6 +68,33 @@ def _check_window(problem: Problem, index: int, findings: Findings) -> bool:
         f"and takes {problem.time_text(activity.duration_min)}",
         activity.deadline_origin,
         hint=f"the deadline must be at least {problem.time_text(start + activity.duration_min)}",
+    )
+    return True
+
+
+def _ends_too_early(problem: Problem, index: int, findings: Findings) -> bool:
+    """Whether an activity cannot last until its earliest end; reports it if so."""
+    activity = problem.activities[index]
+    earliest = activity.earliest_end
+    if earliest is None:
+        return False
+    latest = activity.latest_start if activity.start is None else activity.start
+    ends = None if latest is None else latest + activity.duration_max
+    why = "it starts"
+    if latest is not None:
+        why = f"it starts by {problem.time_text(latest)} and takes "
+        why += f"{problem.time_text(activity.duration_max)} at most"
+    deadline = activity.deadline
+    if deadline is not None and deadline >= 0 and (ends is None or deadline < ends):
+        ends, why = deadline, f"{_whose(activity)} {problem.time_text(deadline)} comes first"
+    if ends is None or ends >= earliest:
+        return False
+    findings.add(
+        Code.WINDOW,
+        f"action {activity.id!r} cannot end at its earliest end of "
+        f"{problem.time_text(earliest)} or later: {why}",
+        (*activity.origin, "earliest_end"),
+        hint=f"the earliest end must be at most {problem.time_text(ends)}",
     )
     return True
 

@@ -10,7 +10,7 @@ from irc.checks.events import check_event
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
-from irc.events.observed import (
+from irc.events.observed import ended_at, (
     Outcome,
     failures,
     lasting,
@@ -304,7 +304,7 @@ def _end_at(editor: _TaskEditor, name: str, finished: Number) -> None:
     started = _start_of(editor, name)
     if started is None or started > finished:
         raise _NoStart(name)
-    action = editor.actions[name]
+    action = ended_at(editor.actions[name], finished, editor.clock)
     editor.actions[name] = with_length(action, working_time(editor.task, action, started, finished))
 
 

@@ -54,6 +54,14 @@ def working_time(task: Task, action: Action, start: Number, end: Number) -> Numb
     return exact(Fraction(end - start - time_in(closed, start, end)))
 
 
+def ended_at(action: Action, end: Number, clock: Clock) -> Action:
+    """The action without an earliest end that its observed end breaks."""
+    earliest = action.earliest_end
+    if earliest is None or clock.number(earliest) <= end:
+        return action
+    return action.model_copy(update={"earliest_end": end})
+
+
 def with_length(action: Action, length: Number) -> Action:
     """The action with an exact duration, in every mode."""
     return _with_durations(action, lambda _: length)
@@ -88,7 +96,7 @@ def written(task: Task, action: Action, outcome: Outcome) -> Action:
     began = outcome.began
     if outcome.length is not None:
         work = working_time(task, action, began, began + outcome.length)
-        action = with_length(action, work)
+        action = with_length(ended_at(action, began + outcome.length, clock), work)
     if outcome.at_least is not None:
         work = working_time(task, action, began, began + outcome.at_least)
         action = lasting(action, work, clock)

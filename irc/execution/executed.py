@@ -87,7 +87,7 @@ def as_executed(
     if activity.details.work and past.running and not past.cancelled:
         shortest = longest = _end_of_work(problem, activity, past, now) - past.start
     elif past.running and not activity.is_fixed and not past.cancelled:
-        least = max(now, past.least_end)
+        least = max(now, past.least_end, activity.earliest_end or 0)
         shortest = max(activity.duration_min, least - past.start)
         longest = max(activity.duration_max, shortest)
     apart = _ends_apart(activity, past, ranks)
@@ -104,6 +104,7 @@ def as_executed(
         activity,
         start=past.start,
         latest_start=None,
+        earliest_end=None,
         release=min(activity.release, past.start),
         deadline=deadline,
         duration_min=shortest,
@@ -205,6 +206,7 @@ def _begun(activity: Activity, past: ExecutedActivity) -> Activity:
         activity,
         start=past.start,
         latest_start=None,
+        earliest_end=activity.earliest_end if past.running else None,
         release=min(activity.release, past.start),
         details=replace(activity.details, optional=False, repeats=None),
     )

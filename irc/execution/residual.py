@@ -228,6 +228,7 @@ def _shifted(activity: Activity, now: int, after: int) -> Activity:
         release=max(0, release - now),
         start=None if activity.start is None else max(0, activity.start - now),
         latest_start=None if latest is None else max(0, latest - now),
+        earliest_end=None if activity.earliest_end is None else max(0, activity.earliest_end - now),
         deadline=None if deadline is None else max(IMPOSSIBLE_DEADLINE, deadline - now),
         details=details,
     )
@@ -276,6 +277,7 @@ def _residual(
         id=name,
         start=0,
         latest_start=None,
+        earliest_end=None if activity.earliest_end is None else max(0, activity.earliest_end - now),
         release=0,
         deadline=None
         if activity.deadline is None

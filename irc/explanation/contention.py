@@ -37,6 +37,7 @@ _ORDER = (
     Kind.RELEASE,
     Kind.DEADLINE,
     Kind.LATEST_START,
+    Kind.EARLIEST_END,
     Kind.START,
     Kind.GROUP_DEADLINE,
     Kind.TASK_DEADLINE,
@@ -46,7 +47,7 @@ _ORDER = (
 
 _OF_ACTION = (
     *(Kind.DURATION, Kind.USE, Kind.RELEASE),
-    *(Kind.DEADLINE, Kind.LATEST_START, Kind.START),
+    *(Kind.DEADLINE, Kind.LATEST_START, Kind.EARLIEST_END, Kind.START),
 )
 
 

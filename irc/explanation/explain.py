@@ -195,7 +195,7 @@ def _is_refuted(problem: Problem, refuter: Refuter | None, budget: Budget) -> bo
 _OF_THE_CLOCK = frozenset(
     (
         *(Kind.TASK_DEADLINE, Kind.GROUP_DEADLINE, Kind.DEADLINE),
-        *(Kind.START, Kind.LATEST_START, Kind.RELEASE),
+        *(Kind.START, Kind.LATEST_START, Kind.EARLIEST_END, Kind.RELEASE),
     )
 )
 """The statements that name an hour."""

@@ -54,6 +54,11 @@ def _latest_start(problem: Problem, statement: Statement) -> str:
     return f"{activity.id!r} starts by {problem.time_text(activity.latest_start or 0)}"
 
 
+def _earliest_end(problem: Problem, statement: Statement) -> str:
+    activity = problem.activities[statement.of]
+    return f"{activity.id!r} ends no earlier than {problem.time_text(activity.earliest_end or 0)}"
+
+
 def _deadline(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
     return f"{activity.id!r} ends by {problem.time_text(activity.deadline or 0)}"
@@ -86,6 +91,7 @@ _WORDS: Mapping[Kind, Callable[[Problem, Statement], str]] = {
     Kind.RELEASE: _release,
     Kind.START: _start,
     Kind.LATEST_START: _latest_start,
+    Kind.EARLIEST_END: _earliest_end,
     Kind.DEADLINE: _deadline,
     Kind.GROUP_DEADLINE: _group_deadline,
     Kind.DURATION: _duration,

@@ -206,6 +206,8 @@ def _times(task: Task, kept: Iterable[int], simple: Sequence[bool]) -> Iterator[
             yield action.latest_start
         if action.max_pause is not None:
             yield action.max_pause
+        if action.earliest_end is not None:
+            yield action.earliest_end
         if action.due is not None:
             yield action.due
     for group in task.groups:
@@ -258,6 +260,9 @@ def _activity(
         latest_start=None
         if action.latest_start is None
         else ticks_or_none(action.latest_start, to_ticks),
+        earliest_end=None
+        if action.earliest_end is None
+        else ticks_or_none(action.earliest_end, to_ticks),
         uses=uses,
         open_demands=open_demands_of(uses) if longest else (),
         origin=("actions", index),

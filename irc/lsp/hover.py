@@ -133,6 +133,8 @@ class Descriptions:
             limits.append(f"fixed to start at {self._time(action.start)}")
         if action.latest_start is not None:
             limits.append(f"to start by {self._time(action.latest_start)}")
+        if action.earliest_end is not None:
+            limits.append(f"to end no earlier than {self._time(action.earliest_end)}")
         if action.deadline is not None:
             limits.append(f"to end by {self._time(action.deadline)}")
         if action.due is not None:

@@ -37,6 +37,7 @@ class Feature(Enum):
     DEADLINE = "deadlines"
     FIXED_START = "fixed starts"
     LATEST_START = "latest starts"
+    EARLIEST_END = "earliest ends"
     DUE_DATE = "due dates"
     RESOURCES = "renewable resources"
     AMOUNTS = "amounts above 1"
@@ -121,6 +122,7 @@ _ACTION_FIELDS = (
     ("start", Feature.FIXED_START),
     ("latest_start", Feature.LATEST_START),
     ("calendar", Feature.ACTION_CALENDARS),
+    ("earliest_end", Feature.EARLIEST_END),
     ("conditions", Feature.CONDITIONS),
     ("effects", Feature.EFFECTS),
     ("reward", Feature.REWARD),

@@ -77,6 +77,7 @@ FIELDS: Mapping[str, Mapping[str, str]] = {
                 *("latest_end", "latest_finish", "must_finish_by", "end_by", "deadline_time"),
                 *("must_end_by", "max_end", "finish_by"),
             ),
+            "earliest_end": ("min_end", "end_after", "earliest_finish", "not_done_before"),
             "latest_start": ("max_start", "start_by", "must_start_by", "latest_start_time"),
             "start": ("fixed_start", "fixed_start_time", "start_at"),
             "conditions": ("preconditions", "precondition", "condition"),

@@ -112,11 +112,28 @@ class Action(Node):
     calendar: Name | None = None
     breaks: Breaks = "avoid"
     max_pause: Span | None = None
+    earliest_end: Instant | None = None
     conditions: Conditions = ()
     effects: Effects = ()
     reward: Annotated[int, Field(strict=True)] | None = None
     cost: Annotated[int, Field(strict=True)] | None = None
     on_failure: OnFailure | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_range_of_starts(cls, raw: Any) -> Any:
+        """A `start` with `min` and `max` is another way to write `release` and `latest_start`."""
+        start = raw.get("start") if isinstance(raw, dict) else None
+        if not isinstance(start, dict) or not start.keys() <= {"min", "max"}:
+            return raw
+        read = {key: value for key, value in raw.items() if key != "start"}
+        for key, field in (("min", "release"), ("max", "latest_start")):
+            if start.get(key) is None:
+                continue
+            if raw.get(field) is not None:
+                raise ValueError(f"'{key}' of 'start' and '{field}' mean the same; keep one")
+            read[field] = start[key]
+        return read
 
     @property
     def is_simple(self) -> bool:

@@ -60,6 +60,8 @@ def grid_of(problem: Problem) -> Grid:
         return EVERY_TICK
     floors = {0}
     for i, activity in enumerate(problem.activities):
+        if activity.earliest_end is not None:
+            floors.add(activity.earliest_end)
         if activity.start is not None and activity.is_fixed:
             floors.update((activity.start, activity.start + activity.duration_min))
             continue

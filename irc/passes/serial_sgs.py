@@ -226,6 +226,8 @@ def _keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:
         deadline = problem.effective_deadline(i)
         if deadline is not None and decision.end > deadline:
             return False
+        if activity.earliest_end is not None and decision.end < activity.earliest_end:
+            return False
         if activity.start is not None and decision.start != activity.start:
             return False
         if activity.latest_start is not None and decision.start > activity.latest_start:

@@ -33,7 +33,7 @@ def safe_horizon(problem: Problem) -> int:
     from_end = [0] * len(problem.activities)
     total = 0
     for activity in problem.activities:
-        floor = max(floor, activity.release, activity.start or 0)
+        floor = max(floor, activity.release, activity.start or 0, activity.earliest_end or 0)
         if activity.details.touches_world:
             total += 2
         # A range longer than the task's deadline can never be used up.
@@ -86,7 +86,7 @@ def within(problem: Problem, horizon: int) -> Problem:
 def _activity_within(activity: Activity, never: int) -> Activity:
     details = activity.details
     times = activity.duration_max, activity.release, activity.start or 0, details.due or 0
-    if max(times) <= never:
+    if max(*times, activity.earliest_end or 0) <= never:
         return activity
     return replace(
         activity,
@@ -94,6 +94,7 @@ def _activity_within(activity: Activity, never: int) -> Activity:
         duration_max=min(activity.duration_max, never),
         release=min(activity.release, never),
         start=None if activity.start is None else min(activity.start, never),
+        earliest_end=None if activity.earliest_end is None else min(activity.earliest_end, never),
         details=replace(
             details,
             due=None if details.due is None else min(details.due, never),

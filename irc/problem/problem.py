@@ -305,7 +305,8 @@ class Activity:
     """An action; every schedule contains it exactly once unless its `details` say otherwise.
 
     With modes, the durations are the least and the greatest of all modes, and `uses` are the
-    activity's own followed by those of each mode. With a `latest_start` it starts then or earlier.
+    activity's own followed by those of each mode. With a `latest_start` it starts then or earlier,
+    with an `earliest_end` it ends then or later.
     `deadline_by` is the group whose deadline `deadline` is; None where it is the activity's own.
     """
 
@@ -316,6 +317,7 @@ class Activity:
     deadline: int | None = None
     start: int | None = None
     latest_start: int | None = None
+    earliest_end: int | None = None
     deadline_by: GroupDeadline | None = None
     uses: tuple[Requirement, ...] = ()
     open_demands: tuple[OpenDemand, ...] = ()

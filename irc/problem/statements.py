@@ -30,6 +30,7 @@ class Kind(StrEnum):
     RELEASE = "release"
     START = "start"
     LATEST_START = "latest_start"
+    EARLIEST_END = "earliest_end"
     DEADLINE = "deadline"
     GROUP_DEADLINE = "group_deadline"
     DURATION = "duration"
@@ -263,6 +264,26 @@ class _LatestStart(StatementKind):
         yield Difference(start_point(i), ORIGIN, -latest, statement)
 
 
+class _EarliestEnd(StatementKind):
+    kind = Kind.EARLIEST_END
+
+    def all(self, problem: Problem) -> Iterator[Statement]:
+        for i, activity in enumerate(problem.activities):
+            if activity.earliest_end is not None:
+                yield Statement(self.kind, i)
+
+    def pointer(self, problem: Problem, statement: Statement) -> Pointer:
+        return (*problem.activities[statement.of].origin, "earliest_end")
+
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        i = statement.of
+        relaxation.activity(i)["earliest_end"] = relaxation.problem.activities[i].earliest_end
+
+    def differences(self, problem: Problem, statement: Statement) -> Iterator[Difference]:
+        i = statement.of
+        yield Difference(ORIGIN, end_point(i), problem.activities[i].earliest_end or 0, statement)
+
+
 class _Deadline(StatementKind):
     kind = Kind.DEADLINE
 
@@ -351,6 +372,7 @@ KINDS: Mapping[Kind, StatementKind] = {
         _Release(),
         _Start(),
         _LatestStart(),
+        _EarliestEnd(),
         _Deadline(),
         _GroupDeadline(),
         _Duration(),

@@ -52,7 +52,7 @@ def point_map(problem: Problem) -> PointMap:
 
 
 def timing_network(problem: Problem, *, maxima: bool = True) -> TimingNetwork:
-    """The network of durations, releases, fixed starts (as floors), and the lags of every arc.
+    """The network of durations and the lags of every arc; releases and so on are its floors.
 
     `maxima=False` leaves out maximum lags and greatest durations. The remaining constraints only
     push points later, as lower bounds need.
@@ -68,6 +68,8 @@ def timing_network(problem: Problem, *, maxima: bool = True) -> TimingNetwork:
         floors[s] = (
             activity.release if activity.start is None else max(activity.release, activity.start)
         )
+        if activity.earliest_end is not None:
+            floors[e] = max(floors[e], activity.earliest_end - points.end_offset[i])
         if s != e:
             network.add(s, e, activity.duration_min)
             labels.append((DURATION, False))

@@ -33,6 +33,8 @@ def check_windows(bound: BoundSchedule, violations: Violations) -> None:
         _check_mode(occurrence, violations)
         _check_duration(occurrence, violations)
         _check_start(bound, occurrence, violations)
+        if not occurrence.cancelled:
+            _check_end(bound, occurrence, violations)
         limits = deadlines.get(occurrence.entry.id, [])
         if occurrence.action.deadline is not None:
             own = bound.clock.number(occurrence.action.deadline)
@@ -143,6 +145,20 @@ def _check_start(bound: BoundSchedule, occurrence: Occurrence, violations: Viola
                 (start, latest),
                 carried=occurrence.past is not None,
             )
+
+
+def _check_end(bound: BoundSchedule, occurrence: Occurrence, violations: Violations) -> None:
+    earliest = occurrence.action.earliest_end
+    if earliest is None or occurrence.end >= (limit := bound.clock.number(earliest)):
+        return
+    violations.add(
+        "earliest_end",
+        f"{occurrence.name} ends at {violations.time(occurrence.end)}, "
+        f"before its earliest end ({violations.time(limit)})",
+        [occurrence.entry.id],
+        (occurrence.end, limit),
+        carried=occurrence.past is not None and occurrence.past.latest_end < limit,
+    )
 
 
 def check_precedence(bound: BoundSchedule, violations: Violations) -> None:

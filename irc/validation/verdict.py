@@ -31,6 +31,7 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "latest_start": 2,
         "calendar": 2,
         "pause": 2,
+        "earliest_end": 2,
         "precedence": 3,
         "resources": 4,
         "capacity": 4,

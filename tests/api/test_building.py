@@ -65,7 +65,14 @@ def whole() -> irc.Task:
     grill.mode("fast", 5).uses(board)
     grill.mode("slow", irc.between(8, "12 min"), label="Slow").one_of(board, "bench", amount=1)
     task.resource("bench")
-    nap = task.action("nap", Fraction(1, 3)).optional().reward(4).deadline(400).latest_start(350)
+    nap = (
+        task.action("nap", Fraction(1, 3))
+        .optional()
+        .reward(4)
+        .deadline(400)
+        .latest_start(350)
+        .earliest_end(20)
+    )
     nap.on_failure("resume")
     shift = task.calendar("shift", "06:00", "14:00", "mon", "tue", label="early", description="x")
     shift.open("22:00", "06:00", "fri").closed("2026-12-25").closed("2026-12-26", "2026-12-28")
@@ -197,6 +204,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                 "reward": 4,
                 "deadline": 400,
                 "latest_start": 350,
+                "earliest_end": 20,
                 "on_failure": "resume",
                 "calendar": "shift",
                 "breaks": "pause",

@@ -250,7 +250,7 @@ class _Listening(_Misleading):
 
 EVERYTHING = task(
     *(r("crew", 3), r("r1"), r("r2")),
-    a("a", 4, ("crew", 2), ["r2", "r1"], release=2, deadline=20, latest_start=15),
+    a("a", 4, ("crew", 2), ["r2", "r1"], release=2, deadline=20, latest_start=15, earliest_end=5),
     a("b", {"min": 2, "max": 6}, start=9),
     p("a", "b", "ss", min_lag=1, max_lag=8),
     a("c", 1),
@@ -281,7 +281,7 @@ def test_the_problem_of_all_statements_is_the_whole_problem() -> None:
 
 def limits_of(activity: Activity) -> tuple[Any, ...]:
     a = activity
-    return a.id, a.release, a.deadline, a.start, a.latest_start
+    return a.id, a.release, a.deadline, a.start, a.latest_start, a.earliest_end
 
 
 def test_a_problem_without_a_statement_is_that_of_the_document_without_it() -> None:

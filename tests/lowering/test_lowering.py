@@ -104,7 +104,7 @@ def any_time(problem: Problem) -> bool:
 
 
 _TIMES = (
-    *("duration", "min", "max", "release", "deadline", "start", "latest_start"),
+    *("duration", "min", "max", "release", "deadline", "start", "latest_start", "earliest_end"),
     *("min_lag", "max_lag"),
 )
 

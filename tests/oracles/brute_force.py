@@ -58,7 +58,7 @@ _TASK_FIELDS = frozenset(
 _ACTION_FIELDS = frozenset(
     [
         *("id", "label", "description", "duration", "uses", "release", "deadline", "start"),
-        *("latest_start", "due", "weight", "reward", "cost", "on_failure"),
+        *("latest_start", "earliest_end", "due", "weight", "reward", "cost", "on_failure"),
     ]
 )
 _RESOURCE_FIELDS = frozenset(["id", "label", "description", "capacity"])
@@ -318,7 +318,7 @@ def longest_path(task: Task) -> Number:
     _refuse(task, _TASK_FIELDS - {"deadline", "resources"}, "the task")
     graph = nx.DiGraph()
     for action in _by_id(task.actions, "action").values():
-        unknown_here = {"uses", "deadline", "start", "latest_start"}
+        unknown_here = {"uses", "deadline", "start", "latest_start", "earliest_end"}
         _refuse(action, _ACTION_FIELDS - unknown_here, f"action {action.id!r}")
         if action.duration is None or isinstance(action.duration, DurationRange):
             raise ValueError(f"action {action.id!r} has no fixed duration")
@@ -382,6 +382,8 @@ def _action_edges(
         fixed = _whole(task, action.start)
         edges += [(_Point.origin, start, fixed), (start, _Point.origin, -fixed)]
     edges += _deadline(task, start, action.latest_start)
+    if action.earliest_end is not None:
+        edges.append((_Point.origin, end, _whole(task, action.earliest_end)))
     return edges + _deadline(task, end, action.deadline)
 
 

@@ -26,7 +26,7 @@ def coarse_task(rng: random.Random, step: int = 6) -> Task:
             _scale(part, "duration", step)
         for field in {"release", "start", "due"} & action.keys():
             action[field] = anywhere(action[field])
-        for field in ("deadline", "latest_start"):
+        for field in ("deadline", "latest_start", "earliest_end"):
             if field in action:
                 action[field] = later(action[field])
     for order in document.get("precedence", []):

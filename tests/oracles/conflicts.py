@@ -51,6 +51,8 @@ def statements_of(task: Task) -> set[Pointer]:
             found.add(("actions", i, "deadline"))
         if action.latest_start is not None:
             found.add(("actions", i, "latest_start"))
+        if action.earliest_end is not None:
+            found.add(("actions", i, "earliest_end"))
         if action.start is not None:
             found.add(("actions", i, "start"))
         found |= {("actions", i, "uses", u) for u in range(len(action.uses))}

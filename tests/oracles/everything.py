@@ -69,6 +69,7 @@ EVERYTHING: dict[str, Any] = {
             "weight": 3,
             "start": "1/3",
             "latest_start": 40,
+            "earliest_end": 45,
             "conditions": [
                 {"at": "all", "var": "lit", "value": False},
                 {"at": "start", "var": "heat", "at_least": -1, "at_most": 2.5},

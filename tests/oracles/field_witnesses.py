@@ -468,6 +468,14 @@ _ACTIONS = (
         (6,),
     ),
     Witness(
+        "Action.earliest_end",
+        _task(_act("a", {"min": 2, "max": 9}, earliest_end=6)),
+        ("actions", 0, "earliest_end"),
+        REMOVED,
+        (6,),
+        (2,),
+    ),
+    Witness(
         "Action.latest_start",
         _task(
             _act("a", 2, uses=_on("oven")),

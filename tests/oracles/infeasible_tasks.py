@@ -145,6 +145,15 @@ TIME = [
     ),
     _case(
         "time",
+        "an earliest end that is too late for what comes behind",
+        task(a("a", {"min": 1, "max": 20}, earliest_end=10), a("b", 5, deadline=14), p("a", "b")),
+        "'a' ends no earlier than 10 s",
+        "'a' precedes 'b'",
+        "'b' takes 5 s",
+        "'b' ends by 14 s",
+    ),
+    _case(
+        "time",
         "too much between two that may not be far apart",
         task(
             *(a("mix", 2), a("rest", 10), a("bake", 5)),

@@ -76,6 +76,8 @@ def rule_2(task: Task, entries: Sequence[Entry]) -> bool:
             return False
         if action.start is not None and entry.start != action.start:
             return False
+        if action.earliest_end is not None and entry.end < task.number(action.earliest_end):
+            return False
         if action.latest_start is not None and entry.start > task.number(action.latest_start):
             return False
         deadlines = [action.deadline, task.deadline]
@@ -364,6 +366,8 @@ def draw_action(draw: Draw, name: str, own: Sequence[Entry]) -> dict[str, Any]:
         action["latest_start"] = text(max(e.start for e in own))
     if len(own) == 1 and draw(st.booleans()):
         action["start"] = text(own[0].start)
+    if draw(st.booleans()):
+        action["earliest_end"] = text(min(e.end for e in own))
     return action
 
 

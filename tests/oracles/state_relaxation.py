@@ -106,6 +106,8 @@ def relaxed_windows(plain: Plain, counts: Sequence[int]) -> Windows | None:
             edge(2 * i + 1, origin, -job.deadline)
         if job.latest_start is not None:
             edge(2 * i, origin, -job.latest_start)
+        if job.earliest_end is not None:
+            edge(origin, 2 * i + 1, job.earliest_end)
         if job.start is not None:
             edge(origin, 2 * i, job.start)
             edge(2 * i, origin, -job.start)

@@ -76,6 +76,7 @@ class Job:
     deadline: int | None
     start: int | None
     latest_start: int | None
+    earliest_end: int | None
     due: int | None
     weight: int
     reward: int
@@ -170,6 +171,7 @@ class Plain:
         """The last instant at which the task itself changes: from then on all times are alike."""
         instants = [0, *(job.release for job in self.jobs)]
         instants += [job.start for job in self.jobs if job.start is not None]
+        instants += [job.earliest_end for job in self.jobs if job.earliest_end is not None]
         instants += [w[1] for r in self.renewables.values() for w in r.windows]
         return max(instants)
 
@@ -245,6 +247,7 @@ class _Reader:
         for action in self.actions.values():
             yield from (action.release, action.deadline, action.due, action.start)
             yield action.latest_start
+            yield action.earliest_end
             for duration in (action.duration, *(mode.duration for mode in action.modes)):
                 if isinstance(duration, DurationRange):
                     yield from (duration.min, duration.max)
@@ -282,6 +285,7 @@ class _Reader:
             deadline=min(stated, default=None),
             start=self._maybe(action.start),
             latest_start=self._maybe(action.latest_start),
+            earliest_end=self._maybe(action.earliest_end),
             due=self._maybe(action.due),
             weight=1 if action.weight is None else action.weight,
             reward=action.reward or 0,

@@ -76,6 +76,8 @@ def _case(plain: Plain, j: int, entry: Entry) -> _Case | None:
         return None
     if job.latest_start is not None and start > job.latest_start:
         return None
+    if job.earliest_end is not None and end < job.earliest_end:
+        return None
     if job.deadline is not None and end > job.deadline:
         return None
     return _Case(entry, j, job, option, start, end)

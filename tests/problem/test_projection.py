@@ -86,7 +86,7 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Activity: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "release", "deadline"), PLAIN),
-        **dict.fromkeys(("start", "latest_start", "deadline_by", "origin"), PLAIN),
+        **dict.fromkeys(("start", "latest_start", "earliest_end", "deadline_by", "origin"), PLAIN),
         "uses": "own uses",
         "open_demands": "part",
         "details": "part",

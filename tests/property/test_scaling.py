@@ -22,7 +22,7 @@ Document = dict[str, Any]
 
 TIMES = frozenset(
     (
-        *("duration", "min", "max", "release", "deadline", "start", "latest_start"),
+        *("duration", "min", "max", "release", "deadline", "start", "latest_start", "earliest_end"),
         *("min_lag", "max_lag"),
     )
 )

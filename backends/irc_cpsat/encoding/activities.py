@@ -24,6 +24,8 @@ def _points(
     deadline = builder.problem.effective_deadline(i)
     latest_end = builder.horizon if deadline is None else min(builder.horizon, deadline)
     earliest = max(activity.release, builder.problem.bounds.heads[i] if builder.bounds else 0)
+    if activity.earliest_end is not None:
+        earliest = max(earliest, activity.earliest_end - activity.duration_max)
     latest = latest_end - activity.duration_min
     if activity.latest_start is not None:
         latest = min(latest, activity.latest_start)
@@ -39,6 +41,10 @@ def _points(
         builder.enforced(builder.model.add(start <= latest), i)
     if activity.start is not None and activity.start < activity.release:
         builder.enforced(builder.model.add(start >= activity.release), i)
+    if activity.start is not None and activity.is_fixed and activity.earliest_end is not None:
+        builder.enforced(
+            builder.model.add(start >= activity.earliest_end - activity.duration_min), i
+        )
     return start, None if activity.is_fixed else _end(builder, i, activity, start, latest_end)
 
 
@@ -59,6 +65,8 @@ def _end(
     end = model.new_int_var(0, max(0, latest_end, late), f"end {name}")
     if late > latest_end:
         builder.enforced(model.add(end <= latest_end), i)
+    if activity.earliest_end is not None:
+        builder.enforced(model.add(end >= activity.earliest_end), i)
     longest = max(activity.duration_min, min(activity.duration_max, builder.horizon))
     size = model.new_int_var(activity.duration_min, longest, f"duration {name}")
     model.add(start + size == end)

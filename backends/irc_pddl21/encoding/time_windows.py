@@ -1,4 +1,4 @@
-"""Releases, fixed and latest starts and deadlines in PDDL: timed initial literals."""
+"""Releases, deadlines, limits of starts and ends in PDDL: timed initial literals."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ def add_time_windows(builder: Builder) -> None:
         release = max(activity.release, activity.start or 0)
         if release:
             builder.require(2 * i, _released(builder, release, opened))
+        if activity.earliest_end:
+            builder.require(2 * i + 1, _released(builder, activity.earliest_end, opened))
         for latest in dict.fromkeys((activity.start, activity.latest_start)):
             if latest is not None:
                 builder.require(2 * i, _open_until(builder, latest, closed))

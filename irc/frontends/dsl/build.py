@@ -261,6 +261,11 @@ class Builder:
         field = _POINT_FIELDS.get(kind(key), kind(key).lower())
         self.put_field(element, field, nodes.time(said), at, key)
 
+    def _start_range(self, element: Element, clause: Any, at: Pointer) -> None:
+        key, low, _, high = clause.children
+        found = self.length_range(low, high, (*at, "start"))
+        self.put_field(element, "start", found, at, key)
+
     def _number(self, element: Element, clause: Any, at: Pointer) -> None:
         key, said = clause.children
         self.put_field(element, kind(key).lower(), nodes.integer(said), at, key)
@@ -668,7 +673,7 @@ def _days(node: Any) -> list[str]:
     return [_WEEK[k % 7] for k in range(first, last + 1 + (7 if last < first else 0))]
 
 
-_POINT_FIELDS = {"STARTS_AT": "start", "STARTS_BY": "latest_start"}
+_POINT_FIELDS = {"STARTS_AT": "start", "STARTS_BY": "latest_start", "ENDS_FROM": "earliest_end"}
 _PLAIN = ("end", "start")
 _ENDS = {"start": "start", "end": "finish"}
 
@@ -711,6 +716,7 @@ def _word(field: str) -> str:
         "occurs": "occurs",
         "start": "starts at",
         "latest_start": "starts by",
+        "earliest_end": "ends from",
         "on_failure": "when broken",
         "family": "of family",
         "calendar": "during calendar",
@@ -732,6 +738,7 @@ _ACTION_CLAUSES: dict[str, _Clause] = {
     "needs": Builder._facts,
     "sets": Builder._facts,
     "point": Builder._point,
+    "start_range": Builder._start_range,
     "number": Builder._number,
     "on_failure": Builder._on_failure,
     "calendar_of": Builder._calendar_of,

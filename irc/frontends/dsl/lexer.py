@@ -105,6 +105,7 @@ PHRASES = {
     ("at", "end"): "AT_END",
     ("starts", "at"): "STARTS_AT",
     ("starts", "by"): "STARTS_BY",
+    ("ends", "from"): "ENDS_FROM",
     ("ends", "after"): "ENDS_AFTER",
     ("no", "actions"): "NO_ACTIONS",
     ("no", "precedence"): "NO_PRECEDENCE",

@@ -204,6 +204,7 @@ class _Printer:
                 *_points(action, {"deadline": "deadline", "due": "due"}),
                 *_numbers(action, "weight"),
                 *_points(action, {"start": "starts at", "latest_start": "starts by"}),
+                *_points(action, {"earliest_end": "ends from"}),
                 *_numbers(action, "reward", "cost"),
                 "" if action.on_failure is None else f"when broken {action.on_failure}",
                 *_calendar_of(action),

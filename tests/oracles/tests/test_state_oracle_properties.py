@@ -230,7 +230,7 @@ def test_the_validator_agrees_on_disturbed_schedules() -> None:
 LAW_SEEDS = range(0, 96, 5)
 _TIMES = {
     *("duration", "min_lag", "max_lag", "release", "deadline", "due", "from", "to"),
-    *("start", "latest_start"),
+    *("start", "latest_start", "earliest_end"),
 }
 
 
