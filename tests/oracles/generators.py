@@ -507,17 +507,29 @@ _STOCK_CHANGES = st.lists(
     ),
     max_size=2,
 )
-_MODES = st.lists(
-    _object({"label": _TEXTS, "uses": _USES}, id=_NAMES, duration=_DURATIONS),
-    min_size=1,
-    max_size=3,
-    unique_by=lambda mode: mode["id"],
-)
 _OCCURS = st.sampled_from(["once", "optional"]) | _object(
     {"min": st.integers(0, 5), "max": st.integers(0, 5)}
 )
 _CONDITIONS = st.lists(_valued(at=st.sampled_from(["start", "all", "end"])), max_size=2)
 _EFFECTS = st.lists(_valued(at=st.sampled_from(["start", "end"])), max_size=2)
+_MODES = st.lists(
+    _object(
+        {
+            "label": _TEXTS,
+            "uses": _USES,
+            "consumes": _STOCK_CHANGES,
+            "produces": _STOCK_CHANGES,
+            "conditions": _CONDITIONS,
+            "effects": _EFFECTS,
+            "cost": _INTEGERS,
+        },
+        id=_NAMES,
+        duration=_DURATIONS,
+    ),
+    min_size=1,
+    max_size=3,
+    unique_by=lambda mode: mode["id"],
+)
 
 
 def _whole_document(zone: str | None) -> _Strategy:
@@ -616,6 +628,7 @@ def _action(name: str, instants: _Strategy) -> _Strategy:
         "weight": _AMOUNTS,
         "start": instants,
         "latest_start": instants,
+        "earliest_end": instants,
         "conditions": _CONDITIONS,
         "effects": _EFFECTS,
         "reward": _INTEGERS,

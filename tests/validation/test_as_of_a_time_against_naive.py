@@ -65,6 +65,10 @@ def blames_2(task: Task, entries: Sequence[Entry], at: Number) -> bool:
         limits = [action.deadline, task.deadline]
         limits += [group.deadline for group in task.groups if entry.id in group.actions]
         deadlines = [task.number(limit) for limit in limits if limit is not None]
+        earliest = None if action.earliest_end is None else task.number(action.earliest_end)
+        early = earliest is not None and entry.end < earliest
+        if early and (not past or possible_ends(task, entry, at)[-1] >= (earliest or 0)):
+            return True
         if past:
             first = possible_ends(task, entry, at)[0]
             if any(first <= deadline < entry.end for deadline in deadlines):
