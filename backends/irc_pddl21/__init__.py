@@ -61,6 +61,9 @@ class Pddl21(Backend):
             Feature.MINIMIZE_COST,
             Feature.SEVERAL_OBJECTIVES,
             Feature.MAKESPAN,
+            Feature.TARDINESS,
+            Feature.TARDY,
+            Feature.MAX_TARDINESS,
         }
     )
 

@@ -204,7 +204,7 @@ class Event:
         """Replaces all goals."""
         return self._change("set_goals", goals=[goal_fields(goal) for goal in goals])
 
-    def set_objective(self, *names: ObjectiveName) -> Self:
+    def set_objective(self, *names: ObjectiveName | Mapping[str, Any]) -> Self:
         """Sets another objective."""
         return self._change("set_objective", objective=list(names))
 

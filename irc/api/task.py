@@ -29,7 +29,7 @@ from irc.diagnostics import Report, did_you_mean
 from irc.errors import NameNotFound
 from irc.frontends.files import parse_task, read_task
 from irc.model import Task as IrTask
-from irc.model.parts import ObjectiveName, PrecedenceType
+from irc.model.parts import ObjectiveName, ObjectiveSum, PrecedenceType
 from irc.model.quantities import Number
 from irc.model.times import Instant, parse_instant
 from irc.schedule import Schedule
@@ -62,6 +62,10 @@ def loads(text: str) -> Task:
     return Task.from_ir(parse_task(text).task)
 
 
+Aim = ObjectiveName | Mapping[str, Any] | ObjectiveSum
+"""An objective, or a sum of several: `{"sum": [[2, "minimize_makespan"], …]}`."""
+
+
 class Task:
     """A task: actions, resources, precedence, state, goals and objective.
 
@@ -83,7 +87,7 @@ class Task:
         time_unit: str | None = None,
         origin: datetime | str | None = None,
         deadline: Moment | None = None,
-        objective: ObjectiveName | Sequence[ObjectiveName] | None = None,
+        objective: Aim | Sequence[Aim] | None = None,
         description: str | None = None,
         days_per_month: int | None = None,
         resolution: Length | None = None,
@@ -236,12 +240,12 @@ class Task:
         self._change(deadline=None if time is None else moment(time, self.ir_head))
 
     @property
-    def objective(self) -> tuple[ObjectiveName, ...]:
+    def objective(self) -> tuple[ObjectiveName | ObjectiveSum, ...]:
         """The objectives in order of importance; set it to one objective or to several."""
         return self.ir_head.objective
 
     @objective.setter
-    def objective(self, names: ObjectiveName | Sequence[ObjectiveName]) -> None:
+    def objective(self, names: Aim | Sequence[Aim]) -> None:
         self._change(objective=names)
 
     @property

@@ -10,6 +10,7 @@ from irc.diagnostics import Code, Findings, did_you_mean
 from irc.diagnostics.source import Pointer
 from irc.model import Action, DurationRange, Resource, Task, Use
 from irc.model.base import write_time
+from irc.model.objectives import short_name
 from irc.model.quantities import Number, TimeError
 from irc.model.state_values import value_text
 from irc.model.times import Clock, Instant
@@ -484,8 +485,10 @@ def check_action(
         findings.add(Code.MISSING_FIELD, f"{owner} has no 'duration'", at, hint='add "duration": …')
     if action.release != 0:
         times.point(action.release, "release", (*at, "release"))
-    for name in ("deadline", "due", "start", "latest_start", "earliest_end"):
+    for name in ("deadline", "start", "latest_start", "earliest_end"):
         times.point(getattr(action, name), name, (*at, name))
+    if action.due is not None:
+        times.number(action.due, "due", (*at, "due"))
     if action.uses:
         _check_uses(action.uses, (*at, "uses"), owner, names)
     if action.modes:
@@ -665,8 +668,9 @@ def _check_groups(task: Task, names: DeclaredNames, times: TimeChecks, findings:
     optional_group: dict[str, Group] = {}
     for i, group in enumerate(task.groups):
         at: Pointer = ("groups", i)
-        for name in ("deadline", "due"):
-            times.point(getattr(group, name), name, (*at, name))
+        times.point(group.deadline, "deadline", (*at, "deadline"))
+        if group.due is not None:
+            times.number(group.due, "due", (*at, "due"))
         if group.weight is not None and group.due is None:
             findings.add(
                 Code.WITHOUT_EFFECT,
@@ -722,7 +726,7 @@ def _check_repeated_objectives(task: Task, findings: Findings) -> None:
         if name in task.objective[:i]:
             findings.add(
                 Code.REPEATED,
-                f"the objective {name!r} stands twice; it counts once",
+                f"the objective {short_name(name)!r} stands twice; it counts once",
                 ("objective", i),
                 hint="remove the repetition",
                 fix=_removed(("objective", i)),

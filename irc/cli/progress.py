@@ -58,9 +58,9 @@ class ProgressLine:
 
     def _value(self, progress: Progress) -> str:
         from irc.cli.page import grouped
-        from irc.problem.objective_values import TIMES
+        from irc.model.objectives import is_time
 
-        unit = f" {self.unit}" if progress.objective in TIMES else ""
+        unit = f" {self.unit}" if is_time(progress.objective) else ""
         value = f"{progress.objective} {grouped(progress.value)}{unit}"
         if progress.bound is None or progress.gap is None:
             return value

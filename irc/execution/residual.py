@@ -223,6 +223,8 @@ def _shifted(activity: Activity, now: int, after: int) -> Activity:
         details = replace(details, due=due, previous_occurrence=None, occurrence=1)
     if details.not_before is not None:
         details = replace(details, not_before=None)
+    if details.entered is not None:
+        details = replace(details, entered=details.entered - now)
     return replace(
         activity,
         release=max(0, release - now),
@@ -271,6 +273,7 @@ def _residual(
         reward=details.reward,
         cost=details.cost,
         paused=details.paused,
+        entered=None if details.entered is None else details.entered - now,
     )
     return replace(
         activity,

@@ -12,6 +12,7 @@ from math import lcm
 
 from irc.lowering.elements import (
     ToTicks,
+    due_ticks,
     natural_order,
     open_demands_of,
     requirements,
@@ -22,6 +23,7 @@ from irc.model import Action, StateGoal, StateVariable, Task
 from irc.model import Group as GroupNode
 from irc.model import Mode as ModeNode
 from irc.model.base import AnyValue
+from irc.model.objectives import short_name
 from irc.model.quantities import Number
 from irc.problem import (
     IMPOSSIBLE_DEADLINE,
@@ -46,16 +48,6 @@ from irc.problem import (
     together,
 )
 
-_OBJECTIVES = {
-    "minimize_makespan": "makespan",
-    "minimize_tardiness": "tardiness",
-    "maximize_reward": "reward",
-    "minimize_cost": "cost",
-    "minimize_changes": "changes",
-    "minimize_setup_time": "setup_time",
-    "minimize_setup_cost": "setup_cost",
-}
-
 
 def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: ToTicks) -> Problem:
     """The problem with all elements of `task` besides times, resources and precedence."""
@@ -77,7 +69,7 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
         required=tuple(
             sorted({index[goal] for goal in task.goals if isinstance(goal, str) and goal in index})
         ),
-        objectives=tuple(dict.fromkeys(_OBJECTIVES[name] for name in task.objective)),
+        objectives=tuple(dict.fromkeys(map(short_name, task.objective))),
     )
 
 
@@ -102,6 +94,7 @@ class _Lowering:
         }
         self.forced = {name for group in task.groups if group.required for name in group.actions}
         self.deadlines = self._group_deadlines()
+        self.counts_flow_time = any("flow_time" in short_name(o) for o in task.objective)
 
     def _group_deadlines(self) -> dict[str, tuple[int, GroupDeadline]]:
         """The earliest deadline among the groups of each action, and whose it is."""
@@ -143,11 +136,17 @@ class _Lowering:
             effects=self._effects(action),
             number_conditions=self._number_conditions(action),
             number_effects=self._number_effects(action),
-            due=None if action.due is None else ticks_or_none(action.due, self.to_ticks),
+            due=due_ticks(action.due, self.to_ticks),
             weight=1 if action.weight is None else action.weight,
             reward=action.reward or 0,
             cost=action.cost or 0,
+            entered=self._entered(action),
         )
+
+    def _entered(self, action: Action) -> int | None:
+        if not self.counts_flow_time:
+            return None
+        return max(0, ticks_or_none(action.release, self.to_ticks) or 0)
 
     def _with_modes(self, activity: Activity, action: Action) -> Activity:
         uses: list[Requirement] = list(activity.uses)
@@ -260,7 +259,7 @@ class _Lowering:
             ),
             required=group.required,
             reward=group.reward or 0,
-            due=None if group.due is None else ticks_or_none(group.due, self.to_ticks),
+            due=due_ticks(group.due, self.to_ticks),
             weight=1 if group.weight is None else group.weight,
             origin=("groups", i),
         )

@@ -33,11 +33,16 @@ def pool_of(resource: Renewable, k: int) -> ContendedPool:
 
 def ticks_or_none(value: Instant, to_ticks: ToTicks) -> int | None:
     """A time in ticks; None for one without meaning or before 0, which the checks report."""
+    ticks = due_ticks(value, to_ticks)
+    return None if ticks is None or ticks < 0 else ticks
+
+
+def due_ticks(due: Instant | None, to_ticks: ToTicks) -> int | None:
+    """A due date in ticks, which may be before 0; None for none, or for one without meaning."""
     try:
-        ticks = to_ticks(value)
+        return None if due is None else to_ticks(due)
     except KeyError:
         return None
-    return ticks if ticks >= 0 else None
 
 
 def span(duration: object, to_ticks: ToTicks) -> tuple[int, int]:

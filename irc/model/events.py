@@ -11,7 +11,7 @@ from irc.model.details import Goal, Group, StateVariable
 from irc.model.parts import (
     Action,
     Duration,
-    ObjectiveName,
+    Objective,
     Precedence,
     Resource,
     objective_names,
@@ -135,7 +135,7 @@ class SetObjective(Node):
     """Sets another objective."""
 
     op: Literal["set_objective"]
-    objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)]
+    objective: Annotated[tuple[Objective, ...], Field(min_length=1)]
 
     _one_objective = field_validator("objective", mode="before")(objective_names)
 

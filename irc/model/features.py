@@ -59,6 +59,11 @@ class Feature(Enum):
     REWARD = "rewards"
     COST = "costs"
     TARDINESS = "the objective minimize_tardiness"
+    TARDY = "the objective minimize_tardy"
+    MAX_TARDINESS = "the objective minimize_max_tardiness"
+    EARLINESS = "the objective minimize_earliness"
+    FLOW_TIME = "the objective minimize_flow_time"
+    OBJECTIVE_SUM = "weighted sums of objectives"
     MAXIMIZE_REWARD = "the objective maximize_reward"
     MINIMIZE_COST = "the objective minimize_cost"
     MINIMIZE_CHANGES = "the objective minimize_changes"
@@ -205,6 +210,10 @@ def _of_goals(task: Task) -> Iterator[FeatureUse]:
 _OBJECTIVES = {
     "minimize_makespan": Feature.MAKESPAN,
     "minimize_tardiness": Feature.TARDINESS,
+    "minimize_tardy": Feature.TARDY,
+    "minimize_max_tardiness": Feature.MAX_TARDINESS,
+    "minimize_earliness": Feature.EARLINESS,
+    "minimize_flow_time": Feature.FLOW_TIME,
     "maximize_reward": Feature.MAXIMIZE_REWARD,
     "minimize_cost": Feature.MINIMIZE_COST,
     "minimize_changes": Feature.MINIMIZE_CHANGES,
@@ -217,5 +226,10 @@ def _of_objective(task: Task) -> Iterator[FeatureUse]:
     distinct = tuple(dict.fromkeys(task.objective))
     if len(distinct) > 1:
         yield FeatureUse(Feature.SEVERAL_OBJECTIVES, ("objective",), "the objective")
-    for name in distinct:
-        yield FeatureUse(_OBJECTIVES[name], ("objective",), "the objective")
+    for objective in distinct:
+        if isinstance(objective, str):
+            yield FeatureUse(_OBJECTIVES[objective], ("objective",), "the objective")
+            continue
+        yield FeatureUse(Feature.OBJECTIVE_SUM, ("objective",), "the objective")
+        for term in objective.sum:
+            yield FeatureUse(_OBJECTIVES[term.objective], ("objective",), "the objective")

@@ -217,7 +217,21 @@ OBJECTIVES = {
         ),
         "minimize_makespan",
     ),
-    **dict.fromkeys(("tardiness", "mintardiness", "lateness"), "minimize_tardiness"),
+    **dict.fromkeys(
+        ("tardiness", "mintardiness", "lateness", "totaltardiness", "minimizetotaltardiness"),
+        "minimize_tardiness",
+    ),
+    **dict.fromkeys(
+        ("tardy", "tardyjobs", "latejobs", "numberlate", "minimizetardyjobs"), "minimize_tardy"
+    ),
+    **dict.fromkeys(
+        ("maxtardiness", "maxlateness", "maximumtardiness", "lmax", "tmax"),
+        "minimize_max_tardiness",
+    ),
+    **dict.fromkeys(("earliness", "totalearliness", "minearliness"), "minimize_earliness"),
+    **dict.fromkeys(
+        ("flowtime", "totalflowtime", "minimizetotalflowtime", "leadtime"), "minimize_flow_time"
+    ),
     **dict.fromkeys(("cost", "mincost", "totalcost", "minimizetotalcost"), "minimize_cost"),
     **dict.fromkeys(("reward", "maxreward", "profit", "maximizeprofit"), "maximize_reward"),
 }

@@ -13,6 +13,10 @@ PrecedenceType = Literal["finish-start", "start-start", "finish-finish", "start-
 ObjectiveName = Literal[
     "minimize_makespan",
     "minimize_tardiness",
+    "minimize_tardy",
+    "minimize_max_tardiness",
+    "minimize_earliness",
+    "minimize_flow_time",
     "maximize_reward",
     "minimize_cost",
     "minimize_changes",
@@ -206,6 +210,36 @@ def without_aliases(raw: dict[str, Any], aliases: dict[str, str]) -> dict[str, A
     return renamed
 
 
+class ObjectiveTerm(Node):
+    """An objective of a sum, with its weight."""
+
+    weight: Amount = 1
+    objective: ObjectiveName
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_pair(cls, raw: Any) -> Any:
+        if isinstance(raw, (list, tuple)) and len(raw) == 2:
+            return {"weight": raw[0], "objective": raw[1]}
+        return raw
+
+
+class ObjectiveSum(Node):
+    """A weighted sum of objectives, as one; a reward counts negatively."""
+
+    sum: Annotated[tuple[ObjectiveTerm, ...], Field(min_length=1)]
+
+
+def _text_or_object(raw: Any) -> str:
+    return "object" if isinstance(raw, (dict, ObjectiveSum)) else "text"
+
+
+Objective = Annotated[
+    Annotated[ObjectiveName, Tag("text")] | Annotated[ObjectiveSum, Tag("object")],
+    Discriminator(_text_or_object),
+]
+
+
 def objective_names(raw: Any) -> Any:
-    """The names of the objectives; a single name becomes a list."""
-    return (raw,) if isinstance(raw, str) else raw
+    """The objectives; a single one becomes a list."""
+    return (raw,) if isinstance(raw, (str, dict, ObjectiveSum)) else raw

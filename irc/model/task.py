@@ -14,7 +14,7 @@ from irc.model.lazy import Calendars, Events, Goals, Groups, Lapses, State
 from irc.model.original import Original
 from irc.model.parts import (
     Action,
-    ObjectiveName,
+    Objective,
     Precedence,
     Resource,
     objective_names,
@@ -52,7 +52,7 @@ class Task(Node):
     precedence: tuple[Precedence, ...] = ()
     groups: Groups = ()
     goals: Goals = ()
-    objective: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = ("minimize_makespan",)
+    objective: Annotated[tuple[Objective, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()
     lapsed: Lapses = ()
 

@@ -54,7 +54,8 @@ def grid_of(problem: Problem) -> Grid:
     Where heads are known they are the floors: they are implied, and on the grid themselves.
     """
     step = gcd(_step(problem), _step_of_setups(problem))
-    if step == 1 or problem.has_state or any(a.details.work for a in problem.activities):
+    pausing = any(a.details.work for a in problem.activities)
+    if step == 1 or problem.has_state or pausing or not problem.is_regular:
         # (Where ranks cannot tell two happenings apart, state may keep them a tick apart. Work that
         # pauses lasts as long as closed times do.)
         return EVERY_TICK

@@ -48,6 +48,11 @@ def safe_horizon(problem: Problem) -> int:
         if arc.max_lag is not None and arc.max_lag < 0:
             back = from_end if arc.to_end else from_start
             back[arc.after] = max(back[arc.after], -arc.max_lag)
+    if not problem.is_regular:
+        # An end may wait for its due date, and others for it, forward and back along the lags.
+        dues = [a.details.due for a in problem.activities] + [g.due for g in problem.groups]
+        floor = max([floor, *(due for due in dues if due is not None)])
+        total += sum(abs(arc.min_lag) + abs(arc.max_lag or 0) for arc in problem.arcs)
     horizon = floor + total + sum(from_start) + sum(from_end)
     known = (t for t in (problem.deadline, problem.horizon) if t is not None)
     return min((horizon, *known))
@@ -61,9 +66,10 @@ def within(problem: Problem, horizon: int) -> Problem:
     however large the numbers of the task are, if a deadline limits the schedule.
     """
     never = horizon + 1
+    last_due = never if problem.is_regular else None
     return replace(
         problem,
-        activities=tuple(_activity_within(a, never) for a in problem.activities),
+        activities=tuple(_activity_within(a, never, last_due) for a in problem.activities),
         resources=tuple(_resource_within(r, never) for r in problem.resources),
         contention=replace(
             problem.contention,
@@ -73,7 +79,10 @@ def within(problem: Problem, horizon: int) -> Problem:
         ),
         arcs=tuple(_arc_within(arc, never) for arc in problem.arcs),
         groups=tuple(
-            g if g.due is None or g.due <= never else replace(g, due=never) for g in problem.groups
+            g
+            if g.due is None or last_due is None or g.due <= last_due
+            else replace(g, due=last_due)
+            for g in problem.groups
         ),
         bounds=replace(
             problem.bounds,
@@ -83,7 +92,7 @@ def within(problem: Problem, horizon: int) -> Problem:
     )
 
 
-def _activity_within(activity: Activity, never: int) -> Activity:
+def _activity_within(activity: Activity, never: int, last_due: int | None) -> Activity:
     details = activity.details
     times = activity.duration_max, activity.release, activity.start or 0, details.due or 0
     if max(*times, activity.earliest_end or 0) <= never:
@@ -97,7 +106,9 @@ def _activity_within(activity: Activity, never: int) -> Activity:
         earliest_end=None if activity.earliest_end is None else min(activity.earliest_end, never),
         details=replace(
             details,
-            due=None if details.due is None else min(details.due, never),
+            due=details.due
+            if last_due is None or details.due is None
+            else min(details.due, last_due),
             modes=tuple(
                 m._replace(
                     duration_min=min(m.duration_min, never), duration_max=min(m.duration_max, never)

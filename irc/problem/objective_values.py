@@ -3,21 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 
-from irc.model.quantities import Number
+from irc.model.objectives import TIMES, is_sum, sum_value, terms_of
+from irc.model.quantities import Number, exact
 from irc.problem.choices import UnexplainedError, decision_of
 from irc.problem.decisions import Decision
 from irc.problem.problem import Activity, Details, Group, PreviousPlace, Problem, Setup
 from irc.problem.setups import setup_links, total_setup
 from irc.schedule import CANCELLED, Entry, Schedule
 
-TIMES = frozenset(["makespan", "tardiness", "setup_time"])
-"""Objectives whose values are times; the others are plain numbers."""
-
 
 def in_units(problem: Problem, objective: str, value: int) -> Number:
-    """The value of an objective, which engines count in ticks where it is a time."""
+    """The value of an objective, which engines count in whole numbers.
+
+    Times are in ticks. A sum of several objectives is counted in parts of the time unit: as many
+    as the denominator of the tick.
+    """
+    if is_sum(objective):
+        return exact(Fraction(value, problem.tick.denominator))
     return problem.to_units(value) if objective in TIMES else value
+
+
+def whole_terms(problem: Problem, objective: str) -> tuple[tuple[int, str], ...]:
+    """The parts of an objective with the weights of their whole numbers; see `in_units`."""
+    if not is_sum(objective):
+        return ((1, objective),)
+    tick = problem.tick
+    return tuple(
+        (weight * (tick.numerator if part in TIMES else tick.denominator), part)
+        for weight, part in terms_of(objective)
+    )
 
 
 def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number]:
@@ -27,9 +44,10 @@ def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number
     """
     # (The first activity stands for all occurrences of its action.)
     activities = {a.id: a for a in reversed(problem.activities)}
-    tardiness: Number = 0
+    dated = _DatedValues(problem)
     reward = cost = 0
     by_id: dict[str, list[Entry]] = {}
+    grouped = {problem.activities[i].id for group in problem.groups for i in group.members}
     for entry in schedule.entries:
         details = activities[entry.id].details
         cost += details.cost + _cost_of_mode(details, entry)
@@ -37,26 +55,58 @@ def schedule_values(problem: Problem, schedule: Schedule) -> Mapping[str, Number
             continue
         by_id.setdefault(entry.id, []).append(entry)
         reward += details.reward
-        if details.due is not None:
-            tardiness += details.weight * _late(problem, entry.end, details.due)
+        dated.add(entry.end, details.due, details.weight)
+        if entry.id not in grouped:
+            dated.flow(entry.end, details.entered or 0, details.weight)
     for group in problem.groups:
         ends = _ends(problem, group, by_id)
         if ends:
             reward += group.reward
-            if group.due is not None:
-                tardiness += group.weight * _late(problem, max(ends), group.due)
+            dated.add(max(ends), group.due, group.weight)
+            entered = min(problem.activities[i].details.entered or 0 for i in group.members)
+            dated.flow(max(ends), entered, group.weight)
     values: dict[str, Number] = {
         "makespan": schedule.makespan,
-        "tardiness": tardiness,
+        "tardiness": dated.tardiness,
+        "tardy": dated.tardy,
+        "max_tardiness": dated.max_tardiness,
+        "earliness": dated.earliness,
+        "flow_time": dated.flow_time,
         "reward": reward,
         "cost": cost,
         "changes": _changes(problem, by_id),
     }
-    if problem.has_setups or {"setup_time", "setup_cost"} & {*problem.objectives}:
+    if problem.has_setups or any("setup" in name for name in problem.objectives):
         setups = _setups(problem, schedule, activities)
         values["setup_time"] = problem.to_units(setups.time)
         values["setup_cost"] = setups.cost
-    return values
+    return values | {name: sum_value(name, values) for name in problem.objectives if is_sum(name)}
+
+
+@dataclass
+class _DatedValues:
+    """The sums over due dates and releases, in the task's unit."""
+
+    problem: Problem
+    tardiness: Number = 0
+    tardy: int = 0
+    max_tardiness: Number = 0
+    earliness: Number = 0
+    flow_time: Number = 0
+
+    def add(self, end: Number, due: int | None, weight: int) -> None:
+        """Counts an end that has a due date (in ticks)."""
+        if due is None:
+            return
+        late = end - self.problem.to_units(due)
+        self.tardiness += weight * max(0, late)
+        self.tardy += weight * (late > 0)
+        self.max_tardiness = max(self.max_tardiness, weight * late)
+        self.earliness += weight * max(0, -late)
+
+    def flow(self, end: Number, entered: int, weight: int) -> None:
+        """Counts an end that follows on a release (in ticks)."""
+        self.flow_time += weight * (end - self.problem.to_units(entered))
 
 
 def _setups(problem: Problem, schedule: Schedule, activities: Mapping[str, Activity]) -> Setup:
@@ -111,10 +161,6 @@ def _is_there(problem: Problem, activity: Activity, place: PreviousPlace, entry:
             held[problem.resources[r].id] = held.get(problem.resources[r].id, 0) + use.amount
     start = problem.to_units(place.start)
     return (entry.start, entry.mode, dict(entry.resources)) == (start, mode, held)
-
-
-def _late(problem: Problem, end: Number, due: int) -> Number:
-    return max(0, end - problem.to_units(due))
 
 
 def _ends(problem: Problem, group: Group, by_id: Mapping[str, list[Entry]]) -> list[Number]:

@@ -181,6 +181,9 @@ class Details:
     each of the activity's `uses` in which mode (index) it is held, None: in all; empty stands for
     all None.
 
+    `entered` is its release as the task says it, from which flow time counts (None where it does
+    not count).
+
     `ranks` are those that its start and its end are known to have; where it starts at the time of
     `not_before`, (time, rank), its start has that rank at least, and changes stock behind all that
     ended then.
@@ -212,6 +215,7 @@ class Details:
     weight: int = 1
     reward: int = 0
     cost: int = 0
+    entered: int | None = None
 
     @property
     def touches_state(self) -> bool:
@@ -673,7 +677,7 @@ class Problem:
     `goals` are (variable, value) pairs, `number_goals` those on numbers. `required` are the
     activities that must be present.
     `families` are the names of the families of uses, on which set-ups depend.
-    `objectives` are the names of the objectives, in order ("makespan", "tardiness", "reward",
+    `objectives` are the short names of the objectives, in order ("makespan", "tardiness", "reward",
     "cost", "changes", "setup_time", "setup_cost"). `state_precedences` are pairs of activities: by
     state, through `arcs`, the second starts after the end of the first, perhaps at the same time,
     but then at a higher rank.
@@ -767,6 +771,11 @@ class Problem:
         return bool(self.variables or self.numbers)
 
     @property
+    def is_regular(self) -> bool:
+        """Whether no objective gets better by a later end: then the earliest times are best."""
+        return not any("earliness" in name for name in self.objectives)
+
+    @property
     def has_calendars(self) -> bool:
         """Whether some resource has a calendar, or an action has one or pauses."""
         return bool(self.calendars) or any(resource.windows for resource in self.resources)
@@ -786,10 +795,11 @@ class Problem:
 
     @property
     def has_contention(self) -> bool:
-        """Whether a solver has anything to decide besides times."""
+        """Whether a solver has anything to decide besides the earliest times."""
         return (
             any(activity.open_demands for activity in self.activities)
             or not self.is_plain
+            or not self.is_regular
             or self.has_work
         )
 

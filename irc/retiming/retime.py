@@ -29,12 +29,15 @@ def retime(
 ) -> tuple[Placed, ...]:
     """The earliest schedule with the same choices and orders on resources, stock and state.
 
-    Activities that have not moved since the previous plan stay. `tolerance` (ticks) is the error of
+    Activities that have not moved since the previous plan stay; under an objective that a later end
+    can make better, all stay where the engine has them. `tolerance` (ticks) is the error of
     the engine's times: an end that is later than the next start by no more than that still counts
     as before it. Repeated actions must have been unrolled. Raises `AnswerError` where choices and
     order contradict the task's lags, no resource is free, or a condition finds another value than
     it needs.
     """
+    if not problem.is_regular and not tolerance:
+        problem = _with_times_kept(problem, decisions)
     if any(problem.previous.places) and not tolerance:
         problem = _with_unmoved_fixed(problem, decisions)
     if not _is_simple(problem):
@@ -77,6 +80,16 @@ def _with_unmoved_fixed(problem: Problem, decisions: Sequence[Decision]) -> Prob
             and activities[i].start is None
         ):
             activities[i] = replace(activities[i], start=place.start)
+    return replace(problem, activities=tuple(activities))
+
+
+def _with_times_kept(problem: Problem, decisions: Sequence[Decision]) -> Problem:
+    """The problem in which each activity has the times that the engine chose, at whole ticks."""
+    activities = list(problem.activities)
+    for i, decision in enumerate(decisions):
+        if decision.present:
+            start, end = int(decision.start), int(decision.end)
+            activities[i] = replace(activities[i], start=start, earliest_end=end)
     return replace(problem, activities=tuple(activities))
 
 

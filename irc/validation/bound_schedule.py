@@ -21,6 +21,7 @@ from irc.model import (
     Task,
     Use,
 )
+from irc.model.objectives import is_time
 from irc.model.quantities import Number
 from irc.model.times import Clock
 from irc.schedule import Entry, LeftOut, Schedule
@@ -237,7 +238,7 @@ def _read_at_resolution(schedule: Schedule, clock: Clock) -> Schedule:
             value=clock.number(o.value),
             bound=None if o.bound is None else clock.number(o.bound),
         )
-        if o.name in ("makespan", "tardiness", "setup_time")
+        if is_time(o.name)
         else o
         for o in schedule.objective
     )

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from irc.diagnostics.listing import and_more
+from irc.model.objectives import is_time
 from irc.model.quantities import Number
 from irc.model.times import format_number, json_number
 
@@ -155,7 +156,7 @@ class Verdict:
         return "\n".join(lines)
 
     def _objectives_text(self) -> str:
-        units = dict.fromkeys(("makespan", "tardiness", "setup_time"), f" {self.time_unit}")
+        units = {name: f" {self.time_unit}" for name in self.objective if is_time(name)}
         return ", ".join(
             f"{name.replace('_', ' ')} {format_number(value)}{units.get(name, '')}"
             for name, value in self.objective.items()

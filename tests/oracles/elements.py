@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from element_laws import Best
 from irc.model import Task
 from oracles.mode_generators import mode_task
+from oracles.small_generators import objective_task
+from oracles.small_tasks import best_of
 from oracles.state_brute_force import TooLargeError, optimum
 from oracles.state_generators import number_task
 
@@ -33,8 +35,14 @@ def _numbers(seed: int) -> tuple[Task, Best]:
     return task, None if best is None else best.vector
 
 
+def _objectives(seed: int) -> tuple[Task, Best]:
+    document = objective_task(seed)
+    return Task.model_validate(document), best_of(document)
+
+
 KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "modes": _modes,
     "numbers": _numbers,
+    "objectives": _objectives,
 }
 """For each kind a task by its seed, with the best values of its objectives."""

@@ -126,7 +126,11 @@ EVERYTHING: dict[str, Any] = {
         {"var": "heat", "at_least": 0, "at_most": 3},
         {"var": "heat", "equals": 2},
     ],
-    "objective": ["maximize_reward", "minimize_cost"],
+    "objective": [
+        "maximize_reward",
+        "minimize_cost",
+        {"sum": [[2, "minimize_makespan"], [1, "minimize_flow_time"]]},
+    ],
     "events": [
         {
             "id": "noon",

@@ -96,6 +96,9 @@ EXCLUDED: Mapping[str, str] = {
     "Calendar.description": _DESCRIPTIVE,
     "Group.id": _NAME,
     "Group.label": _DESCRIPTIVE,
+    "ObjectiveSum.sum": "judged by `oracles.small_tasks`",
+    "ObjectiveTerm.weight": "judged by `oracles.small_tasks`",
+    "ObjectiveTerm.objective": "judged by `oracles.small_tasks`",
 }
 """Fields that no answer can depend on, with the reason. Those of events are in `EVENT_MODELS`."""
 

@@ -43,6 +43,8 @@ Fact = tuple[str, Wanted]
 Held = tuple[tuple[str, int], ...]
 """Resources with the amounts held of each, by name."""
 
+_OBJECTIVES = ("minimize_makespan", "minimize_tardiness", "maximize_reward", "minimize_cost")
+
 _Part = TypeVar("_Part", Action, Resource, Group)
 
 
@@ -207,8 +209,9 @@ def read(task: Task) -> Plain:
         raise ValueError("this oracle does not know timed changes of state")
     if task.calendars or any(a.calendar or a.breaks != "avoid" for a in task.actions):
         raise ValueError("this oracle does not know calendars or pauses")
-    if "minimize_changes" in task.objective:
-        raise ValueError("this oracle does not know 'minimize_changes'")
+    for objective in task.objective:
+        if objective not in _OBJECTIVES:
+            raise ValueError(f"this oracle does not know {objective!r}")
     return _Reader(task).read()
 
 

@@ -7,8 +7,10 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
+from irc.model.objectives import is_sum, terms_of
 from irc.passes.grid import grid_of
 from irc.problem import Activity
+from irc.problem.objective_values import whole_terms
 from irc_cpsat.encoding.builder import (
     Builder,
     DemandLiterals,
@@ -17,6 +19,7 @@ from irc_cpsat.encoding.builder import (
     Model,
     name_of,
 )
+from irc_cpsat.encoding.due_dates import dated_values
 from irc_cpsat.encoding.setups import setup_values
 
 MAX_MAKESPAN_VALUES = 5_000
@@ -43,10 +46,10 @@ def values_of(
 ) -> dict[str, Expression]:
     """The expression of each objective of the problem, and of the makespan."""
     problem = builder.problem
+    named = {part for name in problem.objectives for _, part in terms_of(name)}
     values: dict[str, Expression] = {"makespan": makespan}
-    if "tardiness" in problem.objectives:
-        values["tardiness"] = _tardiness(builder)
-    if "reward" in problem.objectives:
+    values |= dated_values(builder, named)
+    if "reward" in named:
         rewards = [(a.details.reward, p) for a, p in _occurring(builder) if a.details.reward]
         rewards += [
             (g.reward, builder.groups[k])
@@ -54,7 +57,7 @@ def values_of(
             if g.reward and g.members
         ]
         values["reward"] = _sum_of_present(rewards)
-    if "cost" in problem.objectives:
+    if "cost" in named:
         costs = [(a.details.cost, p) for a, p in _occurring(builder) if a.details.cost]
         costs += [
             (mode.cost, chosen)
@@ -64,10 +67,13 @@ def values_of(
         ]
         values["cost"] = _sum_of_present(costs)
     for name in ("setup_time", "setup_cost"):
-        if name in problem.objectives:
+        if name in named:
             values[name] = setup_values(builder, name)
-    if "changes" in problem.levels:
+    if "changes" in named or "changes" in problem.levels:
         values["changes"] = _changes(builder, literals)
+    for name in problem.objectives:
+        if is_sum(name):
+            values[name] = sum(w * values[part] for w, part in whole_terms(problem, name))
     return values
 
 
@@ -113,31 +119,6 @@ def _changes(builder: Builder, literals: DemandLiterals) -> Expression:
 
 def _occurring(builder: Builder) -> list[tuple[Activity, Literal | None]]:
     return list(zip(builder.problem.activities, builder.present, strict=True))
-
-
-def _tardiness(builder: Builder) -> Expression:
-    late = []
-    for i, activity in enumerate(builder.problem.activities):
-        due, weight = activity.details.due, activity.details.weight
-        if due is not None and weight:
-            present = builder.present[i]
-            late.append(weight * _late(builder, [i], due, present, name_of(activity)))
-    for k, group in enumerate(builder.problem.groups):
-        if group.due is not None and group.weight and group.members:
-            members, present = list(group.members), builder.groups[k]
-            late.append(group.weight * _late(builder, members, group.due, present, group.id))
-    return sum(late) if late else 0
-
-
-def _late(
-    builder: Builder, members: list[int], due: int, present: Literal | None, name: str
-) -> Expression:
-    late = builder.model.new_int_var(0, max(0, builder.horizon - due), f"late {name}")
-    for i in members:
-        constraint = builder.model.add(late >= builder.end(i) - due)
-        if present is not None:
-            constraint.only_enforce_if(present)
-    return late
 
 
 def _sum_of_present(amounts: Sequence[tuple[int, Literal | None]]) -> Expression:

@@ -88,9 +88,10 @@ class ChoiceSearch:
     def value(self) -> Value | None:
         """The value of the best plan of the session."""
         best = self.session.best
-        if best is None:
-            return None
-        values = schedule_values(self.session.problem, best)
+        return None if best is None else self._value_of(best)
+
+    def _value_of(self, plan: Schedule) -> Value:
+        values = schedule_values(self.session.problem, plan)
         return tuple(int(-values[n] if n == "reward" else values[n]) for n in self.names)
 
     def run(self) -> None:
@@ -156,6 +157,8 @@ class ChoiceSearch:
         plan = None if is_refuted(node.problem, thoroughly=True) else plan_of(self.session, problem)
         if plan is not None:
             self.plan, self.planned = plan, problem
+            if self._value_of(plan) > bound:
+                self._missed.append(bound)
         elif not is_refuted(node.problem, thoroughly=True):
             self._missed.append(bound)
 

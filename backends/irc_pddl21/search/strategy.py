@@ -16,6 +16,7 @@ from irc_pddl21.objective_values import objective_values
 from irc_pddl21.planners.planner import Planner
 from irc_pddl21.search.choice_search import ChoiceSearch
 from irc_pddl21.search.choices import choices_of
+from irc_pddl21.search.dates import DATED, by_dates
 from irc_pddl21.search.makespan import shorten
 from irc_pddl21.search.original import plan_original
 from irc_pddl21.search.planner_session import ALL_TACTICS, PlannerSession, Tactics, ticks
@@ -62,6 +63,8 @@ def solve_with(
     rest = problem.objectives[len(first) :]
     if first:
         bounds = _by_selection(session, fixed, first, "makespan" in rest)
+    elif rest[0] in DATED:
+        bounds = by_dates(session, fixed, rest[0])
     else:
         bounds = _by_makespan(session, problem, fixed, rest[1:])
     return _outcome(session, bounds)

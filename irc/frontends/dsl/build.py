@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,10 @@ from irc.frontends.dsl.lexer import Lexeme
 from irc.frontends.dsl.nodes import Placed, kind, name, names, part, parts, span
 
 _OBJECTIVES = (
+    "minimize_tardy",
+    "minimize_max_tardiness",
+    "minimize_earliness",
+    "minimize_flow_time",
     "minimize_makespan",
     "minimize_tardiness",
     "maximize_reward",
@@ -610,17 +614,21 @@ class Builder:
         self.fact(goal, node, at)
         return goal
 
-    def aims(self, tree: Any, at: Pointer) -> list[str]:
-        """The names of objectives, in their order."""
-        found, sense = [], ""
-        for i, node in enumerate(parts(tree, "aim")):
+    def aims(self, tree: Any, at: Pointer) -> list[Any]:
+        """The objectives, in their order: names, or sums of them."""
+        found: list[Any] = []
+        sense = ""
+        for i, node in enumerate(parts(tree, "aim", "sum")):
             token = part(node, "MINIMIZE", "MAXIMIZE")
             sense = sense if token is None else kind(token).lower()
-            word = part(node, "WORD", "REWARD", "COST")
-            said = f"{sense or 'minimize'}_{word}"
-            if said not in _OBJECTIVES:
-                raise _no_objective(said, word)
             self.mark_node((*at, i), node)
+            if node.data == "sum":
+                found.append({"sum": list(_terms(part(node, "terms")))})
+                continue
+            aimed = part(node, "aimed")
+            said = f"{sense or 'minimize'}_{_aimed(aimed)}"
+            if said not in _OBJECTIVES:
+                raise _no_objective(said, aimed)
             found.append(said)
         self.mark_node(at, tree)
         return found
@@ -691,6 +699,27 @@ def _family(node: Any) -> Placed:
     """The name of a family in a row of set-ups, or "*"."""
     star = part(node, "TIMES")
     return name(part(node, "name")) if star is None else Placed("*", *span(star))
+
+
+def _aimed(node: Any) -> str:
+    """The name of an objective without its sense: `max tardiness` is one."""
+    return "_".join(str(word) for word in node.children)
+
+
+def _terms(tree: Any) -> Iterator[Element]:
+    """The terms of a sum: `2 makespan + tardiness`."""
+    weight = part(tree, "INT")
+    whole = [(weight, part(tree, "aimed"))]
+    whole += [(part(term, "INT"), part(term, "aimed")) for term in parts(tree, "term")]
+    for number, aimed in whole:
+        name = _aimed(aimed)
+        names = [o for o in (f"minimize_{name}", f"maximize_{name}") if o in _OBJECTIVES]
+        if not names:
+            raise _no_objective(f"minimize_{name}", aimed)
+        yield {
+            "weight": 1 if number is None else nodes.integer(number).value,
+            "objective": names[0],
+        }
 
 
 def _no_objective(said: str, word: Any) -> Fault:

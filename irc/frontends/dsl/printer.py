@@ -13,6 +13,7 @@ from irc.frontends.dsl.lexer import quoted
 from irc.frontends.dsl.order_text import after_clauses, arrows, by_action
 from irc.frontends.dsl.pools import Choice, pools
 from irc.model import Action, ClosedTime, DurationRange, Precedence, Resource, Task, Use
+from irc.model.parts import ObjectiveName, ObjectiveSum
 from irc.model.times import Instant
 
 if TYPE_CHECKING:
@@ -481,8 +482,20 @@ def _becomes(value: Any) -> str:
     return f"{sign} {written.value(value)}"
 
 
-def _objective(names: Sequence[str]) -> str:
-    return ", ".join(name.replace("_", " ", 1) for name in names)
+def _objective(objectives: Sequence[ObjectiveName | ObjectiveSum]) -> str:
+    return ", ".join(map(_aim, objectives))
+
+
+def _aim(objective: ObjectiveName | ObjectiveSum) -> str:
+    if isinstance(objective, str):
+        return objective.replace("_", " ", 1)
+    alone = len(objective.sum) == 1
+    terms = (
+        f"{'' if term.weight == 1 and not alone else f'{term.weight} '}"
+        f"{term.objective.partition('_')[2]}"
+        for term in objective.sum
+    )
+    return f"minimize {' + '.join(terms)}"
 
 
 def _set_deadline(_printer: _Printer, change: Any) -> str:

@@ -102,7 +102,10 @@ def _task(task: Task) -> Iterator[Cells]:
         if field in task.model_fields_set and value is not None:
             yield {"field": field, "value": _cell(value)}
     if "objective" in task.model_fields_set:
-        yield {"field": "objective", "value": "; ".join(task.objective)}
+        yield {
+            "field": "objective",
+            "value": "; ".join(o for o in task.objective if isinstance(o, str)),
+        }
 
 
 def _orders(task: Task, refusals: Refusals) -> dict[str, str]:

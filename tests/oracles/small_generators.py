@@ -1,0 +1,96 @@
+"""Random tasks for `oracles.small_tasks`: objectives on due dates, couplings, selections."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from typing import Any
+
+Document = dict[str, Any]
+
+_DATED = (
+    *("minimize_tardiness", "minimize_tardy", "minimize_max_tardiness"),
+    *("minimize_earliness", "minimize_flow_time"),
+)
+_OTHERS = ("minimize_makespan", "minimize_cost", "maximize_reward")
+
+
+def objective_task(seed: int) -> Document:
+    """A task with due dates, under one or two objectives, some of them sums."""
+    rng = random.Random(seed)
+    document = _base(rng, rng.randint(2, 4))
+    for action in document["actions"]:
+        if rng.random() < 0.7:
+            action["due"] = rng.randint(-3, 8)
+        if rng.random() < 0.5:
+            action["weight"] = rng.randint(0, 3)
+            action.setdefault("due", 4)
+    for group in document.get("groups", ()):
+        if rng.random() < 0.5:
+            group |= {"due": rng.randint(0, 8), "weight": rng.randint(1, 3)}
+    levels: list[Any] = [rng.choice(_DATED)]
+    if rng.random() < 0.4:
+        levels.append(rng.choice([o for o in (*_DATED, *_OTHERS) if o != levels[0]]))
+    if rng.random() < 0.3:
+        parts = rng.sample((*_DATED, *_OTHERS), 2)
+        levels[0] = {"sum": [[rng.randint(1, 3), part] for part in parts]}
+    rng.shuffle(levels)
+    document["objective"] = levels
+    return document
+
+
+def _base(rng: random.Random, count: int) -> Document:
+    names = [f"a{k}" for k in range(count)]
+    resources = [{"id": "m1"}, {"id": "m2"}, {"id": "m3", "capacity": 2}]
+    actions = [_action(rng, name, ["m1", "m2", "m3"]) for name in names]
+    edges = []
+    for k, before in enumerate(names):
+        for after in names[k + 1 :]:
+            if rng.random() < 0.2:
+                edge: Document = {"before": before, "after": after}
+                if rng.random() < 0.3:
+                    edge["min_lag"] = rng.randint(-1, 2)
+                if rng.random() < 0.2:
+                    edge["max_lag"] = edge.get("min_lag", 0) + rng.randint(0, 3)
+                edges.append(edge)
+    document: Document = {"resources": resources, "actions": actions, "precedence": edges}
+    if count > 2 and rng.random() < 0.4:
+        members = rng.sample(names, 2)
+        group: Document = {"id": "g", "actions": members}
+        if rng.random() < 0.6:
+            group |= {"required": False, "reward": rng.randint(0, 5)}
+            for action in actions:
+                if action["id"] in members:
+                    action.pop("occurs", None)
+        document["groups"] = [group]
+    return document
+
+
+def _action(rng: random.Random, name: str, resources: Sequence[str]) -> Document:
+    action: Document = {"id": name}
+    if rng.random() < 0.25:
+        action["modes"] = [
+            {"id": f"w{k}", "duration": rng.randint(0, 3), "cost": rng.randint(0, 4)}
+            for k in range(2)
+        ]
+        if rng.random() < 0.5:
+            action["modes"][0]["uses"] = [{"resource": rng.choice(resources)}]
+    else:
+        action["duration"] = rng.randint(0, 3)
+    if rng.random() < 0.7:
+        action["uses"] = [_use(rng, resources)]
+    if rng.random() < 0.3:
+        action["release"] = rng.randint(0, 3)
+    if rng.random() < 0.15:
+        action["deadline"] = rng.randint(3, 9)
+    if rng.random() < 0.3:
+        action |= {"occurs": "optional", "reward": rng.randint(0, 4)}
+    if rng.random() < 0.2:
+        action["cost"] = rng.randint(0, 3)
+    return action
+
+
+def _use(rng: random.Random, resources: Sequence[str]) -> Document:
+    if rng.random() < 0.5:
+        return {"one_of": rng.sample(list(resources), rng.randint(2, len(resources)))}
+    return {"resource": rng.choice(resources)}
