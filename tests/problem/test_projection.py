@@ -93,7 +93,9 @@ MEANING: dict[type, dict[str, str]] = {
     },
     Details: {
         **dict.fromkeys(("optional", "repeats", "occurrence", "due", "weight"), PLAIN),
-        **dict.fromkeys(("reward", "cost", "entered", "not_before", "calendar", "max_pause"), PLAIN),
+        **dict.fromkeys(
+            ("reward", "cost", "entered", "not_before", "calendar", "max_pause"), PLAIN
+        ),
         "work": PLAIN,
         "paused": PLAIN,
         "ranks": "part",

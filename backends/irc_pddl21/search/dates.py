@@ -1,8 +1,8 @@
 """Objectives on due dates: deadlines in their place, tighter and tighter.
 
 No metric of a planner says what a late end costs. But all ends in time is a task with deadlines,
-which planners solve. The lateness that precedence alone forces is a bound; a plan under the deadlines
-that it leaves proves the best answer. Where there is none, ends that are late are given deadlines a
+which planners solve. The lateness that precedence alone forces is a bound; a plan under deadlines
+that allow no more proves the best answer. Where there is none, ends that are late are given deadlines a
 tick earlier, one after another, while no other end gets later.
 """
 
