@@ -2,8 +2,8 @@
 
 No metric of a planner says what a late end costs. But all ends in time is a task with deadlines,
 which planners solve. The lateness that precedence alone forces is a bound; a plan under deadlines
-that allow no more proves the best answer. Where there is none, ends that are late are given deadlines a
-tick earlier, one after another, while no other end gets later.
+that allow no more proves the best answer. Where there is none, ends that are late are given
+deadlines a tick earlier, one after another, while no other end gets later.
 """
 
 from __future__ import annotations
