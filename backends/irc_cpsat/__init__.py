@@ -58,6 +58,8 @@ class CpSat(Backend):
             Feature.CONDITIONS,
             Feature.EFFECTS,
             Feature.GROUPS,
+            Feature.COUPLINGS,
+            Feature.SELECTIONS,
             Feature.REWARD,
             Feature.COST,
             Feature.MAKESPAN,

@@ -100,6 +100,8 @@ class Task:
         groups: Iterable[Group | Object] = (),
         goals: Iterable[Goal | Object] = (),
         events: Iterable[Event | Object] = (),
+        couplings: Iterable[Object] = (),
+        select: Iterable[Object] = (),
         lapsed: Iterable[Object] = (),
         irc: Literal["1"] | None = None,
         **unknown: Never,
@@ -115,6 +117,8 @@ class Task:
             "origin": origin,
             "metadata": None if metadata is None else dict(metadata),
             "objective": objective,
+            "couplings": list(couplings) or None,
+            "select": list(select) or None,
             "lapsed": list(lapsed) or None,
         }
         given: dict[str, list[Any]] = {

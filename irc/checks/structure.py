@@ -136,6 +136,10 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
             check_action(action, ("actions", i), names, times, findings)
     _check_families(task, names, times, findings)
     _check_precedence(task, names, times, findings)
+    if task.couplings or task.select:
+        from irc.checks.together import check_together
+
+        check_together(task, names)
     _check_groups(task, names, times, findings)
     for i, goal in enumerate(task.goals):
         if isinstance(goal, str):

@@ -11,7 +11,7 @@ _BY_SUFFIX: dict[str, Language] = {".irc": "dsl", ".json": "json", ".yaml": "jso
 """(The reader of JSON says what to write instead of YAML.)"""
 
 _KEY = r'"(?:actions|irc|precedence|resources)"\s*:'
-_LAPSED = r"(?m)^lapsed[ \t]*\{"
+_LAPSED = r"(?m)^(?:lapsed|choices)[ \t]*\{"
 _SNIFFED = 10_000
 _SNIFFED_STATEMENTS = 20
 

@@ -5,7 +5,7 @@ Loaded only for tasks that have one of these.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from math import lcm
@@ -23,6 +23,7 @@ from irc.model import Action, StateGoal, StateVariable, Task
 from irc.model import Group as GroupNode
 from irc.model import Mode as ModeNode
 from irc.model.base import AnyValue
+from irc.model.details import ChoiceMade
 from irc.model.objectives import short_name
 from irc.model.quantities import Number
 from irc.problem import (
@@ -30,6 +31,8 @@ from irc.problem import (
     PLAIN,
     Activity,
     Condition,
+    CoupledChoice,
+    Coupling,
     Details,
     Effect,
     Group,
@@ -42,6 +45,7 @@ from irc.problem import (
     Problem,
     Requirement,
     Reservoir,
+    Selection,
     StockChange,
     TimedChange,
     Variable,
@@ -64,6 +68,8 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
             for i, group in sorted(enumerate(task.groups), key=lambda g: natural_order(g[1].id))
             if group.actions
         ),
+        couplings=tuple(lowering.couplings()),
+        selections=tuple(lowering.selections()),
         goals=lowering.goals(),
         number_goals=lowering.number_goals(),
         required=tuple(
@@ -263,6 +269,47 @@ class _Lowering:
             weight=1 if group.weight is None else group.weight,
             origin=("groups", i),
         )
+
+    def couplings(self) -> Iterator[Coupling]:
+        """The couplings whose actions there are; the checks report the others."""
+        for k, node in enumerate(self.task.couplings):
+            if node.if_ is not None and node.then is not None:
+                made = [self._choice(node.if_), self._choice(node.then)]
+                if None not in made:
+                    yield Coupling("if", "", tuple(m for m in made if m is not None), k)
+                continue
+            kind, what = ("same", node.same) if node.same else ("different", node.different)
+            members = tuple(
+                CoupledChoice(self.index[a.action], a.use)
+                for a in node.actions
+                if a.action in self.index
+            )
+            if len(members) > 1:
+                yield Coupling(kind, what or "resource", members, k)
+
+    def _choice(self, made: ChoiceMade) -> CoupledChoice | None:
+        if made.action not in self.index:
+            return None
+        resource = None if made.resource is None else self.resource_index.get(made.resource)
+        if made.resource is not None and resource is None:
+            return None
+        return CoupledChoice(self.index[made.action], made.use, made.mode, resource)
+
+    def selections(self) -> Iterator[Selection]:
+        """The selections of what there is."""
+        groups = {group.id: group.actions for group in self.task.groups}
+
+        def item(name: str) -> tuple[int, ...] | None:
+            names = groups.get(name, (name,))
+            if not all(n in self.index for n in names):
+                return None
+            return tuple(sorted({self.index[n] for n in names}))
+
+        for k, node in enumerate(self.task.select):
+            items = tuple(found for name in node.actions if (found := item(name)))
+            condition = None if node.if_ is None else item(node.if_)
+            if node.if_ is None or condition is not None:
+                yield Selection(items, node.min, node.max, condition, k)
 
     def goals(self) -> tuple[tuple[int, int], ...]:
         places = (

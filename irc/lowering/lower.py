@@ -91,6 +91,8 @@ def _is_rich(task: Task, simple: Sequence[bool]) -> bool:
         task.state
         or task.groups
         or task.goals
+        or task.couplings
+        or task.select
         or task.objective != ("minimize_makespan",)
         or any(r.kind == "reservoir" for r in task.resources)
         or any(not s and _is_rich_action(a) for a, s in zip(task.actions, simple, strict=True))

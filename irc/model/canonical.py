@@ -20,7 +20,10 @@ from irc.model.quantities import Number, TimeError
 from irc.model.times import Clock, json_number
 
 _SETS = frozenset(
-    ["actions", "calendars", "resources", "state", "groups", "precedence", "goals", "lapsed"]
+    [
+        *("actions", "calendars", "resources", "state", "groups", "precedence", "goals", "lapsed"),
+        *("couplings", "select"),
+    ]
 )
 """Arrays whose order does not matter and where a repetition counts once."""
 

@@ -290,6 +290,68 @@ class Group(Node):
     weight: Count | None = None
 
 
+class CoupledAction(Node):
+    """An action of a coupling; `use` is the place of one of its own uses, counted from 0.
+
+    Without it, all resources that the action holds are meant, those of its mode included.
+    """
+
+    action: Name
+    use: Count | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_name(cls, raw: Any) -> Any:
+        return {"action": raw} if isinstance(raw, str) else raw
+
+
+class ChoiceMade(Node):
+    """That an action is carried out in a `mode`, or holds a `resource` (in its use `use`)."""
+
+    action: Name
+    mode: Name | None = None
+    resource: Name | None = None
+    use: Count | None = None
+
+    @model_validator(mode="after")
+    def _one_choice(self) -> ChoiceMade:
+        if (self.mode is None) == (self.resource is None):
+            raise ValueError("needs either 'mode' or 'resource'")
+        return self
+
+
+Coupled = Literal["resource", "mode"]
+
+
+class Coupling(Node):
+    """Choices of several actions that depend on each other, among those that are present."""
+
+    same: Coupled | None = None
+    different: Coupled | None = None
+    actions: tuple[CoupledAction, ...] = ()
+    if_: ChoiceMade | None = Field(default=None, alias="if")
+    then: ChoiceMade | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Coupling:
+        if (self.if_ is None) != (self.then is None):
+            raise ValueError("'if' and 'then' belong together")
+        if sum(kind is not None for kind in (self.same, self.different, self.if_)) != 1:
+            raise ValueError("needs one of 'same', 'different', and 'if' with 'then'")
+        if (self.if_ is None) != bool(self.actions):
+            raise ValueError("needs 'actions' with 'same' and 'different', and only there")
+        return self
+
+
+class Selection(Node):
+    """How many of some optional actions and groups are present; with `if`, only where that is."""
+
+    actions: Annotated[tuple[Name, ...], Field(min_length=1)]
+    min: Count = 0
+    max: Count | None = None
+    if_: Name | None = Field(default=None, alias="if")
+
+
 class Lapsed(Node):
     """Order, groups and goal of a cancelled action, for its repetition by a `retry_action`.
 
@@ -329,10 +391,12 @@ Calendars = tuple[Calendar, ...]
 Conditions = tuple[Condition, ...]
 Effects = tuple[Effect, ...]
 Goals = tuple[Goal, ...]
+Couplings = tuple[Coupling, ...]
 Groups = tuple[Group, ...]
 Lapses = tuple[Lapsed, ...]
 Modes = tuple[Mode, ...]
 ResourceSetups = Setups | None
+Selections = tuple[Selection, ...]
 State = tuple[StateVariable, ...]
 StockChanges = tuple[StockChange, ...]
 Windows = tuple[Window, ...]

@@ -56,6 +56,8 @@ class Feature(Enum):
     STATE_GOALS = "goals on state variables"
     PRESENCE_GOALS = "goals that an action is present"
     GROUPS = "groups"
+    COUPLINGS = "coupled choices"
+    SELECTIONS = "selections"
     REWARD = "rewards"
     COST = "costs"
     TARDINESS = "the objective minimize_tardiness"
@@ -100,6 +102,10 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
     yield from _of_precedence(task)
     for i, group in enumerate(task.groups):
         yield from _of_group(group, ("groups", i))
+    for i, _ in enumerate(task.couplings):
+        yield FeatureUse(Feature.COUPLINGS, ("couplings", i), f"coupling {i + 1}")
+    for i, _ in enumerate(task.select):
+        yield FeatureUse(Feature.SELECTIONS, ("select", i), f"selection {i + 1}")
     yield from _of_goals(task)
     yield from _of_objective(task)
 

@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from irc.model.details import (
         Calendars,
         Conditions,
+        Couplings,
         Effects,
         Goals,
         Groups,
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
         Modes,
         Occurs,
         ResourceSetups,
+        Selections,
         State,
         StockChanges,
         Windows,
@@ -81,6 +83,7 @@ if TYPE_CHECKING:
 else:
     Calendars = Annotated[Any, Lazy("details", "Calendars")]
     Conditions = Annotated[Any, Lazy("details", "Conditions")]
+    Couplings = Annotated[Any, Lazy("details", "Couplings")]
     Effects = Annotated[Any, Lazy("details", "Effects")]
     Events = Annotated[Any, Lazy("events", "Events")]
     Goals = Annotated[Any, Lazy("details", "Goals")]
@@ -89,6 +92,7 @@ else:
     Modes = Annotated[Any, Lazy("details", "Modes")]
     Occurs = Annotated[Any, Lazy("details", "Occurs", ("once", "optional"))]
     ResourceSetups = Annotated[Any, Lazy("details", "ResourceSetups", (None,))]
+    Selections = Annotated[Any, Lazy("details", "Selections")]
     State = Annotated[Any, Lazy("details", "State")]
     StockChanges = Annotated[Any, Lazy("details", "StockChanges")]
     Windows = Annotated[Any, Lazy("details", "Windows")]
@@ -96,6 +100,7 @@ else:
 __all__ = [
     "Calendars",
     "Conditions",
+    "Couplings",
     "Effects",
     "Events",
     "Goals",
@@ -106,6 +111,7 @@ __all__ = [
     "Occurs",
     "PartError",
     "ResourceSetups",
+    "Selections",
     "State",
     "StockChanges",
     "Windows",

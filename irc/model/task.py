@@ -10,7 +10,16 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from irc.diagnostics.source import Source
 from irc.model.base import Instant, Node, Span, Text
-from irc.model.lazy import Calendars, Events, Goals, Groups, Lapses, State
+from irc.model.lazy import (
+    Calendars,
+    Couplings,
+    Events,
+    Goals,
+    Groups,
+    Lapses,
+    Selections,
+    State,
+)
 from irc.model.original import Original
 from irc.model.parts import (
     Action,
@@ -51,6 +60,8 @@ class Task(Node):
     actions: tuple[Action, ...]
     precedence: tuple[Precedence, ...] = ()
     groups: Groups = ()
+    couplings: Couplings = ()
+    select: Selections = ()
     goals: Goals = ()
     objective: Annotated[tuple[Objective, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()

@@ -21,6 +21,9 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     (interval graphs are perfect: greedy colouring by start time needs no more units than overlap).
     """
     apart = {*apart, *(r for r, resource in enumerate(problem.resources) if resource.setups)}
+    apart |= {
+        r for i in problem.coupled for u in problem.activities[i].uses for r in u.alternatives
+    }
     pools: dict[tuple[int, ...], bool] = {}
     owner: dict[int, tuple[int, ...]] = {}
     for activity in problem.activities:
@@ -68,7 +71,7 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 def drop_uncontended(problem: Problem) -> Problem:
     """Drops open demands on resources that always suffice, even if all activities ran at once.
 
-    Where a resource has set-ups, its uses stay open: their order matters.
+    Where a resource has set-ups, its uses stay open: their order matters. So do coupled choices.
     (Occurrences of one action never overlap: they count once, as do its modes together. But where
     ranks order the happenings of an instant, the next one may start before the last one ends.)
 
@@ -120,6 +123,8 @@ def _without_ample(
     old = problem.previous.places[index] if problem.previous.places else None
     for demand in activity.open_demands:
         chosen = next((r for r in demand.alternatives if r in enough), None)
+        if len(demand.alternatives) > 1 and index in problem.coupled:
+            chosen = None  # What it takes matters to others.
         if chosen is not None and old is not None:
             chosen = _as_before(problem, demand, old, enough)
         if chosen is None:

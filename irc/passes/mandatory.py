@@ -24,6 +24,8 @@ def mandatory_part(problem: Problem) -> Projected:
         contention=Contention(problem.contention.pools),
         bounds=Bounds(makespan=problem.bounds.makespan),
         required=(),
+        couplings=(),
+        selections=(),
         state_precedences=(),
         previous=PreviousPlan(stability=problem.previous.stability),
     )

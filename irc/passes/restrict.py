@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 
-from irc.problem import PLAIN, Activity, Bounds, Group, Problem
+from irc.problem import PLAIN, Activity, Bounds, Group, Problem, Selection
 from irc.problem.projection import restricted
 
 
@@ -24,12 +24,24 @@ def _with_presence(problem: Problem, present: Collection[int], absent: Collectio
         _mandatory(a) if i in present else a for i, a in enumerate(problem.activities)
     )
     kept = (i for i in range(len(activities)) if i not in absent)
-    smaller, _ = restricted(replace(problem, activities=activities), activities=kept)
+    selections = tuple(_without(s, absent) for s in problem.selections if _may_count(s, absent))
+    changed = replace(problem, activities=activities, selections=selections)
+    smaller, _ = restricted(changed, activities=kept)
     return replace(
         smaller,
         groups=tuple(_required(smaller, group) for group in smaller.groups),
         previous=replace(smaller.previous, warm_start=()),
     )
+
+
+def _may_count(selection: Selection, absent: Collection[int]) -> bool:
+    """Whether the condition of a selection can hold."""
+    return selection.condition is None or not any(i in absent for i in selection.condition)
+
+
+def _without(selection: Selection, absent: Collection[int]) -> Selection:
+    items = (item for item in selection.items if not any(i in absent for i in item))
+    return selection._replace(items=tuple(items))
 
 
 def _required(problem: Problem, group: Group) -> Group:

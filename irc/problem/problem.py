@@ -547,6 +547,45 @@ class Group:
     origin: Pointer = ()
 
 
+class CoupledChoice(NamedTuple):
+    """The choices of an activity that a coupling is about.
+
+    `use` is the place of one of the action's own uses in the source; None: all that it holds.
+    `mode` (its name) and `resource` (index) are what an "if" or a "then" says.
+    """
+
+    activity: int
+    use: int | None = None
+    mode: str | None = None
+    resource: int | None = None
+
+
+class Coupling(NamedTuple):
+    """Choices that depend on each other, among present activities.
+
+    `kind` is "same", "different" or "if" (of two members), `what` is "resource" or "mode".
+    """
+
+    kind: str
+    what: str
+    members: tuple[CoupledChoice, ...]
+    origin: int = 0
+
+
+class Selection(NamedTuple):
+    """At least `least` and at most `most` (None: all) of the items are present.
+
+    An item is a set of activities that are present together; with a `condition`, which is an item,
+    only where that is present.
+    """
+
+    items: tuple[tuple[int, ...], ...]
+    least: int
+    most: int | None
+    condition: tuple[int, ...] | None = None
+    origin: int = 0
+
+
 @dataclass(frozen=True, slots=True)
 class ContendedPool:
     """A contended pool, as encoders see it: one resource, or several interchangeable ones.
@@ -695,6 +734,8 @@ class Problem:
     numbers: tuple[NumberVariable, ...] = ()
     arcs: tuple[Arc, ...] = ()
     groups: tuple[Group, ...] = ()
+    couplings: tuple[Coupling, ...] = ()
+    selections: tuple[Selection, ...] = ()
     deadline: int | None = None
     goals: tuple[tuple[int, int], ...] = ()
     number_goals: tuple[NumberGoal, ...] = ()
@@ -706,6 +747,16 @@ class Problem:
     contention: Contention = Contention()
     bounds: Bounds = Bounds()
     previous: PreviousPlan = PreviousPlan()
+
+    @property
+    def coupled(self) -> frozenset[int]:
+        """The activities whose resources a coupling is about."""
+        return frozenset(
+            m.activity
+            for c in self.couplings
+            for m in c.members
+            if c.what == "resource" or m.resource is not None
+        )
 
     def with_bound(self, value: int, reason: str) -> Problem:
         """The problem with another lower bound on the makespan."""
@@ -753,9 +804,9 @@ class Problem:
     @property
     def is_plain(self) -> bool:
         """Whether every schedule has each activity once, in one way, and no state or stock."""
-        return not (self.groups or self.has_state or self.reservoirs) and all(
-            a.details is PLAIN or not _decides(a.details) for a in self.activities
-        )
+        return not (
+            self.couplings or self.selections or self.groups or self.has_state or self.reservoirs
+        ) and all(a.details is PLAIN or not _decides(a.details) for a in self.activities)
 
     @property
     def timed_changes(self) -> Iterator[TimedChange]:

@@ -9,7 +9,7 @@ whole. (Compare the inverse data of cvxpy's reductions.)
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
@@ -23,6 +23,7 @@ from irc.problem.problem import (
     Condition,
     ContendedPool,
     Contention,
+    Coupling,
     Details,
     Effect,
     Group,
@@ -31,6 +32,7 @@ from irc.problem.problem import (
     PreviousPlace,
     PreviousPlan,
     Problem,
+    Selection,
     StockChange,
 )
 
@@ -247,6 +249,8 @@ def _project(problem: Problem, way: Projection) -> Problem:
         numbers=way.numbers.of_each(problem.numbers),
         arcs=_arcs(problem, way),
         groups=tuple(_group(g, own) for g in way.groups.of_each(problem.groups)),
+        couplings=tuple(_couplings(problem, way)),
+        selections=tuple(_selections(problem, own)),
         goals=tuple(
             (way.variables.new[v], value) for v, value in problem.goals if v in way.variables.new
         ),
@@ -291,6 +295,35 @@ def _group(group: Group, activities: Kept) -> Group:
     if activities.is_all:
         return group
     return replace(group, members=activities.moved(group.members))
+
+
+def _couplings(problem: Problem, way: Projection) -> Iterator[Coupling]:
+    """The couplings of the activities that stay; one without two of them says nothing."""
+    activities, resources = way.activities.new, way.resources.new
+    for coupling in problem.couplings:
+        members = tuple(
+            m._replace(
+                activity=activities[m.activity],
+                resource=None if m.resource is None else resources[m.resource],
+            )
+            for m in coupling.members
+            if m.activity in activities and (m.resource is None or m.resource in resources)
+        )
+        if len(members) > 1:
+            yield coupling._replace(members=members)
+
+
+def _selections(problem: Problem, activities: Kept) -> Iterator[Selection]:
+    """The selections of which everything stays: fewer items would be another demand."""
+    for selection in problem.selections:
+        named = {i for item in selection.items for i in item} | {*(selection.condition or ())}
+        if not all(i in activities.new for i in named):
+            continue
+        condition = selection.condition
+        yield selection._replace(
+            items=tuple(activities.moved(item) for item in selection.items),
+            condition=None if condition is None else activities.moved(condition),
+        )
 
 
 def _pool(pool: ContendedPool, resources: Kept) -> ContendedPool:

@@ -14,6 +14,7 @@ from irc.schedule import Schedule
 from irc.validation.bound_schedule import InexactTimeError, UncheckedTaskError, bind
 from irc.validation.breaks import check_breaks
 from irc.validation.choices import check_choices
+from irc.validation.couplings import check_choices_together
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.open_times import UnreadableCalendarError
 from irc.validation.presence import check_presence
@@ -37,6 +38,7 @@ __all__ = [
 _CHECKS = (
     check_presence,
     check_windows,
+    check_choices_together,
     check_breaks,
     check_precedence,
     check_choices,

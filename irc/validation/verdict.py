@@ -24,6 +24,8 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "presence": 1,
         "occurrence": 1,
         "group": 1,
+        "selection": 1,
+        "coupling": 2,
         "mode": 2,
         "duration": 2,
         "start": 2,

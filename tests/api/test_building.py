@@ -45,6 +45,8 @@ def whole() -> irc.Task:
         days_per_month=31,
         resolution="1 ms",
         metadata={"ticket": 1},
+        couplings=[{"different": "resource", "actions": ["lay", "grill"]}],
+        select=[{"actions": ["nap"], "min": 0}],
         lapsed=[{"action": "nap", "deadline": 5}],
     )
     board = task.resource("board", capacity=2, label="Board", description="big")
@@ -103,6 +105,10 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
         "days_per_month": 31,
         "resolution": "1 ms",
         "metadata": {"ticket": 1},
+        "couplings": [
+            {"different": "resource", "actions": [{"action": "lay"}, {"action": "grill"}]}
+        ],
+        "select": [{"actions": ["nap"], "min": 0}],
         "lapsed": [{"action": "nap", "deadline": 5}],
         "calendars": [
             {

@@ -229,7 +229,7 @@ TIMES = [
             f"IRC105 /actions/0/{field}",
             says=f"'{field}' is -1, before t = 0",
         )
-        for field in ("release", "deadline", "due", "start", "latest_start")
+        for field in ("release", "deadline", "start", "latest_start", "earliest_end")
     ),
     case(
         actions(',\n "deadline": ‸-1'),
@@ -238,9 +238,9 @@ TIMES = [
         hint="times count from t = 0",
     ),
     case(
-        actions(',\n "groups": [{"id": "g", "actions": ["a"], "due": ‸-1}]'),
-        "IRC105 /groups/0/due",
-        says="'due' is -1",
+        actions(',\n "groups": [{"id": "g", "actions": ["a"], "deadline": ‸-1}]'),
+        "IRC105 /groups/0/deadline",
+        says="'deadline' is -1",
     ),
     case(actions(',\n "events": [{"at": ‸-1}]'), "IRC105 /events/0/at", says="'at' is -1"),
     case(

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from element_laws import Best
 from irc.model import Task
 from oracles.mode_generators import mode_task
-from oracles.small_generators import objective_task
+from oracles.small_generators import coupling_task, objective_task, selection_task
 from oracles.small_tasks import best_of
 from oracles.state_brute_force import TooLargeError, optimum
 from oracles.state_generators import number_task
@@ -40,9 +40,21 @@ def _objectives(seed: int) -> tuple[Task, Best]:
     return Task.model_validate(document), best_of(document)
 
 
+def _couplings(seed: int) -> tuple[Task, Best]:
+    document = coupling_task(seed)
+    return Task.model_validate(document), best_of(document)
+
+
+def _selections(seed: int) -> tuple[Task, Best]:
+    document = selection_task(seed)
+    return Task.model_validate(document), best_of(document)
+
+
 KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "modes": _modes,
     "numbers": _numbers,
     "objectives": _objectives,
+    "couplings": _couplings,
+    "selections": _selections,
 }
 """For each kind a task by its seed, with the best values of its objectives."""

@@ -119,6 +119,15 @@ EVERYTHING: dict[str, Any] = {
             "weight": 2,
         }
     ],
+    "couplings": [
+        {"same": "resource", "actions": [{"action": "bake", "use": 1}, "cool"]},
+        {"different": "mode", "actions": ["bake", "cool"]},
+        {
+            "if": {"action": "cool", "mode": "fast"},
+            "then": {"action": "bake", "resource": "r1", "use": 1},
+        },
+    ],
+    "select": [{"actions": ["cool", "order 1"], "min": 1, "max": 2, "if": "bake"}],
     "goals": [
         "cool",
         {"var": "dough", "value": True},

@@ -96,6 +96,16 @@ EXCLUDED: Mapping[str, str] = {
     "Calendar.description": _DESCRIPTIVE,
     "Group.id": _NAME,
     "Group.label": _DESCRIPTIVE,
+    **dict.fromkeys(
+        [
+            *("Task.couplings", "Task.select"),
+            *(f"Coupling.{f}" for f in ("same", "different", "actions", "if_", "then")),
+            *(f"CoupledAction.{f}" for f in ("action", "use")),
+            *(f"ChoiceMade.{f}" for f in ("action", "mode", "resource", "use")),
+            *(f"Selection.{f}" for f in ("actions", "min", "max", "if_")),
+        ],
+        "judged by `oracles.small_tasks`",
+    ),
     "ObjectiveSum.sum": "judged by `oracles.small_tasks`",
     "ObjectiveTerm.weight": "judged by `oracles.small_tasks`",
     "ObjectiveTerm.objective": "judged by `oracles.small_tasks`",

@@ -94,3 +94,73 @@ def _use(rng: random.Random, resources: Sequence[str]) -> Document:
     if rng.random() < 0.5:
         return {"one_of": rng.sample(list(resources), rng.randint(2, len(resources)))}
     return {"resource": rng.choice(resources)}
+
+
+def coupling_task(seed: int) -> Document:
+    """A task in which choices of resources and modes depend on each other."""
+    rng = random.Random(seed)
+    document = _base(rng, rng.randint(2, 4))
+    actions = document["actions"]
+    for action in actions:
+        for part in (action, *action.get("modes", ())):
+            if "duration" in part:
+                part["duration"] += 1
+        if not action.get("uses") and rng.random() < 0.7:
+            action["uses"] = [{"one_of": rng.sample(["m1", "m2", "m3"], 2)}]
+        if action.get("uses") and rng.random() < 0.2:
+            action["uses"].append({"resource": rng.choice(["m1", "m2", "m3"])})
+    document["couplings"] = [_coupling(rng, actions) for _ in range(rng.randint(1, 2))]
+    document["objective"] = rng.choice(
+        ("minimize_makespan", ["minimize_cost", "minimize_makespan"], ["maximize_reward"])
+    )
+    return document
+
+
+def _coupling(rng: random.Random, actions: list[Document]) -> Document:
+    kind = rng.choice(("same", "different", "if"))
+    if kind == "if":
+        one, other = rng.sample(actions, 2)
+        return {"if": _made(rng, one), "then": _made(rng, other)}
+    chosen = rng.sample(actions, rng.randint(2, min(3, len(actions))))
+    if rng.random() < 0.25 and all("modes" in action for action in chosen):
+        return {kind: "mode", "actions": [action["id"] for action in chosen]}
+    named: list[Any] = []
+    for action in chosen:
+        with_use = bool(action.get("uses")) and rng.random() < 0.6
+        named.append({"action": action["id"], "use": 0} if with_use else action["id"])
+    return {kind: "resource", "actions": named}
+
+
+def _made(rng: random.Random, action: Document) -> Document:
+    if "modes" in action and rng.random() < 0.5:
+        return {"action": action["id"], "mode": rng.choice(action["modes"])["id"]}
+    made: Document = {"action": action["id"], "resource": rng.choice(["m1", "m2", "m3"])}
+    if action.get("uses") and rng.random() < 0.5:
+        made["use"] = 0
+    return made
+
+
+def selection_task(seed: int) -> Document:
+    """A task in which rules say how many optional actions and groups are present."""
+    rng = random.Random(seed)
+    document = _base(rng, rng.randint(3, 4))
+    names = [action["id"] for action in document["actions"]]
+    grouped = {name for group in document.get("groups", ()) for name in group["actions"]}
+    for action in document["actions"]:
+        if action["id"] not in grouped and rng.random() < 0.7:
+            action |= {"occurs": "optional", "reward": rng.randint(0, 4)}
+    items = [*names, *(group["id"] for group in document.get("groups", ()))]
+    document["select"] = []
+    for _ in range(rng.randint(1, 2)):
+        chosen = rng.sample(items, rng.randint(1, min(3, len(items))))
+        least = rng.randint(0, len(chosen))
+        rule: Document = {"actions": chosen, "min": least}
+        if rng.random() < 0.6:
+            rule["max"] = rng.randint(least, len(chosen))
+        if rng.random() < 0.3:
+            rule["if"] = rng.choice(items)
+        document["select"].append(rule)
+    document["objective"] = rng.choice(
+        ("minimize_makespan", ["minimize_cost", "minimize_makespan"], ["maximize_reward"])
+    )
+    return document

@@ -154,19 +154,22 @@ def _coupling_holds(rule: Document, chosen: Mapping[str, Choice]) -> bool:
         if name not in chosen:
             continue
         if what == "mode":
-            values.append(chosen[name].mode)
-            continue
-        found = chosen[name].resource_of(("", use))
-        values.append(found)
+            values.append(frozenset([chosen[name].mode]))
+        elif isinstance(named, str):
+            values.append(frozenset(r for _, r, _ in chosen[name].held))
+        else:
+            values.append(frozenset([chosen[name].resource_of(("", use))]))
     if kind == "same":
         return len(set(values)) <= 1
-    return len(set(values)) == len(values)
+    return sum(map(len, values)) == len(frozenset().union(*values))
 
 
 def _is_as(choice: Choice, said: Document) -> bool:
     if "mode" in said:
         return choice.mode == said["mode"]
-    return choice.resource_of(("", said.get("use", 0))) == said["resource"]
+    if "use" in said:
+        return choice.resource_of(("", said["use"])) == said["resource"]
+    return any(r == said["resource"] for _, r, _ in choice.held)
 
 
 @dataclass

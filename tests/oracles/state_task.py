@@ -209,6 +209,8 @@ def read(task: Task) -> Plain:
         raise ValueError("this oracle does not know timed changes of state")
     if task.calendars or any(a.calendar or a.breaks != "avoid" for a in task.actions):
         raise ValueError("this oracle does not know calendars or pauses")
+    if task.couplings or task.select:
+        raise ValueError("this oracle does not know couplings or selections")
     for objective in task.objective:
         if objective not in _OBJECTIVES:
             raise ValueError(f"this oracle does not know {objective!r}")

@@ -66,6 +66,8 @@ MEANING: dict[type, dict[str, str]] = {
         "number_goals": "part",
         "arcs": f"{OF} arcs",
         "groups": f"{OF} groups",
+        "couplings": "part",
+        "selections": "part",
         "families": PLAIN,
         "goals": "variables, value",
         "required": "activities",

@@ -9,7 +9,13 @@ import pytest
 from element_laws import judge_exact, judge_planner
 from oracles.elements import KINDS, TooHardError
 
-SEEDS = {"modes": range(24), "numbers": range(32), "objectives": range(24)}
+SEEDS = {
+    "modes": range(24),
+    "numbers": range(32),
+    "objectives": range(24),
+    "couplings": range(24),
+    "selections": range(24),
+}
 PLANNED = {"modes": range(100, 106), "numbers": range(100, 112), "objectives": range(100, 108)}
 
 

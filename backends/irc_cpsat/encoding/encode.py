@@ -15,6 +15,7 @@ from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc_cpsat.encoding.activities import add_activities
 from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.couplings import add_couplings, add_selections
 from irc_cpsat.encoding.happenings import Happenings
 from irc_cpsat.encoding.hints import add_hints
 from irc_cpsat.encoding.numbers import add_numbers
@@ -60,6 +61,8 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     add_work(builder, literals)
     if builder.takers:
         add_setups(builder)
+    add_couplings(builder, literals)
+    add_selections(builder)
     if builder.bounds:
         add_pools(builder)
     add_reservoirs(builder)

@@ -18,7 +18,7 @@ MAX_NESTING = 32
 
 _LINE = re.compile(r"^([ \t]*)((?!\r?$)[^ \t\n#][^\n]*)", re.MULTILINE)
 _OPENERS = ("for", "event", "add", "remove")
-_FIRST = re.compile(r"(for|event|add|remove|metadata)(?![\w{'’.&-])|(lapsed)(?=[ \t]*\{)")
+_FIRST = re.compile(r"(for|event|add|remove|metadata)(?![\w{'’.&-])|(lapsed|choices)(?=[ \t]*\{)")
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ def outline(text: str) -> Outline:
             continue
         statement = Statement([(begin, end)])
         siblings.append(statement)
-        if text[begin] in "fearml":
+        if text[begin] in "fearmlc":
             _note_first(statement, text)
     return found
 

@@ -1,4 +1,4 @@
-"""`metadata {…}` and `lapsed {…}`: JSON inside a statement."""
+"""`metadata {…}`, `lapsed {…}` and `choices {…}`: JSON inside a statement."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _BLANK = re.compile(r"[ \t\r\n]*")
 _REST = re.compile(r"[ \t\r]*(?:#[^\n]*)?")
 
 
-FREE_FORM = ("metadata", "lapsed")
+FREE_FORM = ("metadata", "lapsed", "choices")
 """The statements whose contents are JSON."""
 
 

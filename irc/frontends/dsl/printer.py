@@ -42,6 +42,7 @@ def print_task(task: Task) -> str:
         ],
         arrows(task.precedence) if inline is None else [],
         [_group(group) for group in task.groups],
+        [f"choices {written.free_form(_choices(task))}"] if task.couplings or task.select else [],
         [f"goal {_goal(goal)}" for goal in task.goals],
         [] if task.objective == _DEFAULT_OBJECTIVE else [_objective(task.objective)],
         [f"metadata {written.free_form(task.metadata)}"] if task.metadata else [],
@@ -50,6 +51,13 @@ def print_task(task: Task) -> str:
     ]
     text = "\n\n".join("\n".join(lines) for lines in sections if lines)
     return format_dsl(f"{text or 'irc 1'}\n")
+
+
+def _choices(task: Task) -> dict[str, Any]:
+    from irc.model.canonical import written_task
+
+    document = written_task(task)
+    return {name: document[name] for name in ("couplings", "select") if name in document}
 
 
 def _lapsed(task: Task) -> list[Any]:

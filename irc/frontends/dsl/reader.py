@@ -318,8 +318,14 @@ class _Reader:
                 "it is about the whole task",
             )
         found = json_after(word, self.text, statement.start + len(word), statement.end)
-        if word in self.fields:
+        names = ("couplings", "select") if word == "choices" else (word,)
+        if any(name in self.fields for name in names):
             raise repeated_clause(f"`{word}`", statement.start, statement.end)
+        if word == "choices":
+            self.fields |= found.value
+            for name in found.value:
+                self.builder.mark((name,), found.start, found.end, statement.start)
+            return
         self.fields[word] = found.value if word == "metadata" else found.value.get("of")
         self.builder.mark((word,), found.start, found.end, statement.start)
 

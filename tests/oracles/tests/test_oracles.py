@@ -16,8 +16,16 @@ from ortools.sat.python import cp_model
 
 from irc.model import Action, DurationRange, Precedence, Task, details, events, parts
 from irc.model.base import Node
-from irc.model.details import Lapsed, TimedChange
+from irc.model.details import (
+    ChoiceMade,
+    CoupledAction,
+    Coupling,
+    Lapsed,
+    Selection,
+    TimedChange,
+)
 from irc.model.events import RetryAction
+from irc.model.parts import ObjectiveTerm
 from oracles.brute_force import enough_time, longest_path, optimal_makespan, optimal_schedule
 from oracles.generators import (
     HOSTILE_NAMES,
@@ -674,6 +682,14 @@ def test_tasks_reach_every_field_of_the_ir() -> None:
 
 
 NOT_DRAWN = {
+    *("Task.couplings", "Task.select"),
+    *(f"ObjectiveTerm.{f}" for f in ObjectiveTerm.model_fields),
+    "ObjectiveSum.sum",
+    *(
+        f"{k.__name__}.{f}"
+        for k in (ChoiceMade, CoupledAction, Coupling, Selection)
+        for f in k.model_fields
+    ),
     *("Action.on_failure", "Task.resolution", "Task.lapsed", "StateVariable.changes"),
     *(f"Lapsed.{f}" for f in Lapsed.model_fields),
     *(f"RetryAction.{f}" for f in RetryAction.model_fields),
