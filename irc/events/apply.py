@@ -10,8 +10,9 @@ from irc.checks.events import check_event
 from irc.diagnostics import Code, Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.events.capacity import with_capacity
-from irc.events.observed import ended_at, (
+from irc.events.observed import (
     Outcome,
+    ended_at,
     failures,
     lasting,
     with_length,
