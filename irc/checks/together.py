@@ -104,12 +104,13 @@ def _check_choice(made: ChoiceMade, at: Pointer, names: DeclaredNames) -> None:
         return
     action = names.actions[made.action]
     _check_single(action, (*at, "action"), names)
-    if made.mode is not None and made.mode not in [mode.id for mode in action.modes]:
+    known = [mode.id for mode in action.modes]
+    for name in (mode for mode in made.in_modes if mode not in known):
         names.findings.add(
             Code.EMPTY_CHOICE,
-            f"action {action.id!r} has no mode {made.mode!r}",
-            (*at, "mode"),
-            hint=f"its modes are {', '.join(m.id for m in action.modes) or 'none'}",
+            f"action {action.id!r} has no mode {name!r}",
+            (*at, "mode" if made.mode is not None else "modes"),
+            hint=f"its modes are {', '.join(known) or 'none'}",
         )
     if made.resource is not None:
         names.require("resource", made.resource, (*at, "resource"))

@@ -293,7 +293,9 @@ class _Lowering:
         resource = None if made.resource is None else self.resource_index.get(made.resource)
         if made.resource is not None and resource is None:
             return None
-        return CoupledChoice(self.index[made.action], made.use, made.mode, resource)
+        return CoupledChoice(
+            self.index[made.action], made.use, tuple(sorted(made.in_modes)), resource
+        )
 
     def selections(self) -> Iterator[Selection]:
         """The selections of what there is."""

@@ -306,18 +306,27 @@ class CoupledAction(Node):
 
 
 class ChoiceMade(Node):
-    """That an action is carried out in a `mode`, or holds a `resource` (in its use `use`)."""
+    """That an action is carried out in a `mode`, or in one of some `modes`, or holds a `resource`.
+
+    The resource is that of its use `use`, or of any.
+    """
 
     action: Name
     mode: Name | None = None
+    modes: tuple[Name, ...] = ()
     resource: Name | None = None
     use: Count | None = None
 
     @model_validator(mode="after")
     def _one_choice(self) -> ChoiceMade:
-        if (self.mode is None) == (self.resource is None):
-            raise ValueError("needs either 'mode' or 'resource'")
+        if sum((self.mode is not None, bool(self.modes), self.resource is not None)) != 1:
+            raise ValueError("needs one of 'mode', 'modes' and 'resource'")
         return self
+
+    @property
+    def in_modes(self) -> tuple[str, ...]:
+        """The modes of which one is meant; none where it is a resource."""
+        return self.modes if self.mode is None else (self.mode,)
 
 
 Coupled = Literal["resource", "mode"]

@@ -551,12 +551,12 @@ class CoupledChoice(NamedTuple):
     """The choices of an activity that a coupling is about.
 
     `use` is the place of one of the action's own uses in the source; None: all that it holds.
-    `mode` (its name) and `resource` (index) are what an "if" or a "then" says.
+    `modes` (names, of which one) and `resource` (index) are what an "if" or a "then" says.
     """
 
     activity: int
     use: int | None = None
-    mode: str | None = None
+    modes: tuple[str, ...] = ()
     resource: int | None = None
 
 

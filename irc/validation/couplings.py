@@ -74,12 +74,14 @@ def _of(bound: BoundSchedule, name: str) -> Occurrence | None:
 
 
 def _as(made: ChoiceMade) -> str:
-    return f"in mode {made.mode!r}" if made.mode is not None else f"on {made.resource!r}"
+    if not made.in_modes:
+        return f"on {made.resource!r}"
+    return f"in mode {' or '.join(map(repr, made.in_modes))}"
 
 
 def _is_made(occurrence: Occurrence, made: ChoiceMade) -> bool:
-    if made.mode is not None:
-        return occurrence.entry.mode == made.mode
+    if made.in_modes:
+        return occurrence.entry.mode in made.in_modes
     if made.use is None:
         return made.resource in occurrence.entry.resources
     return made.resource in set(_of_use(occurrence, made.use))

@@ -126,6 +126,10 @@ EVERYTHING: dict[str, Any] = {
             "if": {"action": "cool", "mode": "fast"},
             "then": {"action": "bake", "resource": "r1", "use": 1},
         },
+        {
+            "if": {"action": "bake", "resource": "r2"},
+            "then": {"action": "cool", "modes": ["fast", "slow"]},
+        },
     ],
     "select": [{"actions": ["cool", "order 1"], "min": 1, "max": 2, "if": "bake"}],
     "goals": [

@@ -101,7 +101,7 @@ EXCLUDED: Mapping[str, str] = {
             *("Task.couplings", "Task.select"),
             *(f"Coupling.{f}" for f in ("same", "different", "actions", "if_", "then")),
             *(f"CoupledAction.{f}" for f in ("action", "use")),
-            *(f"ChoiceMade.{f}" for f in ("action", "mode", "resource", "use")),
+            *(f"ChoiceMade.{f}" for f in ("action", "mode", "modes", "resource", "use")),
             *(f"Selection.{f}" for f in ("actions", "min", "max", "if_")),
         ],
         "judged by `oracles.small_tasks`",

@@ -133,6 +133,8 @@ def _coupling(rng: random.Random, actions: list[Document]) -> Document:
 
 def _made(rng: random.Random, action: Document) -> Document:
     if "modes" in action and rng.random() < 0.5:
+        if rng.random() < 0.3:
+            return {"action": action["id"], "modes": [mode["id"] for mode in action["modes"]]}
         return {"action": action["id"], "mode": rng.choice(action["modes"])["id"]}
     made: Document = {"action": action["id"], "resource": rng.choice(["m1", "m2", "m3"])}
     if action.get("uses") and rng.random() < 0.5:

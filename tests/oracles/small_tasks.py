@@ -165,8 +165,8 @@ def _coupling_holds(rule: Document, chosen: Mapping[str, Choice]) -> bool:
 
 
 def _is_as(choice: Choice, said: Document) -> bool:
-    if "mode" in said:
-        return choice.mode == said["mode"]
+    if "mode" in said or "modes" in said:
+        return choice.mode in said.get("modes", [said.get("mode")])
     if "use" in said:
         return choice.resource_of(("", said["use"])) == said["resource"]
     return any(r == said["resource"] for _, r, _ in choice.held)

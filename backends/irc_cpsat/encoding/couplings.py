@@ -82,8 +82,9 @@ class _CouplingEncoder:
         return self._holds(member.activity, member.use)
 
     def _made(self, member: CoupledChoice) -> Truth:
-        if member.mode is not None:
-            return self._modes(member.activity).get(member.mode, False)
+        if member.modes:
+            chosen = self._modes(member.activity)
+            return self._any_of([chosen[name] for name in member.modes if name in chosen])
         return self._holds(member.activity, member.use).get(member.resource or 0, False)
 
     def _modes(self, i: int) -> Mapping[str | None, Truth]:
@@ -123,8 +124,8 @@ class _CouplingEncoder:
     def _any_of(self, truths: list[Truth]) -> Truth:
         if any(truth is True for truth in truths):
             return True
-        if len(truths) == 1:
-            return truths[0]
+        if len(truths) < 2:
+            return truths[0] if truths else False
         found = self.builder.model.new_bool_var("")
         self.builder.model.add_max_equality(found, truths)
         return found
