@@ -24,7 +24,10 @@ def test_an_empty_schedule_is_worth_nothing() -> None:
 def test_each_occurrence_counts() -> None:
     problem = problem_of(act("a", occurs={"min": 0, "max": 3}, reward=3, cost=2, due=3, weight=5))
     values = schedule_values(problem, schedule(("a", 0, 2), ("a", 2, 4)))
-    assert values == {"makespan": 4, "tardiness": 5, "reward": 6, "cost": 4, "changes": 0}
+    assert (
+        values.items()
+        >= {"makespan": 4, "tardiness": 5, "reward": 6, "cost": 4, "changes": 0}.items()
+    )
 
 
 def test_what_is_cancelled_costs_and_is_worth_nothing_to_itself_or_its_group() -> None:
@@ -32,14 +35,20 @@ def test_what_is_cancelled_costs_and_is_worth_nothing_to_itself_or_its_group() -
     problem = problem_of(act("a", reward=3, cost=2, due=0), act("b"), groups=[group])
     cut, b = Entry("a", 0, 1, status="cancelled"), Entry("b", 0, 2)
     values = schedule_values(problem, Schedule((cut, b)))
-    assert values == {"makespan": 2, "tardiness": 0, "reward": 0, "cost": 2, "changes": 0}
+    assert (
+        values.items()
+        >= {"makespan": 2, "tardiness": 0, "reward": 0, "cost": 2, "changes": 0}.items()
+    )
 
 
 def test_what_is_abandoned_is_worth_what_it_is_and_its_group_nothing() -> None:
     group = {"id": "g", "actions": ["a", "b"], "reward": 10, "due": 0, "required": False}
     problem = problem_of(act("a", reward=3, cost=2, due=1), act("b"), groups=[group])
     values = schedule_values(problem, Schedule((Entry("a", 0, 2, status="abandoned"),)))
-    assert values == {"makespan": 2, "tardiness": 1, "reward": 3, "cost": 2, "changes": 0}
+    assert (
+        values.items()
+        >= {"makespan": 2, "tardiness": 1, "reward": 3, "cost": 2, "changes": 0}.items()
+    )
 
 
 def test_losses_and_refunds_are_kept_with_their_signs() -> None:
