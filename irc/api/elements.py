@@ -101,7 +101,7 @@ class Element(Generic[_Node]):
 
 
 class Calendar(Element[IrCalendar]):
-    """Open times that repeat without end: by days of the week, or every so much time."""
+    """Open times that repeat without end: by days of the week, or every day or hour."""
 
     section = "calendars"
 

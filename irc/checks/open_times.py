@@ -12,6 +12,7 @@ from itertools import product
 from math import prod
 
 from irc.diagnostics import Code, Findings
+from irc.lowering.calendar_horizon import MOST_WINDOWS
 from irc.problem import Problem
 from irc.problem.problem import Requirement
 from irc.problem.work_times import FOREVER, Piece, WorkTimes, WorkTimesOf, work_range
@@ -22,6 +23,7 @@ OpenTimes = tuple[tuple[int, int | None], ...]
 
 def check_open_times(problem: Problem, findings: Findings) -> None:
     """Reports each action that must occur and fits into no open time of what it uses."""
+    _check_size(problem, findings)
     optional = {i for group in problem.groups if not group.required for i in group.members}
     times = WorkTimesOf(problem)
 
@@ -59,6 +61,19 @@ def check_open_times(problem: Problem, findings: Findings) -> None:
             if not _fits(problem, i, shared):
                 single = [use for use in activity.uses if len(use.alternatives) == 1]
                 _report(problem, i, [shared], single, findings)
+
+
+def _check_size(problem: Problem, findings: Findings) -> None:
+    """Reports calendars with more open times until the horizon than are planned with."""
+    sizes = [len(resource.windows) for resource in problem.resources]
+    sizes += [len(calendar.times) for calendar in problem.calendars]
+    if max(sizes, default=0) > MOST_WINDOWS:
+        findings.add(
+            Code.TOO_MANY,
+            f"a calendar opens more than {MOST_WINDOWS} times before every schedule has ended",
+            ("calendars",),
+            hint="give the task a deadline, or leave out open times that are too short to matter",
+        )
 
 
 def _check_pauses(problem: Problem, i: int, times: WorkTimesOf, findings: Findings) -> None:

@@ -248,7 +248,7 @@ def _chart(
     """The lines of the chart: rows for each resource, then rows for actions without a resource."""
     held, free = _bars(page, problem, schedule, slack)
     names = sorted(held, key=natural)
-    capacity = {resource.id: resource.capacity for resource in problem.resources}
+    capacity = {resource.id: resource.greatest_capacity() for resource in problem.resources}
     widest = min(_WIDEST_NAME, page.width // 3)
     titles = [page.fit(counted(page, name, capacity.get(name, 1)), widest) for name in names]
     blocks = [_lanes_by_time(held[name]) for name in names]

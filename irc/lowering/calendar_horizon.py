@@ -232,8 +232,14 @@ def horizon(
         shifts += [free] * occurrences if free else []
     shifts += _lags(task, clock)
     start = _last_fixed_time(task, times, [*instants])
+    rare = {need for need in kinds if _is_rare(times, need, start)}
+    kinds -= rare
     found = _after_steps(times, _possible(times, kinds, start), start, steps, shifts)
     found = max(found, start + times.period(times.by_id))
+    if rare:
+        seldom = sum(not rare.isdisjoint(needs) for _, needs in needs_of(task, clock))
+        longest = max(need.length for need in rare)
+        found += seldom * (times.search_span(times.by_id) + longest)
     together = sum(edge.max_lag is not None for edge in task.precedence)
     if together:
         found += together * times.period(times.by_id)
@@ -244,6 +250,15 @@ def horizon(
 
 UNLIMITED = 64
 """The number of occurrences that is assumed of an action that may occur without end."""
+
+
+def _is_rare(times: CalendarTimes, need: Need, start: Number) -> bool:
+    """Whether a need waits for an open time that comes far more seldom than its calendars repeat.
+
+    (A night of 9 hours comes once a year. Only the activities that need it wait so long.)
+    """
+    end = times.end(need, start)
+    return end is not None and end - start > 2 * times.period(need.calendars) + 20 * need.length
 
 
 def _possible(times: CalendarTimes, kinds: Iterable[Need], start: Number) -> list[Need]:
@@ -263,7 +278,7 @@ def _possible(times: CalendarTimes, kinds: Iterable[Need], start: Number) -> lis
 def _after_steps(
     times: CalendarTimes, needs: list[Need], start: Number, steps: int, shifts: list[Number]
 ) -> Number:
-    """The time after so many steps, each of any of the needs, and shifts between them."""
+    """The time after a number of steps, each of any of the needs, and shifts between them."""
     longest = max((need.length for need in needs), default=0)
     small = max((s for s in shifts if s <= longest), default=0)
     at = start

@@ -21,7 +21,7 @@ Interval = tuple[Number, Number]
 """A half-open interval [start, end), in the task's unit."""
 
 MOST_CYCLES = 100_000
-"""A calendar is read for so many cycles at most; the checks refuse a task that needs more."""
+"""A calendar is read for at most this many cycles; the checks refuse a task that needs more."""
 
 _NAMES = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 

@@ -91,7 +91,7 @@ ClosedTimes = Annotated[
 
 
 class Calendar(Node):
-    """Open times that repeat without end: by days of the week, or `every` so much time from t = 0.
+    """Open times that repeat without end: by days of the week, or `every` some time from t = 0.
 
     Times of day are those of the clock in `time_zone`, by default that of the task's `origin`.
     """

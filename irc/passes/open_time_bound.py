@@ -1,7 +1,7 @@
 """A bound on the makespan from open times: earliest ends over calendars, and work that must fit.
 
 Both hold for every schedule: an end is no earlier than its work allows from the earliest start on,
-and the work on a resource that cannot start before a time takes at least so much of its open time
+and the work on a resource that cannot start before a time takes at least as much of its open time
 from then on, and then the least tail follows.
 """
 

@@ -81,7 +81,7 @@ def list_schedule(
 
 
 def _work_placer(problem: Problem, profiles: list[Profile]) -> WorkPlacer | None:
-    """What places activities with calendars and pauses; loaded for problems that have them."""
+    """The placer of activities with calendars and pauses; loaded for problems that have them."""
     if not problem.has_work:
         return None
     from irc.passes.work_placing import WorkPlacer

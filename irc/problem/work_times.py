@@ -62,7 +62,7 @@ class WorkTimes:
         return None if k == len(self.ends) else max(time, self.starts[k])
 
     def end_after(self, work: int) -> int | None:
-        """The first time before which there is so much working time (at least 1)."""
+        """The first time before which there is this working time (at least 1)."""
         k = bisect_left(self.before, work) - 1
         return None if k >= len(self.starts) else self.starts[k] + work - self.before[k]
 
@@ -71,7 +71,7 @@ class WorkTimes:
         return self.end_after(self.work_before(start) + work) if work else start
 
     def last_start(self, work_before: int) -> int:
-        """The last open time with so much working time before it, the first one if none is."""
+        """The last open time with this working time before it, the first one if none is."""
         work_before = max(0, work_before)
         k = min(bisect_right(self.before, work_before), len(self.starts)) - 1
         return self.starts[k] + work_before - self.before[k]
@@ -84,7 +84,7 @@ class WorkTimes:
         return None if k == len(self.ends) else max(time, self.starts[k] + 1)
 
     def pieces(self, work: int, until: int = FOREVER) -> Iterator[Piece]:
-        """The starts of so much work, in order, with the pause that follows from each.
+        """The starts of some work, in order, with the pause that follows from each.
 
         Ends behind `until` are left out.
         """
