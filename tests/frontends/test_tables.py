@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import io
+import json
 import zipfile
 from pathlib import Path
 
@@ -72,6 +73,68 @@ def test_the_template_is_a_task_that_can_be_solved(tmp_path: Path) -> None:
         (tmp_path / f"{sheet.name}.csv").write_text(csv_text(sheet))
     convert_file(str(tmp_path), "tables", tmp_path / "task.json")
     assert canonical_task(read_task(tmp_path / "task.json").task) == canonical_task(found)
+
+
+FACTORY = {
+    "time_unit": "min",
+    "resolution": "1 s",
+    "origin": "2026-03-02T06:00:00",
+    "calendars": [
+        {
+            "id": "day shift",
+            "time_zone": "Europe/Berlin",
+            "open": [
+                {"days": ["mon", "tue"], "from": "06:00", "to": "14:00"},
+                {"days": ["sat"], "from": "08:00", "to": "12:00"},
+            ],
+            "closed": ["2026-12-25", {"from": "2026-03-03T07:00:00", "to": "2026-03-03T08:30:00"}],
+        }
+    ],
+    "resources": [
+        {
+            "id": "press",
+            "calendar": "day shift",
+            "description": "the old one",
+            "setups": {
+                "initial": "clean",
+                "times": [
+                    {"from": "*", "to": "red", "time": 30},
+                    {"from": "red", "to": "blue", "time": "20 min", "cost": 5},
+                ],
+            },
+        }
+    ],
+    "actions": [
+        {
+            "id": "print red",
+            "duration": "7 h",
+            "breaks": "pause",
+            "max_pause": "1 day",
+            "uses": [{"resource": "press", "family": "red"}],
+        },
+        {"id": "read", "duration": 5, "calendar": "day shift", "description": "proofs"},
+    ],
+    "objective": ["minimize_setup_time", "minimize_makespan"],
+}
+
+
+def test_calendars_pauses_and_set_ups_are_written_and_read_back(tmp_path: Path) -> None:
+    (tmp_path / "task.json").write_text(json.dumps(FACTORY))
+    written = canonical_task(read_task(tmp_path / "task.json").task)
+    convert_file(str(tmp_path / "task.json"), None, tmp_path / "plan.xlsx")
+    convert_file(str(tmp_path / "task.json"), None, tmp_path / "folder", target="tables")
+    assert canonical_task(read_task(tmp_path / "plan.xlsx").task) == written
+    convert_file(str(tmp_path / "folder"), "tables", tmp_path / "back.json")
+    assert canonical_task(read_task(tmp_path / "back.json").task) == written
+
+
+def test_a_time_of_day_is_a_cell_of_its_own_kind() -> None:
+    found = task(
+        Sheet("actions", [["action", "calendar"], ["a", "day"]]),
+        Sheet("calendars", [["calendar", "days", "from", "to"], ["day", "mon", dt.time(6), "14"]]),
+    )
+    (only,) = found.calendars[0].open
+    assert only.days == ("mon",)
 
 
 def test_cells_are_read_as_people_write_them() -> None:

@@ -20,7 +20,7 @@ _COMMON = frozenset(
         Feature.MAKESPAN,
     ]
 )
-_PSPLIB = _COMMON | {Feature.MODES, Feature.RESERVOIRS}
+_PSPLIB = _COMMON | {Feature.MODES, Feature.MODE_ELEMENTS, Feature.RESERVOIRS}
 _MAX = _COMMON | {
     *(Feature.PRECEDENCE_TYPES, Feature.MIN_LAG, Feature.NEGATIVE_LAG, Feature.MAX_LAG),
     *(Feature.RELEASE, Feature.DEADLINE, Feature.FIXED_START, Feature.LATEST_START),
@@ -191,6 +191,10 @@ def _ways(action: Action, index: int, names: Sequence[str], refusals: Refusals) 
     found = []
     for m, way in enumerate(ways):
         place = (*at, "modes", m) if action.modes else at
+        for name in ("produces", "conditions", "effects", "cost") if action.modes else ():
+            if getattr(way, name) not in (None, ()):
+                message = f"action {action.id!r}: {refusals.format} has no {name} of modes"
+                refusals.add(message, (*place, name))
         duration = refusals.whole(way.duration, f"action {action.id!r}", (*place, "duration"))
         held: dict[str, int] = defaultdict(int)
         parts = [action, way] if action.modes else [action]
@@ -199,7 +203,7 @@ def _ways(action: Action, index: int, names: Sequence[str], refusals: Refusals) 
                 held[use.alternatives[0]] += use.amount
             for change in getattr(part, "consumes", ()):
                 held[change.resource] += change.amount
-        found.append([duration, *(held[name] for name in names)])
+        found.append([duration, *(held[id] for id in names)])
     return found
 
 

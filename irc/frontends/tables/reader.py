@@ -16,7 +16,10 @@ from irc.model import Task
 from irc.model.from_document import to_task
 
 _AMOUNT = re.compile(r"(.*\S)\s*[x×*]\s*(\d+)\Z")
-_TASK_FIELDS = ("name", "time_unit", "origin", "deadline", "objective", "description")
+_TASK_FIELDS = (
+    *("name", "description", "time_unit", "days_per_month", "resolution", "origin", "deadline"),
+    "objective",
+)
 
 
 def task_of_sheets(sheets: Sequence[Sheet], file: str) -> Task:
@@ -66,13 +69,12 @@ def _document(rows: dict[str, list[Row]], places: dict[Pointer, str]) -> dict[st
     actions = {row.text("action"): row for row in rows["actions"]}
     for kind in ("modes", "uses", "stock"):
         rows[kind] = [row for row in rows[kind] if _refers(row, "action", actions, "action")]
-    rows["availability"] = [
-        row
-        for row in rows["availability"]
-        if _refers(row, "resource", {r.text("resource"): r for r in rows["resources"]}, "resource")
-    ]
+    resources = {row.text("resource"): row for row in rows["resources"]}
+    for kind in ("availability", "setups"):
+        rows[kind] = [row for row in rows[kind] if _refers(row, "resource", resources, "resource")]
     document = {
         **_task(rows["task"]),
+        "calendars": _calendars(rows["calendars"]),
         "resources": _resources(rows),
         "actions": _actions(rows),
         "precedence": _precedence(rows),
@@ -114,14 +116,46 @@ def _resources(rows: dict[str, list[Row]]) -> list[dict[str, Any]]:
     windows: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for row in rows["availability"]:
         windows[row.text("resource")].append(row.fields("from", "to", "capacity"))
+    setups: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for row in rows["setups"]:
+        setups[row.text("resource")].append(row.fields("from", "to", "time", "cost"))
     return [
         {
-            "id": row.text("resource"),
-            **row.fields("label", "kind", "capacity", "initial", "min", "max"),
-            **_if_any("availability", windows[row.text("resource")]),
+            "id": (id := row.text("resource")),
+            **row.fields(
+                "label", "description", "kind", "capacity", "initial", "min", "max", "calendar"
+            ),
+            **_if_any("availability", windows[id]),
+            **_setups(row, setups[id]),
         }
         for row in rows["resources"]
     ]
+
+
+def _setups(row: Row, times: list[dict[str, Any]]) -> dict[str, Any]:
+    initial = row.value("initial_family")
+    if not times and initial is None:
+        return {}
+    return {"setups": {**({} if initial is None else {"initial": initial}), "times": times}}
+
+
+def _calendars(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """The calendars: of each row an open time, or a closed one."""
+    found: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        calendar = found.setdefault(row.text("calendar"), {"open": [], "closed": []})
+        calendar |= row.fields("time_zone", "every")
+        closed = row.value("closed")
+        if closed is None:
+            days = row.value("days")
+            calendar["open"].append(
+                {**({"days": days} if days else {}), **row.fields("from", "to")}
+            )
+        elif (until := row.value("closed_to")) is None:
+            calendar["closed"].append(closed)
+        else:
+            calendar["closed"].append({"from": closed, "to": until})
+    return [{"id": id, **{k: v for k, v in one.items() if v != []}} for id, one in found.items()]
 
 
 def _if_any(name: str, values: list[Any]) -> dict[str, Any]:
@@ -129,8 +163,18 @@ def _if_any(name: str, values: list[Any]) -> dict[str, Any]:
 
 
 _ACTION_FIELDS = (
-    *("label", "release", "start", "latest_start", "deadline", "due", "weight", "occurs"),
-    *("reward", "cost"),
+    *(
+        "label",
+        "description",
+        "release",
+        "start",
+        "latest_start",
+        "deadline",
+        "due",
+        "weight",
+        "occurs",
+    ),
+    *("reward", "cost", "calendar", "breaks", "max_pause"),
 )
 
 
@@ -162,6 +206,7 @@ def _mode(row: Row, uses: dict[tuple[str, str], list[dict[str, Any]]]) -> dict[s
     listed = uses[row.text("action"), row.text("mode")]
     return {
         "id": row.text("mode"),
+        **row.fields("label"),
         **_duration(row),
         **_if_any("uses", _written_uses(row) + listed),
     }
@@ -203,10 +248,11 @@ def _uses(rows: Iterable[Row]) -> dict[tuple[str, str], list[dict[str, Any]]]:
             first = alternatives[0]
             names = [row.text("resource") for row in alternatives]
             one = {"resource": names[0]} if len(names) == 1 else {"one_of": names}
-            amounts = {row.value("amount") for row in alternatives}
-            if len(amounts) > 1:
-                alternatives[-1].fault("amount", "the alternatives of one use have one amount")
-            found[owner].append({**one, **first.fields("amount")})
+            for column in ("amount", "family"):
+                if len({row.value(column) for row in alternatives}) > 1:
+                    message = f"the alternatives of one use have one {column}"
+                    alternatives[-1].fault(column, message)
+            found[owner].append({**one, **first.fields("amount", "family")})
     return found
 
 

@@ -9,8 +9,9 @@ from typing import Any
 from irc.frontends.exporters.refusal import Refusals
 from irc.frontends.tables.cells import Sheet, Value
 from irc.frontends.tables.layout import SHEETS
-from irc.model import Action, DurationRange, Mode, Task
+from irc.model import Action, DurationRange, Mode, Resource, Task
 from irc.model.base import write_time
+from irc.model.details import ClosedTime
 from irc.model.features import Feature
 
 _SUPPORTED = frozenset(
@@ -22,6 +23,8 @@ _SUPPORTED = frozenset(
         *(Feature.ALTERNATIVES, Feature.CALENDARS, Feature.RESERVOIRS, Feature.GROUPS),
         *(Feature.REWARD, Feature.COST, Feature.TARDINESS, Feature.MAXIMIZE_REWARD),
         *(Feature.MINIMIZE_COST, Feature.SEVERAL_OBJECTIVES, Feature.MAKESPAN),
+        *(Feature.SETUPS, Feature.ACTION_CALENDARS, Feature.PAUSES),
+        *(Feature.SETUP_TIME, Feature.SETUP_COST),
     ]
 )
 
@@ -47,7 +50,14 @@ def sheets_of_task(task: Task) -> list[Sheet]:
         "actions": [{**_action(action), "order": groups.get(action.id)} for action in task.actions],
         "modes": [{"action": a.id, **_mode(m)} for a in task.actions for m in a.modes],
         "uses": [*_uses(task)],
-        "resources": [_fields(r, "resource", SHEETS["resources"]) for r in task.resources],
+        "resources": [_resource(r) for r in task.resources],
+        "calendars": [*_calendars(task)],
+        "setups": [
+            {"resource": r.id, **_fields(time, None, SHEETS["setups"])}
+            for r in task.resources
+            if r.setups is not None
+            for time in r.setups.times
+        ],
         "availability": [
             {"resource": r.id, **_fields(w, None, SHEETS["availability"])}
             for r in task.resources
@@ -96,8 +106,13 @@ def _sheet(name: str, rows: Sequence[Cells], *, every_column: bool = False) -> S
     return Sheet(name, [columns, *([row.get(column) for column in columns] for row in rows)])
 
 
+_TASK_FIELDS = (
+    *("name", "description", "time_unit", "days_per_month", "resolution", "origin", "deadline"),
+)
+
+
 def _task(task: Task) -> Iterator[Cells]:
-    for field in ("name", "description", "time_unit", "origin", "deadline"):
+    for field in _TASK_FIELDS:
         value = getattr(task, field)
         if field in task.model_fields_set and value is not None:
             yield {"field": field, "value": _cell(value)}
@@ -158,7 +173,32 @@ def _action(action: Action) -> dict[str, Value]:
 
 
 def _mode(mode: Mode) -> dict[str, Value]:
-    return {"mode": mode.id, **_duration(mode)}
+    label = {} if mode.label is None else {"label": mode.label}
+    return {"mode": mode.id, **label, **_duration(mode)}
+
+
+def _resource(resource: Resource) -> dict[str, Value]:
+    cells = _fields(resource, "resource", SHEETS["resources"])
+    if resource.setups is not None and resource.setups.initial is not None:
+        cells["initial_family"] = resource.setups.initial
+    return cells
+
+
+def _calendars(task: Task) -> Iterator[Cells]:
+    """A row for each open time and each closed one; the first names what holds for all."""
+    for calendar in task.calendars:
+        columns = {name: SHEETS["calendars"][name] for name in ("time_zone", "every")}
+        head = {"calendar": calendar.id, **_fields(calendar, None, columns)}
+        for time in calendar.open:
+            days = "; ".join(time.days) if time.days else None
+            yield {**head, "days": days, "from": _cell(time.from_), "to": _cell(time.to)}
+            head = {"calendar": calendar.id}
+        for closed in calendar.closed:
+            if isinstance(closed, ClosedTime):
+                span = {"closed": _cell(closed.from_), "closed_to": _cell(closed.to)}
+            else:
+                span = {"closed": _cell(closed)}
+            yield {"calendar": calendar.id, **span}
 
 
 def _uses(task: Task) -> Iterator[Cells]:
@@ -175,6 +215,7 @@ def _uses(task: Task) -> Iterator[Cells]:
                         "use": number,
                         "resource": name,
                         **({"amount": use.amount} if use.amount != 1 else {}),
+                        **({"family": use.family} if use.family is not None else {}),
                     }
 
 
