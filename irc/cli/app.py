@@ -12,6 +12,7 @@ import typer
 from irc.cli.batch import batch
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.generate import generate
+from irc.cli.new import new
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     EngineOption,
@@ -484,6 +485,7 @@ _COMMANDS = (
     run,
     convert,
     generate,
+    new,
     fmt,
     explain_code,
     targets,

@@ -22,6 +22,7 @@ from irc.frontends.tables.writer import sheets_of_task, template_sheets
 from irc.model import Task
 from irc.model.canonical import canonical_task
 from paths import EXAMPLES
+from runs import run_irc
 
 ACTIONS = [["action", "duration", "uses", "after"], ["cut", 30, "saw", None]]
 
@@ -276,3 +277,14 @@ def test_a_csv_file_with_semicolons_and_a_mark_is_read(tmp_path: Path) -> None:
     (tmp_path / "plan.csv").write_text("action;duration\na;1,5\n")
     with pytest.raises(InputError, match="row 2"):
         read_task(tmp_path / "plan.csv")
+
+
+@pytest.mark.parametrize("name", ["first.irc", "first.json", "first.xlsx", "first"])
+def test_a_first_task_can_be_solved_and_is_not_overwritten(name: str, tmp_path: Path) -> None:
+    done = run_irc("new", tmp_path / name)
+    assert done.status == 0, done.stderr
+    task_file = tmp_path / "task.json"
+    convert_file(str(tmp_path / name), "tables" if name == "first" else None, task_file)
+    assert irc.solve(task_file).status == "optimal"
+    again = run_irc("new", tmp_path / name)
+    assert (again.status, "is already there" in again.stderr) == (2, True)

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
+from irc.errors import LibraryMissing
 from irc.frontends.tables.cells import Sheet, Value
 from irc.frontends.texts import read_bytes, read_text
-from irc.targets import EngineMissing
 
 _MOST_BYTES = 256 * 1024 * 1024
 """A workbook that is larger than this when it is unpacked is refused."""
@@ -28,7 +28,7 @@ _MERGED = re.compile(rb'<mergeCell\s[^>]*ref="([A-Z0-9:]{1,20})"')
 def read_sheets(file: str) -> list[Sheet]:
     """The sheets of a workbook, of a folder of CSV files, or of one CSV file.
 
-    A single CSV file is the sheet `actions`. Raises `InputError`, or `EngineMissing` without
+    A single CSV file is the sheet `actions`. Raises `InputError`, or `LibraryMissing` without
     openpyxl (`pip install 'irc-compiler[files]'`).
     """
     path = Path(file)
@@ -105,7 +105,7 @@ def _merged(packed: zipfile.ZipFile) -> str | None:
 
 def _openpyxl() -> Any:
     if find_spec("openpyxl") is None:
-        raise EngineMissing("workbooks need openpyxl: pip install 'irc-compiler[files]'")
+        raise LibraryMissing("workbooks need openpyxl: pip install 'irc-compiler[files]'")
     import openpyxl
 
     return openpyxl
