@@ -282,9 +282,9 @@ def test_a_csv_file_with_semicolons_and_a_mark_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["first.irc", "first.json", "first.xlsx", "first"])
 def test_a_first_task_can_be_solved_and_is_not_overwritten(name: str, tmp_path: Path) -> None:
     done = run_irc("new", tmp_path / name)
-    assert done.status == 0, done.stderr
+    assert done.exit_code == 0, done.stderr
     task_file = tmp_path / "task.json"
     convert_file(str(tmp_path / name), "tables" if name == "first" else None, task_file)
     assert irc.solve(task_file).status == "optimal"
     again = run_irc("new", tmp_path / name)
-    assert (again.status, "is already there" in again.stderr) == (2, True)
+    assert (again.exit_code, "is already there" in again.stderr) == (2, True)
