@@ -99,7 +99,7 @@ def test_the_oracle_of_an_episode_is_the_optimum_with_releases() -> None:
     best = state_brute_force.optimum(task)
     assert best is not None
     found = with_oracle(episode, 20)["oracle"]["oracle_final_makespan"]
-    assert best.makespan == found
+    assert best.values["makespan"] == found
 
 
 def test_a_rush_order_has_a_deadline_that_can_be_kept() -> None:
