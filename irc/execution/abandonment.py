@@ -31,6 +31,8 @@ def best_continuation(repair: Repair) -> Found:
     """The best continuation that gives up as few half-done groups as possible."""
     half_done = repair.frozen.half_done()
     has_prover = not repair.backend.proves and _can_prove(repair.budget.share(PROVER_SHARE))
+    if repair.frozen.all_carried is not None and has_prover:
+        repair = _with_what_is_met(repair)
     if half_done and has_prover:
         return _as_proven(repair)
     outcome, problem = repair.attempt(())
@@ -58,6 +60,15 @@ def _prover(repair: Repair, budget: Budget) -> Repair:
     prover = get_backend(PROVER)
     options = replace(repair.options, on_progress=None)
     return replace(repair, backend=prover, engine=prover.engine(), options=options, budget=budget)
+
+
+def _with_what_is_met(repair: Repair) -> Repair:
+    """The repair in which all is carried at once that, as the prover says, nothing can meet."""
+    frozen = repair.frozen
+    proven, _ = _prover(repair, repair.budget.share(PROVER_SHARE)).all_met(())
+    if proven.status is not Status.INFEASIBLE or frozen.all_carried is None:
+        return repair
+    return replace(repair, frozen=replace(frozen, problem=frozen.all_carried, all_carried=None))
 
 
 def _as_proven(repair: Repair) -> Found:

@@ -21,27 +21,28 @@ from irc.schedule import Entry
 
 
 def relaxed(
-    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
-) -> tuple[Problem, dict[int, ExecutedActivity]]:
-    """The problem without the demands that its executed activities break, and those activities.
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int, *, hopes: bool = True
+) -> tuple[Problem, bool]:
+    """The problem without the demands that its executed activities break.
 
-    Where a condition of a running activity breaks later, a helper activity, after all others in the
-    list, holds the condition until then. The helper counts as executed.
+    With `hopes` it keeps a demand that open activities may still meet, by stock or by state, though
+    the history alone will not. Returns also whether there is one.
     """
     if not executed:
-        return problem, {}
+        return problem, False
     problem = _without_late_deadline(problem, executed)
     problem = replace(
         problem, arcs=tuple(a for a in problem.arcs if not _is_broken(problem, a, executed))
     )
     problem = _with_room(problem, executed)
+    stock = state = False
     if problem.reservoirs:
-        problem = with_stock_lent(problem, executed, now)
+        problem, stock = with_stock_lent(problem, executed, now, hopes=hopes)
     if problem.numbers:
         problem = without_unmet_limits(problem, executed, now)
     if problem.has_state:
-        return without_broken_conditions(problem, executed, now)
-    return problem, dict(executed)
+        problem, state = without_broken_conditions(problem, executed, now, hopes=hopes)
+    return problem, stock or state
 
 
 def _without_late_deadline(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:

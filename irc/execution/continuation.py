@@ -20,6 +20,7 @@ from irc.execution.history import History
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
+from irc.execution.state_conflicts import with_values_held
 from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.quantities import Number
@@ -83,9 +84,21 @@ class Repair:
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers.
 
-        Raises `EngineMissing` or `EngineFailed`.
+        What the history alone does not meet, by stock or by state, open activities meet for it if
+        any continuation does; else it is carried. Raises `EngineMissing` or `EngineFailed`.
         """
-        frozen = order_from_state(with_groups(self.frozen, given_up))
+        found = self.all_met(given_up)
+        if found[0].status is not Status.INFEASIBLE or self.frozen.all_carried is None:
+            return found
+        carried = with_groups(self.frozen, given_up, all_carried=True)
+        return self._attempt(carried, given_up)
+
+    def all_met(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
+        """As `attempt`, where open activities meet all that they may for the history."""
+        return self._attempt(with_groups(self.frozen, given_up), given_up)
+
+    def _attempt(self, problem: Problem, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
+        frozen = order_from_state(problem)
         whole, impossible = self._passed(frozen)
         if impossible is not None:
             return impossible, whole
@@ -129,8 +142,7 @@ class Repair:
             status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
             return replace(entry, status=status)
 
-        entries = (marked(e) for e in schedule.entries if e.id not in self.frozen.helpers)
-        return replace(schedule, entries=tuple(entries))
+        return replace(schedule, entries=tuple(map(marked, schedule.entries)))
 
     def _solved(
         self,
@@ -194,7 +206,7 @@ class Repair:
         """The outcome of the residual problem, with the history before it."""
         now = self.frozen.now
         try:
-            residual = residual_problem(frozen, self.frozen.executed, now)
+            residual = residual_problem(with_values_held(frozen), self.frozen.executed, now)
         except PastError as error:
             return _impossible(str(error))
         left, impossible = self._passed(residual.problem, now)

@@ -93,6 +93,8 @@ def as_executed(
     apart = _ends_apart(activity, past, ranks)
     if apart:
         longest = shortest + 1
+    elif not past.running and ranks is not None and None in ranks:
+        ranks = None  # Start and end have one rank, and one of them is new.
     activity = _with_taken(problem, activity, past)
     details = _as_happened(activity.details, past, shortest, longest, ranks)
     # (Ranks still decide who gets the units that it frees at this instant.)

@@ -20,7 +20,7 @@ from irc.execution.executed import (
     previous_place_of,
 )
 from irc.execution.history import History
-from irc.execution.past import known_ranks, past_first, stock_past_first
+from irc.execution.past import known_ranks, past_first, stock_past_first, without_clashes
 from irc.execution.state import key_of
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
@@ -31,13 +31,14 @@ from irc.schedule import Entry
 class FrozenProblem:
     """A problem whose history is fixed. `executed` are by activity; `now` is in ticks.
 
-    `helpers` are ids of activities that only hold a condition for a while.
+    `problem` keeps the demands of the history that open activities may still meet, by stock or by
+    state. Where there are any, `all_carried` is the problem without these: they are carried.
     """
 
     problem: Problem
     now: int
     executed: Mapping[int, ExecutedActivity]
-    helpers: frozenset[str] = frozenset()
+    all_carried: Problem | None = None
 
     def half_done(self) -> tuple[int, ...]:
         """The optional groups with executed members and open members."""
@@ -124,13 +125,13 @@ def _without_conflicts(
 ) -> FrozenProblem:
     """The frozen problem in which the past comes first, and its conflicts do not bind."""
     if problem.has_state:
+        problem = without_clashes(problem, executed)
         problem, executed = past_first(problem, executed, now)
     if problem.reservoirs:
         problem = stock_past_first(problem, executed, now)
-    count = len(problem.activities)
-    problem, executed = relaxed(problem, executed, now)
-    helpers = frozenset(a.id for a in problem.activities[count:])
-    return FrozenProblem(problem, now, executed, helpers)
+    hopeful, hoped = relaxed(problem, executed, now)
+    carried = relaxed(problem, executed, now, hopes=False)[0] if hoped else None
+    return FrozenProblem(hopeful, now, executed, carried)
 
 
 def _places_of_first(
@@ -209,12 +210,17 @@ def _open(activity: Activity, now: int, cancelled: bool) -> Activity:
     return replace(activity, deadline=IMPOSSIBLE_DEADLINE, details=details)
 
 
-def with_groups(frozen: FrozenProblem, given_up: Collection[int]) -> Problem:
+def with_groups(
+    frozen: FrozenProblem, given_up: Collection[int], *, all_carried: bool = False
+) -> Problem:
     """The problem in which half-done groups must be finished, except for the groups `given_up`.
 
     Open members of a given-up group are left out, unless another required group has them.
+    `all_carried`: what open activities may still meet for the history does not bind.
     """
     problem = frozen.problem
+    if all_carried and frozen.all_carried is not None:
+        problem = frozen.all_carried
     required = {
         k for k, g in enumerate(problem.groups) if any(i in frozen.executed for i in g.members)
     } - set(given_up)

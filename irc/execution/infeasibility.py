@@ -39,14 +39,14 @@ def what_is_in_the_way(repair: Repair) -> tuple[Diagnostic, ...]:
     Empty where nothing was found. It takes little time, and no more than the time that is left.
     """
     frozen, budget = repair.frozen, repair.budget.at_most(PATIENCE)
-    problem = order_from_state(with_groups(frozen, frozen.half_done()))
+    freest = with_groups(frozen, frozen.half_done(), all_carried=True)
+    problem = order_from_state(freest)
     problem = replace(problem, previous=PreviousPlan(stability=problem.previous.stability))
-    helpers = {i for i, a in enumerate(problem.activities) if a.id in frozen.helpers}
     backend = get_backend(PROVER)
     prover = replace(repair, backend=backend, engine=backend.engine())
     if prover.engine.missing() is not None or not prover.engine.can_begin(budget):
         return ()
-    search = _LimitSearch(problem, helpers.union(frozen.executed), prover, budget)
+    search = _LimitSearch(problem, frozenset(frozen.executed), prover, budget)
     for sort in _SORTS:
         found = [*sort(search)]
         if found:
@@ -244,7 +244,12 @@ def _without_conditions(activity: Activity, var: int) -> Activity:
         return tuple(c for c in conditions if c.var != var)
 
     modes = tuple(m._replace(conditions=kept(m.conditions)) for m in details.modes)
-    details = replace(details, conditions=kept(details.conditions), modes=modes)
+    details = replace(
+        details,
+        conditions=kept(details.conditions),
+        modes=modes,
+        protects=tuple(p for p in details.protects if p.var != var),
+    )
     return replace(activity, details=details)
 
 

@@ -29,11 +29,46 @@ def known_ranks(
     start = past.rank if planned.start == past.entry.start else None
     if past.running:
         return None if start is None else Ranks(start, None, at_least=activity.is_fixed)
+    if past.cancelled and past.start == past.end:
+        # (It is one happening, though it was to be two.)
+        return None if start is None else Ranks(start, start)
     end = past.end_rank if planned.end == past.entry.end else None
     if end is None and (activity.is_fixed or past.cancelled):
         # Start and end have one rank, which is that of an end that was not planned.
         return None
     return None if start is None and end is None else Ranks(start, end)
+
+
+def without_clashes(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
+    """The problem in which happenings with known ranks that interfere get their ranks anew.
+
+    What is observed, or changes the world, at an instant that was planned otherwise may come to
+    have the time and the rank of something else.
+    """
+    touched: dict[tuple[int, int, int], list[tuple[int, bool]]] = {}
+    for i, past in executed.items():
+        activity = problem.activities[i]
+        for at_end in (False, True):
+            rank = _end_rank(problem, i) if at_end else _start_rank(activity)
+            time = past.end if at_end else past.start
+            if rank is None or (at_end and past.end == past.start):
+                continue
+            reads, writes = _touched(activity, at_end=at_end)
+            for var in reads | writes:
+                touched.setdefault((time, rank, var), []).append((i, var in writes))
+    clashing = {
+        i
+        for members in touched.values()
+        if len({i for i, _ in members}) > 1 and any(written for _, written in members)
+        for i, _ in members
+    }
+    if not clashing:
+        return problem
+    activities = list(problem.activities)
+    for i in clashing:
+        details = replace(activities[i].details, ranks=None)
+        activities[i] = replace(activities[i], details=details)
+    return replace(problem, activities=tuple(activities))
 
 
 def past_first(
@@ -127,6 +162,12 @@ def _begins(past: ExecutedActivity | None, time: int, now: int) -> bool:
 
 def _is_concerned(problem: Problem, i: int) -> bool:
     return problem.activities[i].details.touches_world
+
+
+def _start_rank(activity: Activity) -> int | None:
+    """The rank of an executed start, where it is known and cannot get higher."""
+    ranks = activity.details.ranks
+    return None if ranks is None or ranks.at_least else ranks.start
 
 
 def _end_rank(problem: Problem, i: int) -> int | None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
-from irc.problem import Activity, Condition, Details, Effect, Problem, Variable
-from irc.schedule import Entry
+from irc.problem import Activity, Condition, Effect, Problem, Protected, Variable
 
 Write = tuple[int, int, int, int]
 """(time, stage, value, activity). At an instant at which the past comes first, stage 0 is an end,
@@ -20,51 +19,105 @@ _NOBODY = -1
 
 
 def without_broken_conditions(
-    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
-) -> tuple[Problem, dict[int, ExecutedActivity]]:
-    """Drops conditions of executed activities that no order of their own effects makes true."""
-    staged = {now, *(f.start for f in executed.values() if f.by_itself)}
-    staged |= {change.at for variable in problem.variables for change in variable.changes}
-    written = _writes(problem, executed, staged)
-    open_values = {
-        (e.var, e.value)
-        for i, a in enumerate(problem.activities)
-        if i not in executed
-        for e in a.details.all_effects
-    }
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int, *, hopes: bool
+) -> tuple[Problem, bool]:
+    """Drops conditions of executed activities that no order of their own effects makes true.
+
+    Where one binds throughout what still runs, open activities do not end it where it holds. With
+    `hopes` a condition is kept that open activities may still meet; returns also whether one is.
+    """
+    history = _History.of(problem, executed, now)
     activities = list(problem.activities)
-    helpers: list[tuple[Activity, ExecutedActivity]] = []
     lost: list[tuple[int, int, bool]] = []
+    protected: list[Protected] = []
+    hoped = False
     for i, past in executed.items():
         details = activities[i].details
         if not details.conditions:
             continue
         kept = []
         for c in details.conditions:
-            writes = written.get(c.var, [])
-            if _can_hold(problem, writes, c, i, past, open_values, staged):
+            if history.can_hold(c, i, past):
                 kept.append(c)
-            elif past.running and c.at == "all":
-                helpers += _held_until_broken(problem, writes, c, i, past, now)
+            elif hopes and history.may_be_met(c, past):
+                kept.append(c)
+                hoped = True
+            elif c.at != "all":
+                lost.append((i, c.var, c.at == "end"))
+            elif past.running and history.may_have_again(c):
+                protected.append(Protected(i, c.var, c.value))
         if len(kept) < len(details.conditions):
-            conditions = tuple(kept)
-            lost += [
-                (i, c.var, c.at == "end")
-                for c in details.conditions
-                if c not in kept and c.at != "all"
-            ]
-            activities[i] = replace(activities[i], details=replace(details, conditions=conditions))
+            activities[i] = replace(activities[i], details=replace(details, conditions=tuple(kept)))
+    if protected:
+        activities = [
+            a if i in executed else _protecting(a, protected) for i, a in enumerate(activities)
+        ]
     variables = _still_read(problem, activities, executed, lost, now)
     changed = replace(
         problem,
         variables=(*problem.variables, *variables),
-        activities=(*activities, *(a for a, _ in helpers)),
-        previous=replace(
-            problem.previous,
-            places=problem.previous.places and (*problem.previous.places, *(None for _ in helpers)),
-        ),
+        activities=tuple(activities),
     )
-    return changed, {**executed, **{len(activities) + k: f for k, (_, f) in enumerate(helpers)}}
+    return changed, hoped
+
+
+def _protecting(activity: Activity, protected: Sequence[Protected]) -> Activity:
+    """An open activity that takes none of these values away; as before if it never could."""
+    details = activity.details
+    its = tuple(
+        p
+        for p in protected
+        if any(e.var == p.var and e.value != p.value for e in details.all_effects)
+    )
+    return replace(activity, details=replace(details, protects=its)) if its else activity
+
+
+def with_values_held(problem: Problem) -> Problem:
+    """The problem in which protected values may not be touched at all, instead of not taken away.
+
+    This is for a target that cannot say "where the variable has the value": another variable says
+    whether the activity still runs, and who gives the first one another value needs its end.
+    """
+    activities, variables = list(problem.activities), list(problem.variables)
+    names = {v.id for v in variables}
+    over: dict[Protected, int] = {}
+    for activity in problem.activities:
+        for p in activity.details.protects:
+            if p in over:
+                continue
+            over[p] = len(variables)
+            who = activities[p.activity]
+            name = fresh_name(f"{who.id} is over: {variables[p.var].id}", names)
+            names.add(name)
+            variables.append(Variable(name, (False, True), 0))
+            ends = (*who.details.effects, Effect(over[p], 1, at_end=True))
+            activities[p.activity] = replace(who, details=replace(who.details, effects=ends))
+    if not over:
+        return problem
+    return replace(
+        problem,
+        activities=tuple(_behind(activity, over) for activity in activities),
+        variables=tuple(variables),
+    )
+
+
+def _behind(activity: Activity, over: Mapping[Protected, int]) -> Activity:
+    """An activity whose changes of protected variables come behind what needs these."""
+    details = activity.details
+    if not details.protects:
+        return activity
+
+    def needed(effects: tuple[Effect, ...]) -> tuple[Condition, ...]:
+        return tuple(
+            Condition(over[p], 1, "end" if e.at_end else "start")
+            for p in details.protects
+            for e in effects
+            if e.var == p.var and e.value != p.value
+        )
+
+    modes = tuple(m._replace(conditions=m.conditions + needed(m.effects)) for m in details.modes)
+    conditions = tuple(dict.fromkeys(details.conditions + needed(details.effects)))
+    return replace(activity, details=replace(details, conditions=conditions, modes=modes))
 
 
 def _still_read(
@@ -108,47 +161,80 @@ def _alike(effects: tuple[Effect, ...], var: int, other: int) -> tuple[Effect, .
     return tuple(Effect(other, 0, e.at_end) for e in effects if e.var == var)
 
 
-def _held_until_broken(
-    problem: Problem,
-    writes: list[Write],
-    condition: Condition,
-    i: int,
-    past: ExecutedActivity,
-    now: int,
-) -> list[tuple[Activity, ExecutedActivity]]:
-    """A helper that holds a condition until an executed activity breaks it; none if broken now."""
-    initial = problem.variables[condition.var].initial
-    if condition.value not in _values_at(now, writes, initial):
-        return []
-    breaks = [t for t, _, v, j in writes if j != i and now < t < past.end and v != condition.value]
-    if not breaks:
-        return []
-    who, var = problem.activities[i].id, problem.variables[condition.var].id
-    name = fresh_name(f"{who} needs {var} until {breaks[0]}", {a.id for a in problem.activities})
-    length = breaks[0] - now
-    details = Details(conditions=(condition,))
-    helper = Activity(name, length, length, release=now, start=now, details=details)
-    entry = Entry(name, problem.to_units(now), problem.to_units(breaks[0]))
-    return [(helper, ExecutedActivity(entry, now, breaks[0], None, (), running=True))]
+@dataclass(frozen=True)
+class _History:
+    """The changes of state by the history and by the world, and those that are open.
+
+    `written` has them for each variable, by time. At the instants `staged` the past comes first.
+    """
+
+    problem: Problem
+    now: int
+    written: Mapping[int, Sequence[Write]]
+    staged: frozenset[int]
+    open_values: frozenset[tuple[int, int]]
+
+    @classmethod
+    def of(cls, problem: Problem, executed: Mapping[int, ExecutedActivity], now: int) -> _History:
+        """The history of a frozen problem."""
+        staged = {now, *(f.start for f in executed.values() if f.by_itself)}
+        staged |= {change.at for variable in problem.variables for change in variable.changes}
+        open_values = {
+            (e.var, e.value)
+            for i, a in enumerate(problem.activities)
+            if i not in executed
+            for e in a.details.all_effects
+        }
+        written = _writes(problem, executed, staged)
+        return cls(problem, now, written, frozenset(staged), frozenset(open_values))
+
+    def can_hold(self, condition: Condition, i: int, past: ExecutedActivity) -> bool:
+        """Whether some order of what has happened meets a condition of an executed activity."""
+        writes = self.written.get(condition.var, [])
+        others = [w for w in writes if w[3] != i]
+        initial = self.problem.variables[condition.var].initial
+        if condition.at == "all":
+            if past.end <= past.start:
+                instant = self.problem.activities[i].is_fixed
+                return not instant or condition.value in _values_at(past.start, others, initial)
+            breaks = any(
+                past.start < t < past.end and v != condition.value for t, _, v, _ in others
+            )
+            return not breaks and condition.value in _values_after(past.start, writes, i, initial)
+        time = past.end if condition.at == "end" else past.start
+        stage = 0 if time in self.staged and past.start < time else 2
+        before = writes if condition.at == "end" else others
+        return condition.value in _values_at(time, before, initial, stage)
+
+    def may_be_met(self, condition: Condition, past: ExecutedActivity) -> bool:
+        """Whether open activities may give the value that a running one needs at its end."""
+        value = condition.var, condition.value
+        return past.running and condition.at == "end" and value in self.open_values
+
+    def may_have_again(self, condition: Condition) -> bool:
+        """Whether a variable has the value now, or may have it later."""
+        writes = self.written.get(condition.var, [])
+        initial = self.problem.variables[condition.var].initial
+        return (
+            (condition.var, condition.value) in self.open_values
+            or condition.value in _values_at(self.now, writes, initial)
+            or any(t >= self.now and v == condition.value for t, _, v, _ in writes)
+        )
 
 
 def _writes(
     problem: Problem, executed: Mapping[int, ExecutedActivity], staged: Collection[int]
 ) -> dict[int, list[Write]]:
-    """The changes of each variable by executed activities and due world changes, by time."""
+    """The changes of each variable by executed activities and by the world, by time."""
     written: dict[int, list[Write]] = {}
     for i, activity in enumerate(problem.activities):
         past = executed.get(i)
-        if past is not None:
-            start, end = past.start, past.end
-        elif activity.start is not None and not activity.details.optional and activity.is_fixed:
-            start, end = activity.start, activity.start + activity.duration_min
-        else:
+        if past is None:
             continue
         for effect in activity.details.effects:
-            time = end if effect.at_end else start
+            time = past.end if effect.at_end else past.start
             stage = 2
-            if time in staged and past is not None:
+            if time in staged:
                 stage = 1 if past.by_itself else 0 if past.start < time else 2
             written.setdefault(effect.var, []).append((time, stage, effect.value, i))
     for var, variable in enumerate(problem.variables):
@@ -159,35 +245,7 @@ def _writes(
     return written
 
 
-def _can_hold(
-    problem: Problem,
-    writes: list[Write],
-    condition: Condition,
-    i: int,
-    past: ExecutedActivity,
-    open_values: set[tuple[int, int]],
-    staged: Collection[int],
-) -> bool:
-    others = [w for w in writes if w[3] != i]
-    initial = problem.variables[condition.var].initial
-    if condition.at == "all":
-        if past.end <= past.start:
-            instant = problem.activities[i].is_fixed
-            return not instant or condition.value in _values_at(past.start, others, initial)
-        breaks = any(past.start < t < past.end and v != condition.value for t, _, v, _ in others)
-        return not breaks and condition.value in _values_at(past.start, writes, initial)
-    time = past.end if condition.at == "end" else past.start
-    stage = 0 if time in staged and past.start < time else 2
-    if condition.value in _values_at(
-        time, writes if condition.at == "end" else others, initial, stage
-    ):
-        return True
-    return (
-        past.running and condition.at == "end" and ((condition.var, condition.value) in open_values)
-    )
-
-
-def _values_at(time: int, writes: list[Write], initial: int, stage: int = 2) -> set[int]:
+def _values_at(time: int, writes: Sequence[Write], initial: int, stage: int = 2) -> set[int]:
     """The possible values of a variable at a stage of an instant, in any order of its writes."""
     here = {v for t, s, v, _ in writes if (t, s) == (time, stage)}
     before = [w for w in writes if w[:2] < (time, stage)]
@@ -195,3 +253,14 @@ def _values_at(time: int, writes: list[Write], initial: int, stage: int = 2) -> 
         return here | {initial}
     last = before[-1][:2]
     return here | {v for t, s, v, _ in before if (t, s) == last}
+
+
+def _values_after(time: int, writes: Sequence[Write], i: int, initial: int) -> set[int]:
+    """The possible values of a variable from just after the start of activity i on.
+
+    Another change at that instant comes no later than the start, or it would end the value.
+    """
+    here = {j: v for t, stage, v, j in writes if (t, stage) == (time, 2)}
+    if i in here:
+        return {here[i]}
+    return set(here.values()) or _values_at(time, writes, initial)

@@ -35,28 +35,34 @@ class _Happened(NamedTuple):
 
 
 def with_stock_lent(
-    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
-) -> Problem:
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int, *, hopes: bool
+) -> tuple[Problem, bool]:
     """The problem in which the history keeps the bounds of every reservoir.
 
-    For a bound that breaks only after `now`, it lends what open activities cannot supply.
+    For a bound that breaks only after `now`, with `hopes` it lends only what open activities cannot
+    supply. Returns also whether anything is not lent for that reason.
     """
+    hoped = False
     for k in range(len(problem.reservoirs)):
         happened = sorted(_happened(problem, executed, k))
-        supply, demand = _open_changes(problem, executed, k)
+        supply, demand = _open_changes(problem, executed, k) if hopes else (0, 0)
         reservoir = problem.reservoirs[k]
-        lent = _loans(happened, reservoir.initial - reservoir.least, now, supply)
+        room = reservoir.initial - reservoir.least
+        lent = _loans(happened, room, now, supply)
+        hoped = hoped or lent != _loans(happened, room, now, 0)
         excess = [0 for _ in lent]
         if reservoir.greatest is not None:
             negated = [h._replace(amount=-h.amount) for h in happened]
-            excess = _loans(negated, reservoir.greatest - reservoir.initial, now, demand)
+            above = reservoir.greatest - reservoir.initial
+            excess = _loans(negated, above, now, demand)
+            hoped = hoped or excess != _loans(negated, above, now, 0)
         if not any(lent) and not any(excess):
             continue
         if reservoir.greatest is not None:
             problem, twin = _with_twin(problem, k)
             problem = _lend(problem, executed, twin, happened, [-loan for loan in excess])
         problem = _lend(problem, executed, k, happened, lent)
-    return problem
+    return problem, hoped
 
 
 def _happened(

@@ -168,6 +168,18 @@ class Ranks(NamedTuple):
     at_least: bool = False
 
 
+class Protected(NamedTuple):
+    """While `activity` (index) runs, `var` does not lose `value` (both indexes) where it has it.
+
+    The activity needs the value throughout and has lost it; who has this in its `protects` does not
+    take the value away again.
+    """
+
+    activity: int
+    var: int
+    value: int
+
+
 @dataclass(frozen=True, slots=True)
 class Details:
     """The rare fields of an activity, which most activities do not need.
@@ -211,6 +223,7 @@ class Details:
     effects: tuple[Effect, ...] = ()
     number_conditions: tuple[NumberCondition, ...] = ()
     number_effects: tuple[NumberEffect, ...] = ()
+    protects: tuple[Protected, ...] = ()
     due: int | None = None
     weight: int = 1
     reward: int = 0

@@ -32,6 +32,7 @@ from irc.problem.problem import (
     PreviousPlace,
     PreviousPlan,
     Problem,
+    Protected,
     Selection,
     StockChange,
 )
@@ -383,6 +384,8 @@ def _details(details: Details, way: Projection) -> Details:
                 for m in details.modes
             ),
         )
+    if details.protects and not (way.activities.is_all and way.variables.is_all):
+        changed = replace(changed, protects=tuple(_protected(details, way)))
     if details.previous_occurrence is not None and not way.activities.is_all:
         previous = way.activities.new.get(details.previous_occurrence)
         changed = replace(changed, previous_occurrence=previous)
@@ -416,6 +419,13 @@ def _of_numbers(parts: tuple[_OfNumber, ...], numbers: Kept) -> tuple[_OfNumber,
         return parts
     new = numbers.new
     return tuple(part._replace(number=new[part.number]) for part in parts if part.number in new)
+
+
+def _protected(details: Details, way: Projection) -> Iterator[Protected]:
+    activities, variables = way.activities.new, way.variables.new
+    for activity, var, value in details.protects:
+        if activity in activities and var in variables:
+            yield Protected(activities[activity], variables[var], value)
 
 
 def with_uses(activity: Activity, kept: Sequence[int]) -> Activity:

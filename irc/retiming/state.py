@@ -4,6 +4,8 @@ The happenings that touch a variable come in the decisions' order of (time, rank
 
 - its writes keep their order;
 - a read stays after the write that gave it its value and before the next write;
+- a change that must not take a value away while an activity runs stays behind that activity's end,
+  if it takes that value away;
 - a hold opens no earlier than the write that gave it its value, and closes no later than the next
   write of *another* value; equal ranks suit both, since it holds from just after its opening to
   just before its closing. Writes of the same value may come in between.
@@ -49,6 +51,15 @@ class _Access(NamedTuple):
     value: int
 
 
+class _Taking(NamedTuple):
+    """A change that takes `value` away only behind `closing`."""
+
+    key: Key
+    happening: Happening
+    closing: Happening
+    value: int
+
+
 class _Hold(NamedTuple):
     opening: tuple[Key, Happening]
     closing: tuple[Key, Happening]
@@ -57,8 +68,9 @@ class _Hold(NamedTuple):
 
 @dataclass(slots=True)
 class _Timeline:
-    """The reads, writes and holds of one variable."""
+    """The reads, writes, holds and takings of one variable."""
 
+    takings: list[_Taking] = field(default_factory=list)
     reads: list[_Access] = field(default_factory=list)
     writes: list[_Access] = field(default_factory=list)
     holds: list[_Hold] = field(default_factory=list)
@@ -120,7 +132,13 @@ def _add_activity(
         else:
             timelines[var].holds.append(_Hold(start, end, value))
     for var, value, at_end in activity.details.effects:
-        timelines[var].writes.append(_Access(*(end if at_end else start), value))
+        key, happening = end if at_end else start
+        timelines[var].writes.append(_Access(key, happening, value))
+        timelines[var].takings += [
+            _Taking(key, happening, Happening(p.activity, True), p.value)
+            for p in activity.details.protects
+            if p.var == var and p.value != value
+        ]
 
 
 class _VariableOrder:
@@ -152,6 +170,14 @@ class _VariableOrder:
             yield from self._read(read)
         for hold in self.timeline.holds:
             yield from self._hold(hold)
+        for taking in self.timeline.takings:
+            if self._before(taking.key) == taking.value:
+                yield from between(taking.closing, taking.happening, strict=False)
+
+    def _before(self, key: Key) -> int:
+        """The value just before a time and rank."""
+        last = bisect_left(self.keys, key) - 1
+        return self.writes[last].value if last >= 0 else self.variable.initial
 
     def _read(self, read: _Access) -> Iterator[HappeningOrder]:
         giver = self._giver(bisect_left(self.keys, read.key) - 1, read)

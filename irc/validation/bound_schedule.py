@@ -107,6 +107,11 @@ class Occurrence(NamedTuple):
         return self.shortest != self.longest or self.rank != self.end_rank
 
     @property
+    def is_settled(self) -> bool:
+        """Whether no plan decides it: it is history, or a timed change."""
+        return self.past is not None or self.by_itself
+
+    @property
     def ends_by_itself(self) -> bool:
         """Whether it has an end of its own that nobody chose.
 

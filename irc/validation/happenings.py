@@ -66,10 +66,10 @@ class Timeline:
 
     @property
     def past(self) -> Timeline:
-        """The part of it that is history."""
+        """The part of it that no plan decides: the history, and all timed changes."""
         return Timeline(
             [read for read in self.reads if read.happening.occurrence.past],
-            [write for write in self.writes if write.happening.occurrence.past],
+            [write for write in self.writes if write.happening.occurrence.is_settled],
             [hold for hold in self.holds if hold.opening.occurrence.past],
         )
 

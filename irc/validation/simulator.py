@@ -55,8 +55,8 @@ class StateSimulator:
     """Simulates one variable.
 
     `lost` are demands that the history alone does not meet: they are carried. `failed` collects
-    the demands that are not met here. A change is carried too if it and the need that it breaks
-    are both history (`Occurrence.past`); where something open takes part, it is a violation.
+    the demands that are not met here. A change is carried too if the need that it breaks is history
+    and it is history or timed; where something open takes part, it is a violation.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class StateSimulator:
     def _write(self, access: Write) -> None:
         value = changed(self.value, access.change)
         broken = _unmet(self.held, value)
-        is_open = access.happening.occurrence.past is None
+        is_open = not access.happening.occurrence.is_settled
         if self.bounds is not None and _leaves(self.bounds, self.value, value, further=is_open):
             add_out_of_bounds(
                 self.name, access, value, self.bounds, self.violations, carried=not is_open
@@ -180,7 +180,7 @@ class StateSimulator:
 
 
 def _all_past(accesses: Iterable[Read | Write]) -> bool:
-    return all(access.happening.occurrence.past for access in accesses)
+    return all(access.happening.occurrence.is_settled for access in accesses)
 
 
 def _unmet(holds: _Holds, value: Value) -> dict[int, Hold]:

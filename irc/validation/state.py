@@ -77,19 +77,20 @@ def rank_changes(bound: BoundSchedule, timelines: Timelines, ranks: list[int]) -
             if o.start < o.end == change.start
         }
         places = sorted({0, *(r + d for r in ends for d in (-1, 0, 1)), *latest}, reverse=True)
-        best: int | None = None
+        best: tuple[int, int] | None = None
         for place in places:
             if any(place > most for most in latest):
                 continue
             ranks[node] = place
             attempt = Violations(bound.task.time_unit)
             timeline = timelines.by_variable[var]
-            final = StateSimulator(bound.variables[var], attempt).run(timeline, ranks)
+            final = _simulated(bound, var, timeline, ranks, attempt)
             goals = [g for g in bound.task.goals if isinstance(g, StateGoal) and g.var == var]
-            found = len(attempt.found) + sum(not meets(final, need_of(goal)) for goal in goals)
+            broken = len(attempt.found) + sum(not meets(final, need_of(goal)) for goal in goals)
+            found = broken, len(attempt.carried)
             if best is None or found < best:
                 best, chosen = found, place
-            if not found:
+            if not any(found):
                 break
         ranks[node] = 0 if best is None else chosen
 
@@ -233,11 +234,23 @@ def _follow(
 ) -> None:
     """Simulates every variable in the order of (time, rank): O(n log n)."""
     final: dict[str, Value] = {}
-    for name, variable in bound.variables.items():
+    for name in bound.variables:
         timeline = timelines.by_variable[name]
-        lost = frozenset() if bound.at is None else _lost_to_history(variable, timeline, ranks)
-        final[name] = StateSimulator(variable, violations, lost).run(timeline, ranks)
+        final[name] = _simulated(bound, name, timeline, ranks, violations)
     _check_state_goals(bound, final, violations)
+
+
+def _simulated(
+    bound: BoundSchedule,
+    name: str,
+    timeline: Timeline,
+    ranks: Sequence[int],
+    violations: Violations,
+) -> Value:
+    """Simulates a variable, and returns its last value; what history alone breaks is carried."""
+    variable = bound.variables[name]
+    lost = frozenset() if bound.at is None else _lost_to_history(variable, timeline, ranks)
+    return StateSimulator(variable, violations, lost).run(timeline, ranks)
 
 
 def _lost_to_history(

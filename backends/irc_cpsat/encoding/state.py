@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from irc.problem import Condition, Effect
+from irc.problem import Condition, Effect, Protected
 from irc_cpsat.encoding.builder import Builder, Literal
 from irc_cpsat.encoding.happenings import Happenings
 
@@ -96,6 +96,7 @@ class _StateEncoder:
         owners = self._owners(v)
         for need, at in self.conditions[v]:
             self._add_condition(need, at, owners)
+        self._add_protected(v, owners)
         for var, value in self.problem.goals:
             if var == v and self.problem.variables[v].changes:
                 self._add_goal_in_time(value, owners)
@@ -293,6 +294,39 @@ class _StateEncoder:
         """Literals of which one is true where a condition does not bind."""
         present = self.happenings.carried_out(need.activity, need.mode)
         return [*([] if present is None else [~present]), *(~literal for literal in need.when)]
+
+    def _add_protected(self, v: int, owners: Sequence[_Owner]) -> None:
+        """What takes a protected value away comes after who needs it throughout.
+
+        Or the variable has another value just before.
+        """
+        for change in owners:
+            if change.activity is None:
+                continue
+            for p in self.problem.activities[change.activity].details.protects:
+                if p.var == v and p.value != change.value:
+                    self._take_no_value_away(p, change, owners)
+
+    def _take_no_value_away(
+        self, protected: Protected, change: _Owner, owners: Sequence[_Owner]
+    ) -> None:
+        needs = protected.activity
+        after = self.model.new_bool_var("")
+        closing = self.happenings.point(needs, at_end=True)
+        self.model.add(change.start >= closing).only_enforce_if(after)
+        escapes: list[Any] = [after]
+        if change.literal is not None:
+            escapes.append(~change.literal)
+        for other in owners:
+            if other.value == protected.value or other is change:
+                continue
+            instead = self.model.new_bool_var("")
+            self.model.add(other.start + 1 <= change.start).only_enforce_if(instead)
+            self.model.add(other.end >= change.start).only_enforce_if(instead)
+            if other.literal is not None:
+                self.model.add_implication(instead, other.literal)
+            escapes.append(instead)
+        self.model.add_bool_or(escapes)
 
     def _add_goal(self, value: int, owners: Sequence[_Owner]) -> None:
         supporters = []
