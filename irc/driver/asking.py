@@ -12,6 +12,9 @@ from irc.targets import Budget, Engine, EngineMissing, Outcome, Program, SolveOp
 AFTERWARDS_SHARE = 0.05
 """The part of a time limit that is kept for re-timing, the validator and the output, at most."""
 
+STEP_AFTERWARDS_SHARE = 0.3
+"""The same for a step of a running task, whose limit may be short."""
+
 Accept = Callable[[Schedule], bool]
 
 
@@ -22,8 +25,11 @@ def asked(
     budget: Budget,
     accept: Accept | None = None,
     part: float = 1.0,
+    kept: float = AFTERWARDS_SHARE,
 ) -> Outcome:
     """The outcome of an engine, which may take a `part` of the time that is left.
+
+    Of the time limit the part `kept`, at most, is kept for what follows.
 
     If the budget is cancelled before the engine has an answer, or does not last until it could
     begin, the outcome is the compiler's own schedule, if there is one that `accept` accepts. Raises
@@ -40,7 +46,7 @@ def asked(
     if budget.is_cancelled:
         return Outcome(Status.UNKNOWN, engine.name)
     # All that follows takes about as long as all that came before: reading and checking.
-    after = min(budget.elapsed, AFTERWARDS_SHARE * budget.limit)
+    after = min(budget.elapsed, kept * budget.limit)
     outcome = engine.solve(program, options, budget.share(part).at_most(budget.left - after))
     if outcome.status is Status.UNKNOWN and budget.is_cancelled:
         quick = _own(program, accept)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from irc.diagnostics import Code, Diagnostic
-from irc.driver.asking import asked
+from irc.driver.asking import STEP_AFTERWARDS_SHARE, asked
 from irc.driver.compile import is_hurried
 from irc.driver.judge import finish
 from irc.driver.progress import telling
@@ -156,7 +156,15 @@ class Repair:
         fault = judge or (lambda schedule: self.judged(schedule, given_up))
         alone = self.backend.proves and not self.backend.begins_now
         part = 1 if alone else 1 - AFTERWARDS_SHARE
-        return asked(program, self.engine, options, self.budget, lambda s: fault(s) is None, part)
+        return asked(
+            program,
+            self.engine,
+            options,
+            self.budget,
+            lambda s: fault(s) is None,
+            part,
+            STEP_AFTERWARDS_SHARE,
+        )
 
     def _telling(
         self,

@@ -273,16 +273,19 @@ class Execution:
         """The task with all that is taken to have happened by now."""
         return with_observations(revised, outcomes(history, revised, now))
 
-    def replan(self, budget: Budget | None = None) -> Step:
+    def replan(self, budget: Budget | None = None, *, since: Budget | None = None) -> Step:
         """Repairs the schedule for all events since the last plan, as of now.
 
         Where no continuation exists the step reports it, and nothing that was still to begin is
-        presumed any more. `budget` replaces the time limit and the cancellation of the options.
+        presumed any more. `budget` replaces the time limit and the cancellation of the options; the
+        time limit counts from now, or from when the budget `since` was made.
         Raises `InputError`, `irc.targets.UnknownTarget`, `EngineMissing` or `EngineFailed`, and
         `KeyboardInterrupt` where ^C comes before there is any answer.
         """
+        since = since or Budget()
         present = task, history = self._present()
-        step = solve_step(task, history, self.now, self.options, tuple(self._events), budget)
+        events = tuple(self._events)
+        step = solve_step(task, history, self.now, self.options, events, budget, since=since)
         return self._taken(present, step)
 
     async def areplan(self) -> Step:
@@ -292,11 +295,13 @@ class Execution:
         """
         from irc.driver.running import awaited
 
+        since = Budget()
         present = task, history = self._present()
         at, events = self.now, tuple(self._events)
 
         def call(cancel: Cancellation) -> Step:
-            return solve_step(task, history, at, replace(self.options, cancel=cancel), events)
+            options = replace(self.options, cancel=cancel)
+            return solve_step(task, history, at, options, events, since=since)
 
         return self._taken(present, await awaited(call, self.options.cancel))
 

@@ -51,11 +51,13 @@ def without_clashes(problem: Problem, executed: Mapping[int, ExecutedActivity]) 
         for at_end in (False, True):
             rank = _end_rank(problem, i) if at_end else _start_rank(activity)
             time = past.end if at_end else past.start
-            if rank is None or (at_end and past.end == past.start):
+            one = past.end == past.start and _end_rank(problem, i) == _start_rank(activity)
+            if rank is None or (at_end and one):
                 continue
-            reads, writes = _touched(activity, at_end=at_end)
+            reads, writes = _touched(activity, at_end=at_end, both=one)
             for var in reads | writes:
-                touched.setdefault((time, rank, var), []).append((i, var in writes))
+                if var >= 0:  # (Changes of a number may come together.)
+                    touched.setdefault((time, rank, var), []).append((i, var in writes))
     clashing = {
         i
         for members in touched.values()
@@ -193,12 +195,16 @@ def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bo
     return free
 
 
-def _touched(activity: Activity, *, at_end: bool) -> tuple[set[int], set[int]]:
-    """The variables (and numbers, by `_number_key`) that a start, or an end, reads and changes.
+def _touched(
+    activity: Activity, *, at_end: bool, both: bool | None = None
+) -> tuple[set[int], set[int]]:
+        """The variables (and numbers, by `_number_key`) that a start, or an end, reads and changes.
 
-    The start of an activity of no duration has all reads and changes of its end too."""
+    The start of an activity of no duration has all reads and changes of its end too, unless it is
+    known not to be `both`."""
     details = activity.details
-    both = not activity.duration_min
+    if both is None:
+        both = not activity.duration_min
     asked = [(c.var, c.at) for c in details.conditions]
     asked += [(_number_key(c.number), c.at) for c in details.number_conditions]
     own = "end" if at_end else "start"

@@ -50,19 +50,22 @@ def solve_step(
     options: SolveOptions,
     events: tuple[Event, ...] = (),
     budget: Budget | None = None,
+    *,
+    since: Budget | None = None,
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
     What cannot go on whatever else is done, because its resource is gone for good, say, is named
     and left out, and the rest is continued. `history` is as it is taken to be at `at`. `budget`
-    replaces the time limit and the cancellation of the options. Raises `InputError` (the target
-    refuses the task, or the history does not fit it), `UnknownTarget`, `EngineMissing` or
-    `EngineFailed`, and `KeyboardInterrupt` where ^C comes before there is any answer.
+    replaces the time limit and the cancellation of the options; the limit counts from when the
+    budget `since` was made. Raises `InputError` (the target refuses the task, or the history does not
+    fit it), `UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt` where ^C
+    comes before there is any answer.
     """
     if budget is not None:
         return _step(task, history, at, options, events, budget)
     with ended_by_interrupt(options.cancel) as cancel:
-        budget = replace(options, cancel=cancel).budget()
+        budget = replace(options, cancel=cancel).budget(since=since)
         step = _step(task, history, at, options, events, budget)
         if step.schedule.status is Status.UNKNOWN:
             lost(cancel)

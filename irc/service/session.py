@@ -17,7 +17,6 @@ from irc._version import __version__
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
-from irc.execution.step import Step
 from irc.frontends.events import PlacedEvent
 from irc.frontends.json.value import read_value
 from irc.model import Task
@@ -38,7 +37,7 @@ from irc.service.protocol import (
 )
 from irc.service.same_task import require_task
 from irc.service.snapshot import SnapshotError, from_snapshot, to_snapshot
-from irc.targets import EngineFailed, EngineMissing, UnknownTarget
+from irc.targets import Budget, EngineFailed, EngineMissing, UnknownTarget
 
 RUN_VERSION = "1"
 
@@ -157,6 +156,7 @@ class Session:
     def answer(self, line: bytes) -> Reply:
         """The answer to one request. Raises `irc.service.journal.JournalError`, which ends it."""
         name: Any = None
+        arrived = Budget()
         before = self.execution.copy()
         try:
             raw, source = decode_request(line)
@@ -167,7 +167,7 @@ class Session:
             if request.do == "state":
                 answer = {"ok": True, **self._now_and_notes(), "state": self.state()}
                 return Reply(_with_id(name, answer))
-            document, step = self._do(request)
+            document = self._do(request, arrived)
         except InputError as error:
             self.execution = before
             message = error.report.errors[0].message
@@ -176,7 +176,7 @@ class Session:
             self.execution = before
             return Reply(_with_id(name, self._refused(str(error), error.outcome)))
         try:
-            self._record(source.text, step)
+            self._record(source.text, document.get("step"))
         except JournalError:
             self.execution = before
             raise
@@ -224,14 +224,14 @@ class Session:
     def _now_and_notes(self, notes: Sequence[Diagnostic] = ()) -> dict[str, Any]:
         return {"now": json_number(self.execution.now), "notes": [d.to_dict() for d in notes]}
 
-    def _do(self, request: Request) -> tuple[dict[str, Any], Step | None]:
-        """(the answer to a request, the step if it replanned), after changing the execution."""
+    def _do(self, request: Request, arrived: Budget) -> dict[str, Any]:
+        """The answer to a request, with the step if it replanned, after changing the execution."""
         notes = self._change(request)
         if not request.replan:
-            return {"ok": True, **self._now_and_notes(notes)}, None
-        step = self.execution.replan()
+            return {"ok": True, **self._now_and_notes(notes)}
+        step = self.execution.replan(since=arrived)
         answer = {"ok": True, **self._now_and_notes((*notes, *step.notes))}
-        return {**answer, "step": step.to_dict()}, step
+        return {**answer, "step": step.to_dict()}
 
     def _change(self, request: Request) -> tuple[Diagnostic, ...]:
         """The notes on a request, after changing the execution, before planning again."""
@@ -264,10 +264,10 @@ class Session:
             raise InputError(placed.anchored(error.report)) from None
         return tuple(placed.anchored(report).located())
 
-    def _record(self, request: str, step: Step | None) -> None:
+    def _record(self, request: str, step: Mapping[str, Any] | None) -> None:
         if self.journal is None:
             return
-        result = "" if step is None else f', "step": {json.dumps(step.to_dict())}'
+        result = "" if step is None else f', "step": {json.dumps(step)}'
         self.journal.append(f'{{"request": {request.strip()}{result}}}')
         self._accepted += 1
         self._since_snapshot += 1

@@ -170,6 +170,14 @@ class Budget:
         left = max(0.0, self._end - now)
         return self._part(now, left * fraction if self.is_limited else math.inf)
 
+    def limited(self, seconds: float | None, cancel: Cancellation | None) -> Self:
+        """A budget with this limit and cancellation that began when this one did."""
+        other = type(self).__new__(type(self))
+        other._clock, other._cancel, other._began = self._clock, cancel, self._began
+        other._computed = self._computed
+        other._end = math.inf if seconds is None else self._began + seconds
+        return other
+
     def at_least(self, seconds: float) -> Self:
         """`seconds` from now on, or all that is left if that is more: a part that may outlive it.
 

@@ -106,8 +106,13 @@ class SolveOptions:
         named = more if target is None else {**more, "target": target}
         return replace(options or cls(), **named)
 
-    def budget(self, spent: float = 0.0) -> Budget:
-        """The time limit from now on, or from `spent` seconds ago, which `cancel` ends."""
+    def budget(self, spent: float = 0.0, *, since: Budget | None = None) -> Budget:
+        """The time limit from now on, or from `spent` seconds ago, which `cancel` ends.
+
+        With `since` it counts from when that budget was made.
+        """
+        if since is not None:
+            return since.limited(self.time_limit, self.cancel)
         return Budget(self.time_limit, spent=spent, cancel=self.cancel)
 
     @property

@@ -17,7 +17,7 @@ from irc.model import Task
 from irc.passes import run_passes
 from irc.problem import PreviousPlace, PreviousPlan
 from irc.schedule import Status
-from irc.targets import Budget
+from irc.targets import Budget, SolveOptions
 from online_cases import OPTIONS, action, entry, event, plan, repaired, starts
 
 VAN = [{"id": "van"}]
@@ -257,3 +257,15 @@ def test_a_simulation_begins_with_the_plan_that_is_given() -> None:
     assert done.steps[0].schedule is PLAN
     assert done.moved == done.steps[1].moved == 2
     assert starts(done.final)["d"] == 1
+
+
+def test_the_time_limit_of_a_replanning_counts_from_when_its_request_arrived() -> None:
+    """What has gone by since then is not there any more for an engine."""
+    shop = task_of(*(action(n, 3, "oven") for n in "abc"), resources=[{"id": "oven"}])
+    old = plan(*(entry(n, t, t + 3, "oven") for n, t in (("a", 0), ("b", 3), ("c", 6))))
+    engines = []
+    for spent in (0.0, 10.0):
+        running = Execution(shop, old, 1, options=SolveOptions(time_limit=9.0, workers=1))
+        running.apply(event(1, {"op": "set_duration", "action": "b", "duration": 2}))
+        engines.append(running.replan(since=Budget(spent=spent)).schedule.engine)
+    assert engines == ["ortools", "list-schedule"]
