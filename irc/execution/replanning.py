@@ -58,9 +58,9 @@ def solve_step(
     What cannot go on whatever else is done, because its resource is gone for good, say, is named
     and left out, and the rest is continued. `history` is as it is taken to be at `at`. `budget`
     replaces the time limit and the cancellation of the options; the limit counts from when the
-    budget `since` was made. Raises `InputError` (the target refuses the task, or the history does not
-    fit it), `UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt` where ^C
-    comes before there is any answer.
+    budget `since` was made. Raises `InputError` (the target refuses the task, or the history does
+    not fit it), `UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt` where
+    ^C comes before there is any answer.
     """
     if budget is not None:
         return _step(task, history, at, options, events, budget)

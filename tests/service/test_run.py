@@ -180,7 +180,7 @@ def test_a_request_whose_replanning_fails_is_forgotten_as_a_whole(
     van = session()
     before = van.state()
 
-    def fail(_self: Execution) -> None:
+    def fail(_self: Execution, **_: object) -> None:
         raise EngineFailed("the engine broke down")
 
     with monkeypatch.context() as patched:
