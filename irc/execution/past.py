@@ -198,7 +198,7 @@ def _free_ranks(problem: Problem, ended: Sequence[int]) -> Counter[tuple[int, bo
 def _touched(
     activity: Activity, *, at_end: bool, both: bool | None = None
 ) -> tuple[set[int], set[int]]:
-        """The variables (and numbers, by `_number_key`) that a start, or an end, reads and changes.
+    """The variables (and numbers, by `_number_key`) that a start, or an end, reads and changes.
 
     The start of an activity of no duration has all reads and changes of its end too, unless it is
     known not to be `both`."""
