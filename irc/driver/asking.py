@@ -31,8 +31,8 @@ def asked(
 
     Of the time limit the part `kept`, at most, is kept for what follows.
 
-    If the budget is cancelled before the engine has an answer, or does not last until it could
-    begin, the outcome is the compiler's own schedule, if there is one that `accept` accepts. Raises
+    If the engine finds nothing within the budget, or the budget does not last until it could begin,
+    the outcome is the compiler's own schedule, if there is one that `accept` accepts. Raises
     `EngineMissing` or `EngineFailed`.
     """
     reason = engine.missing()
@@ -48,7 +48,7 @@ def asked(
     # All that follows takes about as long as all that came before: reading and checking.
     after = min(budget.elapsed, kept * budget.limit)
     outcome = engine.solve(program, options, budget.share(part).at_most(budget.left - after))
-    if outcome.status is Status.UNKNOWN and budget.is_cancelled:
+    if outcome.status is Status.UNKNOWN:
         quick = _own(program, accept)
     return outcome if quick is None else replace(quick, notes=outcome.notes)
 

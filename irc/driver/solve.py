@@ -123,8 +123,15 @@ def solve_by(
 
         reporting = telling(options, budget, approve)
         with reporting_refusals(task):
-            outcome = asked(Program(backend, task, problem), engine, reporting, budget)
+            program = Program(backend, task, problem)
+            outcome = asked(program, engine, reporting, budget, lambda s: _is_valid(task, s))
     return _answer(task, problem, outcome, backend, budget)
+
+
+def _is_valid(task: Task, schedule: Schedule) -> bool:
+    from irc.validation import validate
+
+    return validate(task, schedule).valid
 
 
 def _answer(

@@ -14,6 +14,7 @@ from irc.driver.asking import STEP_AFTERWARDS_SHARE, asked
 from irc.driver.compile import is_hurried
 from irc.driver.judge import finish
 from irc.driver.progress import telling
+from irc.driver.quick import QUICK_ENGINE
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
@@ -231,7 +232,8 @@ class Repair:
             else _by_critical_path(left, now)
         )
         if found.schedule is None:
-            return found
+            own = self._as_before(whole, given_up) if found.status is Status.UNKNOWN else None
+            return found if own is None else replace(own, notes=found.notes)
         try:
             merged = residual.merged(whole, found.schedule)
         except AnswerError as error:
@@ -248,6 +250,16 @@ class Repair:
             self.budget,
         )
         return _stabilised(outcome, whole, kept)
+
+    def _as_before(self, whole: Problem, given_up: Sequence[int]) -> Outcome | None:
+        """The previous plan, shifted, where it can still be carried out in its order."""
+        found = warm_start(whole, self.frozen.executed, self.history.plan)
+        if not found:
+            return None
+        schedule = schedule_of(whole, found)
+        if self.judged(schedule, given_up) is not None:
+            return None
+        return Outcome(Status.FEASIBLE, QUICK_ENGINE, schedule, whole.bounds.makespan.value)
 
 
 @dataclass(frozen=True, slots=True)
