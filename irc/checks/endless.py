@@ -5,9 +5,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections.abc import Mapping
 
 from irc.diagnostics import Code, Findings
+from irc.passes.stock_occurrences import most_by_stock
 from irc.passes.unroll import MOST_OCCURRENCES
 from irc.problem import Activity, Problem
 
@@ -35,12 +36,12 @@ def check_number(problem: Problem, findings: Findings) -> None:
 
 def check_endless(problem: Problem, findings: Findings) -> None:
     """Reports actions that may occur any number of times and gain something each time."""
-    refillers = _refillers(problem)
+    by_stock = most_by_stock(problem)
     for i, activity in enumerate(problem.activities):
         if activity.details.repeats is None or activity.details.repeats[1] is not None:
             continue
         objective = _growing_objective(problem, activity)
-        if objective is None or _is_bounded(problem, i, objective, refillers):
+        if objective is None or _is_bounded(problem, i, objective, by_stock):
             continue
         what = "reward" if objective == "reward" else "negative cost"
         findings.add(
@@ -61,7 +62,7 @@ def _growing_objective(problem: Problem, activity: Activity) -> str | None:
     return None
 
 
-def _is_bounded(problem: Problem, i: int, objective: str, refillers: dict[int, set[int]]) -> bool:
+def _is_bounded(problem: Problem, i: int, objective: str, by_stock: Mapping[int, int]) -> bool:
     """Whether time, a more important objective, or a stock limits the occurrences."""
     activity = problem.activities[i]
     before = problem.objectives[: problem.objectives.index(objective)]
@@ -71,23 +72,4 @@ def _is_bounded(problem: Problem, i: int, objective: str, refillers: dict[int, s
         or "makespan" in before
     ):
         return True
-    # A stock that another repeated action, or a mode of this one, refills does not run out.
-    used_up = set(range(len(problem.reservoirs)))
-    for way in activity.details.ways:
-        net = Counter[int]()
-        for change in way.stock:
-            net[change.reservoir] += change.amount
-        used_up &= {k for k, amount in net.items() if amount < 0}
-    return any(refillers[k] <= {i} for k in used_up)
-
-
-def _refillers(problem: Problem) -> dict[int, set[int]]:
-    """For each reservoir, the actions that may refill it any number of times."""
-    refilled: dict[int, set[int]] = {k: set() for k in range(len(problem.reservoirs))}
-    for i, activity in enumerate(problem.activities):
-        repeats = activity.details.repeats
-        if repeats is not None and repeats[1] is None:
-            for change in activity.details.all_stock:
-                if change.amount > 0:
-                    refilled[change.reservoir].add(i)
-    return refilled
+    return i in by_stock

@@ -25,7 +25,7 @@ from irc.execution.state_conflicts import with_values_held
 from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.quantities import Number
-from irc.passes import order_from_state, resource_bounds, run_passes
+from irc.passes import bounded_by_stock, order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.grid import bound_on_grid
@@ -61,6 +61,7 @@ AFTERWARDS_SHARE = 0.1
 nothing, or for the search for a schedule in which less moves."""
 
 _PASSES = (
+    bounded_by_stock,
     reduce_transitively,
     drop_uncontended,
     heads_and_tails,

@@ -21,6 +21,15 @@ def order_from_state(problem: Problem) -> Problem:
     return state_order.order_from_state(problem)
 
 
+def bounded_by_stock(problem: Problem) -> Problem:
+    """Limits repetitions to what stock allows; only tasks with stock load the code."""
+    if not problem.reservoirs:
+        return problem
+    from irc.passes import stock_occurrences
+
+    return stock_occurrences.bounded_by_stock(problem)
+
+
 def quick_bounds(problem: Problem) -> Problem:
     """Raises the bound by the work of each resource: what `resource_bounds` begins with."""
     if not problem.has_contention:
@@ -65,6 +74,7 @@ def bound_by_open_times(problem: Problem) -> Problem:
 Pass = Callable[[Problem], Problem]
 
 PASSES: tuple[Pass, ...] = (
+    bounded_by_stock,
     order_from_state,
     reduce_transitively,
     merge_pools,

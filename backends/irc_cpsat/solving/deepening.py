@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,14 +11,21 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.diagnostics import Code, Diagnostic
-from irc.passes.unroll import unroll
+from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
 from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.asking import asked
-from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
+from irc_cpsat.solving.depth import (
+    GREATEST_DEPTH,
+    SLOTS_LIMIT,
+    depths,
+    enough,
+    fits_a_model,
+    within,
+)
 from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
 from irc_cpsat.solving.reporting import Reporter, tell_hint
@@ -100,7 +108,25 @@ class DeepeningSearch:
                 return better(best, deeper)
             if deeper.status is Status.INFEASIBLE and best.schedule is None:
                 return deeper
-        return best if complete else _unproven(best, depth)
+        if complete:
+            return best
+        return _unproven(*self._deeper(best, depth))
+
+    def _deeper(self, best: Outcome, depth: int) -> tuple[Outcome, int]:
+        """The best answer at greater depths, while each uses all occurrences that it has."""
+        deeper = 2 * depth
+        while (
+            self.problem.objectives[0] != "makespan"
+            and _is_exhausted(self.problem, best, depth)
+            and deeper <= GREATEST_DEPTH
+            and fits_a_model(self.problem, deeper)
+            and not self.budget.is_over
+        ):
+            found = self.solve_at(self.problem, deeper, _DEPTH_SHARE)
+            if found.schedule is None:
+                break
+            best, depth, deeper = better(best, found), deeper, 2 * deeper
+        return best, depth
 
     def _solve(
         self, built: Model, objective: str, earlier: Sequence[LevelResult], budget: Budget
@@ -125,6 +151,18 @@ class DeepeningSearch:
         # (Of actions that repeat a model holds some occurrences; more might do better.)
         reporter.proves = all(a.details.repeats is None for a in self.problem.activities)
         return reporter.asked(solver, budget), solver
+
+
+def _is_exhausted(problem: Problem, best: Outcome, depth: int) -> bool:
+    """Whether a schedule has all occurrences of a repeated action that a model of a depth holds."""
+    if best.schedule is None:
+        return False
+    count = Counter(entry.id for entry in best.schedule.entries)
+    return any(
+        count[a.id] >= slots(a, depth) < slots(a, depth + 1)
+        for a in problem.activities
+        if a.details.repeats is not None
+    )
 
 
 def _unproven(best: Outcome, depth: int) -> Outcome:
