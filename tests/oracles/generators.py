@@ -1,4 +1,12 @@
-"""Random tasks: contended ones for the solvers, hostile names, and the whole IR for hypothesis."""
+"""Random tasks: contended ones for the solvers, hostile names, and the whole IR for hypothesis.
+
+A new element of the IR goes into whole tasks with one entry of `WHOLE_FEATURES`: a strategy of what
+is added, and a function that puts it into a document. A task has two such features at most, so an
+element that few tasks have costs the others nothing. (Drawn for every task, the optional fields of
+a few elements make documents larger than what hypothesis allows one example: it throws most of them
+away and seems to hang.) A field that names something goes into `_REFERENCES`, too. Small tasks that
+combine features, with exact optima, are in `oracles.combined`, whose `FEATURES` works likewise.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +14,7 @@ import random
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import Any
+from typing import Any, NamedTuple
 
 from hypothesis import strategies as st
 
@@ -310,15 +318,17 @@ def _shuffle(rng: random.Random, document: Document) -> None:
 # --- hostile names ------------------------------------------------------------------------------
 
 _REFERENCES = {
-    **dict.fromkeys(("before", "after", "action", "actions", "goals"), "action"),
-    **dict.fromkeys(("resource", "one_of"), "resource"),
+    **dict.fromkeys(("before", "after", "action", "actions", "goals", "repetition"), "action"),
+    **dict.fromkeys(("resource", "resources", "one_of"), "resource"),
     **dict.fromkeys(("group", "groups"), "group"),
     "var": "state",
+    "mode": "mode",
 }
 """Fields whose text (or list of texts) names something, and the name space it is in."""
 
 _OWNERS = {
     "actions": "action",
+    "changes": "action",
     "resources": "resource",
     "groups": "group",
     "state": "state",
@@ -441,7 +451,7 @@ def documents() -> st.SearchStrategy[Document]:
             "precedence": st.lists(_ARCS, max_size=4),
         }
     )
-    kinds = st.one_of([small, *(_whole_document(zone) for zone in _ZONES)])
+    kinds = st.one_of([small, *(_with_features(zone) for zone in _ZONES)])
     return st.builds(_with_names, kinds, _NAME_LISTS)
 
 
@@ -686,3 +696,194 @@ def _change(
     op: str, optional: Mapping[str, _Strategy] | None = None, **fields: _Strategy
 ) -> _Strategy:
     return _object(optional, op=st.just(op), **fields)
+
+
+# --- features of whole tasks: a new element of the IR goes here ---------------------------------
+
+
+class WholeFeature(NamedTuple):
+    """What a whole task may have besides.
+
+    `drawn` is the strategy of what is added, given that of instants, and `put` adds it to a
+    document.
+    """
+
+    drawn: Callable[[_Strategy], _Strategy]
+    put: Callable[[Document, Any], None]
+
+
+def _with_features(zone: str | None) -> _Strategy:
+    """Whole documents with two features at most."""
+    instants = _SPANS if zone is None else _SPANS | _dates(zone)
+
+    def drawn(names: Sequence[str]) -> _Strategy:
+        parts = (st.tuples(st.just(n), WHOLE_FEATURES[n].drawn(instants)) for n in names)
+        return st.tuples(*parts)
+
+    def put(document: Document, additions: Sequence[tuple[str, Any]]) -> Document:
+        for name, added in additions:
+            WHOLE_FEATURES[name].put(document, added)
+        return document
+
+    chosen = st.lists(st.sampled_from(sorted(WHOLE_FEATURES)), max_size=2, unique=True)
+    return st.builds(put, _whole_document(zone), chosen.flatmap(drawn))
+
+
+def _sets(*keys: str | int) -> Callable[[Document, Any], None]:
+    """Sets what is drawn at a place in the document."""
+
+    def put(document: Document, added: Any) -> None:
+        part: Any = document
+        for key in keys[:-1]:
+            part = part[key]
+        part[keys[-1]] = added
+
+    return put
+
+
+def _adds(*keys: str | int) -> Callable[[Document, Any], None]:
+    """Adds the members, or the elements, that are drawn to those at a place in the document."""
+
+    def put(document: Document, added: Any) -> None:
+        part: Any = document
+        for key in keys:
+            part = part.setdefault(key, []) if isinstance(part, dict) else part[key]
+        if isinstance(part, list):
+            part.extend(added)
+        else:
+            part.update(added)
+
+    return put
+
+
+def _changed_by_event(*changes: _Strategy) -> WholeFeature:
+    """Changes that an event of its own makes."""
+    return WholeFeature(
+        lambda instants: st.tuples(_object(at=instants, changes=st.tuples(*changes).map(list))),
+        _adds("events"),
+    )
+
+
+_LAPSED = _object(
+    {
+        "occurs": _OCCURS,
+        "deadline": _SPANS,
+        "precedence": st.lists(_ARCS, max_size=1),
+        "groups": _each(
+            ["order 3"], lambda name: _object(id=st.just(name), actions=_some(_ACTIONS))
+        ),
+        "goal": st.booleans(),
+        "repetition": _ANY_ACTION,
+    },
+    action=_ANY_ACTION,
+)
+
+_NUMBERS = st.integers(-9, 9) | st.sampled_from([0.5, "1/3", "2.5"])
+_NUMBER = "number 1"
+_NUMBER_TESTS = st.one_of(
+    _object({"at_most": _NUMBERS}, var=st.just(_NUMBER), at_least=st.integers(-9, -8)),
+    _object(var=st.just(_NUMBER), at_most=_NUMBERS),
+    _object(var=st.just(_NUMBER), equals=_NUMBERS),
+)
+
+
+def _put_number(document: Document, added: Any) -> None:
+    """A number, and for each of its other parts a place that it goes to."""
+    variable, (at, test), (end, kind, amount), goal = added
+    document["state"].append(variable)
+    action = document["actions"][0]
+    action.setdefault("conditions", []).append({"at": at, **test})
+    action.setdefault("effects", []).append({"at": end, "var": _NUMBER, kind: amount})
+    document.setdefault("goals", []).append(goal)
+
+
+def _numbers(_instants: _Strategy) -> _Strategy:
+    bounds = {"initial": _NUMBERS, "min": st.integers(-99, -50), "max": st.integers(50, 99)}
+    return st.tuples(
+        _object(bounds, id=st.just(_NUMBER), kind=st.just("number")),
+        st.tuples(st.sampled_from(["start", "all", "end"]), _NUMBER_TESTS),
+        st.tuples(st.sampled_from(["start", "end"]), st.sampled_from(["add", "set"]), _NUMBERS),
+        _NUMBER_TESTS,
+    )
+
+
+_FAMILIES = st.sampled_from(["red", "blue"])
+_SETUP_TIMES = st.lists(
+    _object(
+        {"time": st.integers(0, 9), "cost": st.integers(0, 9)},
+        **{"from": _FAMILIES | st.just("*"), "to": _FAMILIES | st.just("*")},
+    ),
+    max_size=2,
+    unique_by=lambda row: (row["from"], row["to"]),
+)
+
+
+def _put_setups(document: Document, added: Any) -> None:
+    setups, family = added
+    document["resources"][0]["setups"] = setups
+    use = {"resource": document["resources"][0]["id"], "family": family}
+    document["actions"][0].setdefault("uses", []).append(use)
+
+
+def _put_mode(document: Document, added: Any) -> None:
+    """What a mode adds; an action without modes gets one."""
+    action = document["actions"][1]
+    if "modes" not in action:
+        action["modes"] = [{"id": "only", "duration": action.pop("duration")}]
+    action["modes"][0].update(added)
+
+
+_FACT = "fact 2"
+
+WHOLE_FEATURES: dict[str, WholeFeature] = {
+    "resolution": WholeFeature(
+        lambda _: st.sampled_from([1, "1 ms", "1/7", 0.25]), _sets("resolution")
+    ),
+    "on failure": WholeFeature(
+        lambda _: st.sampled_from(["resume", "restart"]), _sets("actions", 0, "on_failure")
+    ),
+    "lapsed": WholeFeature(lambda _: st.tuples(_LAPSED), _adds("lapsed")),
+    "timed changes": WholeFeature(
+        lambda instants: st.lists(
+            _object(at=instants, value=st.sampled_from(_STATE[_FACT])), min_size=1, max_size=2
+        ),
+        _sets("state", list(_STATE).index(_FACT), "changes"),
+    ),
+    "retried": _changed_by_event(
+        _change(
+            "retry_action",
+            {"id": st.just("again"), "done": _SPANS, "mode": _NAMES},
+            action=_ANY_ACTION,
+        )
+    ),
+    "observed": _changed_by_event(
+        _change(
+            "observe",
+            {
+                "status": st.sampled_from(["not_begun", "running", "finished", "failed"]),
+                "expected_end": _SPANS,
+                "mode": _NAMES,
+                "resources": _some(_RENEWABLES),
+            },
+            action=_ANY_ACTION,
+        )
+    ),
+    "mode elements": WholeFeature(
+        lambda _: _object(
+            {
+                "cost": _INTEGERS,
+                "consumes": _STOCK_CHANGES,
+                "produces": _STOCK_CHANGES,
+                "conditions": _CONDITIONS,
+                "effects": _EFFECTS,
+            }
+        ),
+        _put_mode,
+    ),
+    "numbers": WholeFeature(_numbers, _put_number),
+    "set-ups": WholeFeature(
+        lambda _: st.tuples(_object({"initial": _FAMILIES, "times": _SETUP_TIMES}), _FAMILIES),
+        _put_setups,
+    ),
+}
+"""What whole tasks may have besides, by name."""

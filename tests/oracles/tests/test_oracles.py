@@ -16,15 +16,7 @@ from ortools.sat.python import cp_model
 
 from irc.model import Action, DurationRange, Precedence, Task, details, events, parts
 from irc.model.base import Node
-from irc.model.details import (
-    ChoiceMade,
-    CoupledAction,
-    Coupling,
-    Lapsed,
-    Selection,
-    TimedChange,
-)
-from irc.model.events import RetryAction
+from irc.model.details import ChoiceMade, CoupledAction, Coupling, Selection
 from irc.model.parts import ObjectiveTerm
 from oracles.brute_force import enough_time, longest_path, optimal_makespan, optimal_schedule
 from oracles.generators import (
@@ -621,19 +613,22 @@ SPACES = {
             "SetGoals": ["goals"],
             "CancelActions": ["actions"],
             **{op: ["action"] for op in ("SetDuration", "SetDeadline", "SetRelease", "Observe")},
+            "RetryAction": ["action", "id"],
+            "Lapsed": ["action", "repetition"],
         },
         "resource": {
             "Resource": ["id"],
             "Use": ["resource", "one_of"],
             "StockChange": ["resource"],
             "SetCapacity": ["resource"],
+            "Observe": ["resources"],
         },
         "state": {
             "StateVariable": ["id"],
             **{part: ["var"] for part in ("Condition", "Effect", "StateGoal", "SetState")},
         },
         "group": {"Group": ["id"], "CancelGroups": ["groups"], "SetDeadline": ["group"]},
-        "mode": {"Mode": ["id"]},
+        "mode": {"Mode": ["id"], "Observe": ["mode"], "RetryAction": ["mode"]},
         "event": {"Event": ["id"]},
     }.items()
     for owner, keys in places.items()
@@ -690,14 +685,9 @@ NOT_DRAWN = {
         for k in (ChoiceMade, CoupledAction, Coupling, Selection)
         for f in k.model_fields
     ),
-    *("Action.on_failure", "Task.resolution", "Task.lapsed", "StateVariable.changes"),
-    *(f"Lapsed.{f}" for f in Lapsed.model_fields),
-    *(f"RetryAction.{f}" for f in RetryAction.model_fields),
-    *(f"TimedChange.{f}" for f in TimedChange.model_fields),
-    *(f"Observe.{f}" for f in ("status", "expected_end", "mode", "resources")),
 }
-"""Fields that the strategy of whole tasks does not draw yet: EVERYTHING has them, and so have the
-random tasks of `clock_sessions`, `reality`, `timed_changes` and `online_random`."""
+"""Fields that the strategy of whole tasks does not draw yet: EVERYTHING has them. One entry of
+`WHOLE_FEATURES` in `oracles.generators` draws those of an element."""
 
 
 def nodes() -> Iterable[type[Node]]:
