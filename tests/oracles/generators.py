@@ -323,6 +323,7 @@ _REFERENCES = {
     **dict.fromkeys(("group", "groups"), "group"),
     "var": "state",
     "mode": "mode",
+    "calendar": "calendar",
 }
 """Fields whose text (or list of texts) names something, and the name space it is in."""
 
@@ -334,6 +335,7 @@ _OWNERS = {
     "state": "state",
     "modes": "mode",
     "events": "event",
+    "calendars": "calendar",
 }
 """Lists whose objects have an `id`, and its name space."""
 
@@ -833,6 +835,42 @@ def _put_mode(document: Document, added: Any) -> None:
     action["modes"][0].update(added)
 
 
+_DAY_TIMES = st.builds("{:02}:{:02}".format, st.integers(0, 23), st.integers(0, 59))
+_WEEKLY = st.lists(
+    _object(
+        {"days": st.lists(st.sampled_from(["mon", "wed", "sun"]), max_size=2, unique=True)},
+        **{"from": _DAY_TIMES, "to": _DAY_TIMES},
+    ),
+    min_size=1,
+    max_size=2,
+)
+_CYCLE = st.tuples(_object(**{"from": st.integers(0, 3), "to": st.integers(4, 6)})).map(list)
+_CLOSED = st.lists(
+    st.just("2026-12-25")
+    | st.just({"from": "2026-12-26", "to": "2026-12-27T10:00"})
+    | _object(**{"from": st.integers(0, 20), "to": st.integers(21, 40)}),
+    max_size=2,
+)
+
+
+def _calendars(_instants: _Strategy) -> _Strategy:
+    """A calendar by the week or in a cycle, and how an action keeps to it."""
+    also = {"label": _TEXTS, "description": _TEXTS, "closed": _CLOSED}
+    zoned = {**also, "time_zone": st.sampled_from(["Europe/Berlin", "UTC"])}
+    return st.tuples(
+        _object(zoned, id=st.just("calendar 1"), open=_WEEKLY)
+        | _object(also, id=st.just("calendar 1"), every=st.integers(7, 24), open=_CYCLE),
+        _object({"breaks": st.sampled_from(["avoid", "pause"]), "max_pause": st.integers(0, 99)}),
+    )
+
+
+def _put_calendar(document: Document, added: Any) -> None:
+    calendar, breaks = added
+    document.setdefault("calendars", []).append(calendar)
+    for part, more in ((document["resources"][0], {}), (document["actions"][0], breaks)):
+        part.update(more, calendar=calendar["id"])
+
+
 _FACT = "fact 2"
 
 WHOLE_FEATURES: dict[str, WholeFeature] = {
@@ -881,6 +919,7 @@ WHOLE_FEATURES: dict[str, WholeFeature] = {
         _put_mode,
     ),
     "numbers": WholeFeature(_numbers, _put_number),
+    "calendars": WholeFeature(_calendars, _put_calendar),
     "set-ups": WholeFeature(
         lambda _: st.tuples(_object({"initial": _FAMILIES, "times": _SETUP_TIMES}), _FAMILIES),
         _put_setups,

@@ -630,6 +630,7 @@ SPACES = {
         "group": {"Group": ["id"], "CancelGroups": ["groups"], "SetDeadline": ["group"]},
         "mode": {"Mode": ["id"], "Observe": ["mode"], "RetryAction": ["mode"]},
         "event": {"Event": ["id"]},
+        "calendar": {"Calendar": ["id"], "Resource": ["calendar"], "Action": ["calendar"]},
     }.items()
     for owner, keys in places.items()
     for key in keys
