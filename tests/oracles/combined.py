@@ -2,7 +2,11 @@
 
 A feature is a function that adds something to a document that already has a few plain actions. Each
 seed draws two or three of them, so that every pair meets often, and few other things are in the
-way. All tasks are small enough for `oracles.state_brute_force`.
+way. All tasks are small enough for `oracles.state_brute_force`; where it does not know a feature,
+`oracles.combined_judge` only asks the validator.
+
+A new element of the IR takes part with one entry of `FEATURES`; the deep tests and the benchmark
+need nothing else. What seeds draw changes with it.
 """
 
 from __future__ import annotations
@@ -251,6 +255,83 @@ def _fractions(rng: random.Random, document: Document) -> None:
             action["duration"] = factor if rng.random() < 0.5 else f"{action['duration']}.5"
 
 
+def _mode_elements(rng: random.Random, document: Document) -> None:
+    """Costs, stock and state of modes."""
+    document.setdefault("resources", []).append({"id": "n", "kind": "reservoir", "initial": 1})
+    document.setdefault("state", []).append({"id": "mixed"})
+    if not any("modes" in action for action in document["actions"]):
+        _modes(rng, document)
+    fact = {"var": "mixed", "value": rng.random() < 0.5}
+    for action in document["actions"]:
+        for mode in action.get("modes", ()):
+            kind = rng.choice(("cost", "consumes", "produces", "conditions", "effects"))
+            mode[kind] = {
+                "cost": rng.randint(0, 3),
+                "consumes": [{"resource": "n"}],
+                "produces": [{"resource": "n"}],
+                "conditions": [{"at": rng.choice(("start", "all", "end")), **fact}],
+                "effects": [{"at": rng.choice(("start", "end")), "var": "mixed", "value": True}],
+            }[kind]
+
+
+def _numbers(rng: random.Random, document: Document) -> None:
+    number: Document = {"id": "level", "kind": "number", "initial": rng.randint(0, 2), "min": 0}
+    if rng.random() < 0.5:
+        number["max"] = 3
+    document.setdefault("state", []).append(number)
+    for action in _some(rng, document, 0.7):
+        if rng.random() < 0.5:
+            test = {rng.choice(("at_least", "at_most", "equals")): rng.randint(0, 2)}
+            at = rng.choice(("start", "all", "end"))
+            action.setdefault("conditions", []).append({"at": at, "var": "level", **test})
+        if rng.random() < 0.7:
+            change = (
+                {"set": rng.randint(0, 2)} if rng.random() < 0.2 else {"add": rng.choice((-1, 1))}
+            )
+            at = rng.choice(("start", "end"))
+            action.setdefault("effects", []).append({"at": at, "var": "level", **change})
+    if rng.random() < 0.2:
+        document.setdefault("goals", []).append({"var": "level", "at_least": 1})
+
+
+def _timed_changes(rng: random.Random, document: Document) -> None:
+    times = sorted(rng.sample(range(6), rng.choice((1, 2))))
+    changes = [{"at": time, "value": rng.random() < 0.5} for time in times]
+    door = {"id": "door", "initial": rng.random() < 0.5, "changes": changes}
+    document.setdefault("state", []).append(door)
+    for action in _some(rng, document):
+        condition = {"at": rng.choice(("start", "all", "end")), "var": "door"}
+        action.setdefault("conditions", []).append({**condition, "value": rng.random() < 0.7})
+
+
+def _set_ups(rng: random.Random, document: Document) -> None:
+    ends = ("red", "blue", "*")
+    rows = {(rng.choice(ends), rng.choice(ends)): rng.randint(0, 3) for _ in range(3)}
+    times = [{"from": a, "to": b, "time": time} for (a, b), time in rows.items()]
+    setups = {"times": times, **({"initial": "red"} if rng.random() < 0.5 else {})}
+    document.setdefault("resources", []).append({"id": "press", "setups": setups})
+    for action in _some(rng, document, 0.7):
+        use = {"resource": "press", "family": rng.choice(("red", "blue"))}
+        action.setdefault("uses", []).append(use)
+
+
+def _pauses(rng: random.Random, document: Document) -> None:
+    """A calendar in a cycle, which some actions keep clear of or pause at."""
+    shift = {"from": rng.choice((0, 1)), "to": rng.choice((2, 3))}
+    calendar = {"id": "shift", "every": 4, "open": [shift]}
+    document.setdefault("calendars", []).append(calendar)
+    for action in _some(rng, document):
+        action["calendar"] = "shift"
+        if rng.random() < 0.6:
+            action["breaks"] = "pause"
+            if rng.random() < 0.3:
+                action["max_pause"] = rng.randint(1, 4)
+
+
+def _resolution(rng: random.Random, document: Document) -> None:
+    document["resolution"] = rng.choice(("1/6", "1/12"))
+
+
 FEATURES: dict[str, Feature] = {
     "ranges": _ranges,
     "unit": _unit,
@@ -270,5 +351,11 @@ FEATURES: dict[str, Feature] = {
     "costs": _costs,
     "due": _due,
     "fractions": _fractions,
+    "mode elements": _mode_elements,
+    "numbers": _numbers,
+    "timed changes": _timed_changes,
+    "set-ups": _set_ups,
+    "pauses": _pauses,
+    "resolution": _resolution,
 }
 """What a task can have, by name."""

@@ -23,22 +23,34 @@ def verdict(document: dict[str, Any], target: str, seconds: float) -> str:
     """In a few words how the answer was; it begins with "wrong" or "crash" where that is a fault.
 
     An answer "unknown", or one that is not the best, is no fault of a target that proves nothing.
+    Of a task that the oracle does not know, only schedules are judged, by the validator.
     """
+    known = True
     try:
         task = Task.model_validate(document)
+    except ValidationError:
+        return "not judged: no task"
+    try:
         best = optimum(task, max_situations=MOST_SITUATIONS)
     except TooLargeError:
         return "not judged: too large"
-    except (ValidationError, ValueError, LookupError):
-        return "not judged: no task for the oracle"
+    except (ValueError, LookupError):
+        known, best = False, None
     try:
         options = SolveOptions(target, time_limit=seconds, workers=1)
         schedule = solve_task(task, options).schedule
     except InputError as refusal:
-        return _refused({d.code.id for d in refusal.report.errors}, best)
+        codes = {d.code.id for d in refusal.report.errors}
+        return _refused(codes, best) if known else "refused, where the oracle knows nothing"
     except Exception as error:  # noqa: BLE001  (a fuzzer looks for all of them)
         return f"crash: {type(error).__name__}: {error}"
-    return _judged(task, schedule, best)
+    return _judged(task, schedule, best) if known else _only_validated(task, schedule)
+
+
+def _only_validated(task: Task, schedule: Schedule) -> str:
+    if not schedule.answered:
+        return f"{schedule.status}, where the oracle knows nothing"
+    return "valid" if validate(task, schedule).valid else "wrong: not valid"
 
 
 def _refused(codes: set[str], best: Optimum | None) -> str:
