@@ -29,8 +29,8 @@ def known_ranks(
     start = past.rank if planned.start == past.entry.start else None
     if past.running:
         return None if start is None else Ranks(start, None, at_least=activity.is_fixed)
-    if past.cancelled and past.start == past.end:
-        # (It is one happening, though it was to be two.)
+    if past.cancelled:
+        # (Nothing happens at its end, which was to have a rank of its own.)
         return None if start is None else Ranks(start, start)
     end = past.end_rank if planned.end == past.entry.end else None
     if end is None and (activity.is_fixed or past.cancelled):

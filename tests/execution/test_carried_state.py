@@ -133,6 +133,20 @@ def test_a_failed_occurrence_of_two_happenings_at_one_time_becomes_one() -> None
     assert step.schedule.status is Status.OPTIMAL
 
 
+def test_a_failed_occurrence_whose_end_was_to_have_another_rank_ends_with_that_of_its_start() -> (
+    None
+):
+    task = room(
+        action("flash", {"min": 1, "max": 3}, occurs="optional", **gives(True, "end")),
+        action("wait", 6),
+        initial=False,
+    )
+    old = plan(entry("flash", 3, 4, rank=0, end_rank=3), entry("wait", 0, 6))
+    failed = {"op": "observe", "action": "flash", "started": 3, "finished": 4, "status": "failed"}
+    step = repaired(task, old, 5, failed)
+    assert step.schedule.status is Status.OPTIMAL
+
+
 def test_an_observation_at_the_instant_of_a_change_gives_ranks_anew() -> None:
     """Both had rank 0, planned for other times: now they come one after the other."""
     task = room(action("flash", 2, **gives(True), occurs="optional"), action("wait", 6))
