@@ -32,7 +32,7 @@ import irc
 from irc.model import Task
 from online_speed import failure, task_of
 
-COMMANDS = ("solve", "explain", "simulate", "replan")
+COMMANDS = ("solve", "explain", "simulate", "replan", "batch")
 SIGNALS = (signal.SIGINT, signal.SIGINT, signal.SIGINT, signal.SIGTERM)
 OLD = '{"old": true}\n'
 """What stands in the files before a command writes them."""
@@ -125,16 +125,37 @@ class Run:
             if path.is_dir():
                 continue
             try:
-                document = json.loads(path.read_text(encoding="utf-8"))
+                text = path.read_text(encoding="utf-8")
+                documents = [json.loads(part) for part in _parts(path, text)]
             except ValueError:
                 self.faults.append(f"{path.name} is not whole")
                 continue
+            if path.suffix == ".jsonl":
+                self._judge_results(shop, documents)
+                continue
+            (document,) = documents
             if path.name.startswith("."):
                 self.faults.append(f"{path.name} is left")
             if path.name == "out.json" and document != json.loads(OLD):
                 self._judge_schedule(shop, document)
-        if self.output:
+        if self.output and self.arguments[0] == "batch":
+            self._judge_lines(shop)
+        elif self.output:
             self._judge_output(shop)
+
+    def _judge_lines(self, shop: Shop) -> None:
+        """The results that a batch printed, one on each line; or why there are none."""
+        if not self.answered:
+            return
+        try:
+            self._judge_results(shop, [json.loads(line) for line in self.output.splitlines()])
+        except ValueError:
+            self.faults.append("a line that it printed is not whole")
+
+    def _judge_results(self, shop: Shop, results: list[dict[str, Any]]) -> None:
+        for result in results:
+            if "irc_result" in result and result.get("schedule") is not None:
+                self._judge_schedule(shop, result["schedule"])
 
     def _judge_output(self, shop: Shop) -> None:
         try:
@@ -166,6 +187,11 @@ class Run:
     def answered(self) -> bool:
         """Whether it printed anything but that it was interrupted."""
         return bool(self.output) and '"irc_error"' not in self.output[:40]
+
+
+def _parts(path: Path, text: str) -> list[str]:
+    """The documents in a file: one, or one on each line."""
+    return text.splitlines() if path.suffix == ".jsonl" else [text]
 
 
 def catches(pid: int) -> bool:
@@ -207,6 +233,10 @@ def planned(rng: random.Random, shop: Shop, folder: Path, options: argparse.Name
         "replan": [
             *("replan", str(shop.eventful), "--schedule", str(shop.plan), "--at", shop.at),
             *(*target, "--task-output", str(written / "task.json"), *limited),
+        ],
+        "batch": [
+            *("batch", str(shop.eventful), str(shop.impossible), "-t", "cpsat", "-t", "pddl21"),
+            *("-o", str(written / "results.jsonl"), "--schedules", "--no-shortcut", *limited),
         ],
     }[command]
     after = rng.uniform(0.0, options.within)
