@@ -209,6 +209,8 @@ def read(task: Task) -> Plain:
         raise ValueError("this oracle does not know timed changes of state")
     if task.calendars or any(a.calendar or a.breaks != "avoid" for a in task.actions):
         raise ValueError("this oracle does not know calendars or pauses")
+    if any(resource.setups for resource in task.resources):
+        raise ValueError("this oracle does not know set-ups")
     if task.couplings or task.select:
         raise ValueError("this oracle does not know couplings or selections")
     for objective in task.objective:
