@@ -37,6 +37,7 @@ ORDER = (
     "lsp",
     "testing",
     "methods",
+    "client",
     "evaluation",
     "batches",
     "generators",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irc.cli.batch import batch
+from irc.cli.asking import ask
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.generate import generate
 from irc.cli.online import replan, run, simulate
@@ -480,5 +481,6 @@ _COMMANDS = (
     explain_code,
     targets,
     schema,
+    ask,
     lsp,
 )
