@@ -41,6 +41,7 @@ ORDER = (
     "evaluation",
     "batches",
     "generators",
+    "mcp",
     "api",
     "cli",
     "__main__",

@@ -464,6 +464,13 @@ def lsp() -> None:
     run_server()
 
 
+def mcp() -> None:
+    """Run the MCP server for agents, over standard input and output: check, solve, explain, …"""
+    from irc.cli.mcp import run_server
+
+    run_server()
+
+
 _COMMANDS = (
     check,
     compile_,
@@ -483,4 +490,5 @@ _COMMANDS = (
     schema,
     ask,
     lsp,
+    mcp,
 )
