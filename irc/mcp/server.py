@@ -182,9 +182,9 @@ class BoundedLines(io.BufferedIOBase):
         """It is there to be read."""
         return True
 
-    def read1(self, size: int = -1) -> bytes:
+    def read1(self, size: int | None = None) -> bytes:
         """Some bytes; none only at the end."""
-        while data := self._raw.read1(size if size > 0 else 2**16):
+        while data := self._raw.read1(size if size and size > 0 else 2**16):
             if kept := b"".join(self._kept(line) for line in data.splitlines(keepends=True)):
                 return kept
         return b""

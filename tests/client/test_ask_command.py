@@ -301,9 +301,9 @@ def test_a_run_that_was_ended_goes_on(number: signal.Signals) -> None:
 @pytest.mark.slow
 def test_a_run_ends_with_its_time_limit() -> None:
     with ModelServer([Said(delay=120)]) as server:
-        running = begun(server.url, "--time-limit", "3", "--format", "json")
-        said = running.communicate(timeout=60)
-    assert running.returncode == 3, said
-    document = json.loads(said[0])
+        told = ask(server.url, "--time-limit", "0.5", "--format", "json")
+    assert told.exit_code == 3
+    document = json.loads(told.stdout)
     assert document["outcome"]["status"] == "unknown"
+    assert "the time limit of 0.5 s is over; 3 instances" in document["outcome"]["message"]
     assert document["unasked"] == 3

@@ -156,39 +156,49 @@ def begun() -> subprocess.Popen[bytes]:
     )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("ending", ["client", "SIGTERM"])
-def test_the_server_ends_with_its_client_and_with_a_signal(ending: str) -> None:
-    """Also while a planner works for it as a process of its own."""
+def working(first: bytes, ids: set[int]) -> subprocess.Popen[bytes]:
+    """A server that has answered these requests, and plans for one more by a process of its own."""
     server = begun()
     assert server.stdin is not None
     assert server.stdout is not None
-    server.stdin.write(handshake())
     slow = {"task": long_task(), "time_limit": 200, "target": "pddl21"}
-    server.stdin.write(request(1, "solve", slow))
+    server.stdin.write(handshake() + first + request(9, "solve", slow))
     server.stdin.flush()
-    assert b'"serverInfo"' in server.stdout.readline()
-    time.sleep(1.5)
-    left = time.monotonic()
-    if ending == "client":
-        server.stdin.close()
-        server.stdin = None
-    else:
-        server.send_signal(signal.SIGTERM)
-    said = server.communicate(timeout=60)
-    assert time.monotonic() - left < 10
-    assert server.returncode == (0 if ending == "client" else 143), said[1]
+    found: dict[int | None, Any] = {}
+    while not ids <= set(found):
+        message = json.loads(server.stdout.readline())
+        found[message.get("id")] = message
+    if 1 in found:
+        assert found[1]["result"]["structuredContent"]["ok"] is True
+        assert found[2]["result"]["isError"] is True
+    time.sleep(1.0)
+    return server
+
+
+def left(server: subprocess.Popen[bytes]) -> bytes:
+    """What the server still says; it must end soon, and with it all that has its output open."""
+    said = time.monotonic()
+    rest, _ = server.communicate(timeout=60)
+    assert time.monotonic() - said < 10
+    return rest
 
 
 @pytest.mark.slow
-def test_what_is_no_message_ends_nothing() -> None:
-    server = begun()
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_the_server_ends_with_a_signal() -> None:
+    server = working(b"", {0})
+    server.send_signal(signal.SIGTERM)
+    left(server)
+    assert server.returncode == 143
+
+
+@pytest.mark.slow
+def test_what_is_no_message_ends_nothing_and_a_client_that_goes_away_all() -> None:
     rubbish = b"hello\n\xff\xfe\n{}\n[]\n" + b"x" * (9 * 2**20) + b"\n"
-    rest = request(1, "check", {"task": TEA}) + request(2, "check", {"tusk": 3})
-    said, _ = server.communicate(handshake() + rubbish + rest + request(3, "x", {}), timeout=60)
-    found = {m.get("id"): m for m in map(json.loads, said.splitlines())}
-    assert found[1]["result"]["structuredContent"]["ok"] is True
-    assert found[2]["result"]["isError"] is True
+    asked = request(1, "check", {"task": TEA}) + request(2, "check", {"tusk": 3})
+    server = working(rubbish + asked, {1, 2})
+    left(server)
+    assert server.returncode == 0
 
 
 def test_the_server_needs_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -226,7 +236,8 @@ def test_check_reports_every_fault_with_its_place_and_hint() -> None:
     assert document(called("check", task=TEA))["ok"] is True
 
 
-@pytest.mark.parametrize("file", ["burger_kitchen.json", "cellar_fuses.irc", "garden_party.txt"])
+@pytest.mark.slow
+@pytest.mark.parametrize("file", ["pancake_breakfast.json", "night_shift.irc"])
 def test_a_task_may_be_text_in_any_language(file: str) -> None:
     text = (EXAMPLES / file).read_text("utf-8")
     found = document(called("solve", task=text))
@@ -252,7 +263,12 @@ def test_explain_names_what_cannot_hold_together() -> None:
 def test_replan_keeps_the_past_and_applies_what_happened() -> None:
     schedule = document(called("solve", task=TEA))
     event = {"changes": [{"op": "set_duration", "action": "eat", "duration": 20}]}
-    for events in (event, [event], json.dumps(event), "event e:\n    set duration of eat = 20\n"):
+    for events in (
+        event,
+        [event],
+        json.dumps(event),
+        "event e at 1:\n    set duration of eat = 20\n",
+    ):
         step = document(called("replan", task=TEA, schedule=schedule, at=1, events=events))
         assert step["schedule"]["makespan"] == 24
     step = document(called("replan", task=TEA, schedule=schedule, at="1 min"))
@@ -267,7 +283,11 @@ def test_replan_keeps_the_past_and_applies_what_happened() -> None:
 
 def test_validate_names_what_is_broken() -> None:
     schedule = document(called("solve", task=TEA))
-    schedule["actions"] = [{**a, "start": 0, "end": 9} for a in schedule["actions"]]
+    ends = {"boil": 4, "fry": 6, "eat": 13}
+    schedule["actions"] = [
+        {**a, "start": 4 if a["id"] == "eat" else 0, "end": ends[a["id"]]}
+        for a in schedule["actions"]
+    ]
     found = document(called("validate", task=TEA, schedule=schedule))
     assert found["valid"] is False
     assert found["violations"]
@@ -291,11 +311,11 @@ def test_schema_is_that_of_a_task_or_an_event(strict: bool, event: bool) -> None
         ("check", {"task": "x" * (tools.MOST_CHARACTERS + 1)}, "at most 1,048,576 are read"),
         ("check", {"task": 'include "/etc/passwd"\n'}, "include"),
         ("validate", {"task": TEA, "schedule": "{}"}, "schedule"),
-        ("validate", {"task": TEA, "schedule": {"actions": []}, "at": "noonish"}, ""),
+        ("validate", {"task": TEA, "schedule": "$", "at": "noonish"}, "at: "),
         ("replan", {"task": TEA, "schedule": {}, "at": 1}, "schedule"),
         ("replan", {"task": TEA, "schedule": "$", "at": -1}, "before the task begins"),
         ("replan", {"task": TEA, "schedule": "$", "at": "x"}, "at: "),
-        ("replan", {"task": TEA, "schedule": "$", "at": 1, "events": "[3]"}, ""),
+        ("replan", {"task": TEA, "schedule": "$", "at": 1, "events": "event"}, "IRC010"),
     ],
 )
 def test_a_wrong_argument_is_a_result_that_names_it(
