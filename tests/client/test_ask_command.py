@@ -114,6 +114,24 @@ def test_without_rewrites_it_stays_as_it_is() -> None:
     assert "action 'step1' has no duration" in answers()["2"]["faults"][0]
 
 
+def test_no_gold_value_reaches_a_request() -> None:
+    """Of all that is sent in four conversations with rewrites, to the end."""
+    gold = {"answer": 424242, "graph": {"durations": [515151], "edges": []}, "note": "616161"}
+    task = {"actions": [{"id": "bake", "duration": 5}]}
+    late = {"at": 3, "changes": [{"op": "set_duration", "action": "bake", "duration": 717171}]}
+    running = {"id": "r", "news": "news", "task": {**task, "events": [late]}, "now": 1, **gold}
+    with ModelServer([completion("no")]) as server:
+        for method in ("planner", "cpsat-formalizer", "nl-ir", "state-aware-repair"):
+            known = running if method == "state-aware-repair" else {**instance(1), **gold}
+            Path("instances.json").write_text(json.dumps(known))
+            ask(server.url, "-o", f"{method}.jsonl", method=method)
+        assert len(server.requests) == 16
+        sent = json.dumps(server.requests)
+    assert "Question 1" in sent
+    assert "bake" in sent
+    assert not [n for n in ("424242", "515151", "616161", "717171") if n in sent]
+
+
 def test_a_service_failure_is_no_answer_and_is_asked_for_again() -> None:
     with ModelServer(by_instance(error(400, "no luck"))) as server:
         told = ask(server.url)
