@@ -48,13 +48,22 @@ def read_instances(path: Path) -> list[Instance]:
 def _values(file: Path) -> Iterator[Any]:
     try:
         text = file.read_text("utf-8")
-        if file.suffix == ".jsonl":
-            yield from (read_line(line) for line in text.splitlines() if line.strip())
-            return
-        found = read_line(text)
     except (OSError, ValueError) as error:
-        raise _unusable(file, getattr(error, "strerror", None) or str(error)) from None
+        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
+        raise _unusable(file, reason) from None
+    if file.suffix == ".jsonl":
+        lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip()]
+        yield from (_value(file, f"line {n}", line) for n, line in lines)
+        return
+    found = _value(file, "it", text)
     yield from found if isinstance(found, list) else [found]
+
+
+def _value(file: Path, where: str, text: str) -> Any:
+    try:
+        return read_line(text)
+    except ValueError as error:
+        raise _unusable(file, f"{where} is no JSON: {error}") from None
 
 
 def _instance(file: Path, position: int, raw: Any) -> Instance:

@@ -224,7 +224,8 @@ def test_wrong_use_is_named_before_anything_is_asked(
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "instances.json: "),
+        ("", "instances.json: it is no JSON"),
+        ("id: 1", "instances.json: it is no JSON"),
         ("[]", "there is no instance in it"),
         ("[3]", "instance 1 is no JSON object"),
         ('[{"question": "x"}]', "instance 1 has no 'id'"),
