@@ -42,13 +42,15 @@ from irc.methods import (
     read_planner,
     read_schedule_spec,
 )
+from irc.methods.pddl_answer import read_pddl_task
 from irc.model import Task
 from irc.model.parts import DurationRange
 from irc.model.times import unit_seconds
+from irc.schedule import Schedule
 from irc.targets import SolveOptions
 
 SOLVE_SECONDS = 10.0
-"""The time in which a task of NL IR is solved."""
+"""The time in which a task of NL IR, or of PDDL without a recorded plan, is solved."""
 
 
 class ScoredMethod(StrEnum):
@@ -176,7 +178,9 @@ def _scores(
 def _step_scores(method: ScoredMethod, record: Record, gold: StepInstance) -> Found:
     if method is ScoredMethod.pddl21_formalizer:
         answer = pddl_answer(record)
-        run = {"outcome": record.get("outcome", "ok"), "plan": record.get("plan")}
+        recorded = "plan" in record or "outcome" in record
+        run = record if recorded else _planned(record.get("answer") or "")
+        run = {"outcome": run.get("outcome", "ok"), "plan": run.get("plan")}
         return meaning_scores(run, answer, gold), answer.state, Report()
     read = _finished(_READERS[method](record.get("answer") or ""), record)
     if method is ScoredMethod.planner:
@@ -194,6 +198,16 @@ _READERS = {
     ScoredMethod.cpsat_formalizer: read_schedule_spec,
     ScoredMethod.nl_ir: read_nl_ir,
 }
+
+
+def _planned(text: str) -> Record:
+    """The run of an answer in PDDL for which no plan is recorded: irc plans it itself."""
+    task = read_pddl_task(text).task
+    schedule = None if task is None else _schedule(task)
+    if schedule is None:
+        return {"outcome": "no_plan", "plan": None}
+    steps = [(e.start, e.id.strip("()"), e.end - e.start) for e in schedule.entries]
+    return {"outcome": "ok", "plan": steps}
 
 
 def _in_seconds(answer: Answer, task: Task) -> Answer:
@@ -217,12 +231,18 @@ def _in_seconds(answer: Answer, task: Task) -> Answer:
 
 def _solved_seconds(task: Task) -> float | None:
     """The makespan of irc's schedule in seconds; None where there is none within the limit."""
+    schedule = _schedule(task)
+    unit = unit_seconds(task.time_unit, task.days_per_month)
+    return None if schedule is None else float(Fraction(schedule.makespan) * unit)
+
+
+def _schedule(task: Task) -> Schedule | None:
+    """irc's schedule of a task; None where it is refused, or none is found within the limit."""
     try:
         schedule = solve_task(task, SolveOptions(time_limit=SOLVE_SECONDS)).schedule
     except InputError:
         return None
-    unit = unit_seconds(task.time_unit, task.days_per_month)
-    return float(Fraction(schedule.makespan) * unit) if schedule.answered else None
+    return schedule if schedule.answered else None
 
 
 def _finished(answer: Answer, record: Record) -> Answer:

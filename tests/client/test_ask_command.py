@@ -256,6 +256,33 @@ def test_a_file_of_other_answers_is_left_as_it_is() -> None:
     assert Path("answers.jsonl").read_text() == "my diary, one line"
 
 
+DOMAIN = """(define (domain d) (:requirements :durative-actions)
+ (:predicates (begun) (step1_done) (step2_done))
+ (:durative-action step1 :parameters () :duration (= ?duration 4)
+  :condition (at start (begun)) :effect (at end (step1_done)))
+ (:durative-action step2 :parameters () :duration (= ?duration 2)
+  :condition (at start (step1_done)) :effect (at end (step2_done))))"""
+PROBLEM = "(define (problem p) (:domain d) (:init (begun)) (:goal (step2_done)))"
+
+
+@pytest.mark.slow
+def test_answers_in_pddl_are_planned_where_no_plan_is_recorded() -> None:
+    texts = {"domain": DOMAIN, "problem": PROBLEM}
+    stuck = {**texts, "problem": PROBLEM.replace("(begun)", "")}
+    script = by_instance(completion(json.dumps(stuck)))
+
+    def answered(request: dict[str, Any], number: int) -> Said:
+        said = script(request, number)
+        return completion(json.dumps(texts)) if said is RIGHT else said
+
+    with ModelServer(answered) as server:
+        assert "2 ok, 1 invalid" in ask(server.url, method="pddl21-formalizer").stdout
+    files = ("--instances", "instances.json", "--answers", "answers.jsonl")
+    told = run_irc("eval", "score", "--method", "pddl21-formalizer", *files, "--format", "json")
+    plans = {a["id"]: a["scores"]["m_plan"] for a in json.loads(told.stdout)["answers"]}
+    assert plans == {"1": 1.0, "2": 0.0, "3": 1.0}
+
+
 def test_two_models_share_a_file() -> None:
     with ModelServer([RIGHT]) as server:
         ask(server.url)
