@@ -326,18 +326,21 @@ def _where(pointer: Pointer, raw: Any) -> str:
     *parents, last = pointer
     if isinstance(last, str):
         owner = _owner(tuple(parents), raw)
-        return f"'{last}' of {_element(owner, raw)}" if owner else f"'{last}'"
+        return f"'{last}' of {owner}" if owner else f"'{last}'"
     if parents and isinstance(parents[-1], int):
         return f"'{('before', 'after')[last]}' of {_kind(names[-1])} {parents[-1] + 1}"
     return f"{_kind(names[-1])} {last + 1}"
 
 
-def _owner(pointer: Pointer, raw: Any) -> Pointer:
+def _owner(pointer: Pointer, raw: Any) -> str | None:
     """The nearest element with an id that a path lies in, else the nearest entry of a list."""
     around = [pointer[:n] for n in range(len(pointer), 0, -1) if isinstance(pointer[n - 1], int)]
-    values = ((path, _value_at(path, raw)) for path in around)
-    named = (p for p, value in values if isinstance(value, Mapping) and "id" in value)
-    return next(named, around[0] if around else ())
+    for path in around:
+        value = _value_at(path, raw)
+        if isinstance(value, Mapping) and isinstance(value.get("id"), (str, int)):
+            kind = _kind([part for part in path if isinstance(part, str)][-1])
+            return f"{kind} {str(value['id'])!r}"
+    return _element(around[0], raw) if around else None
 
 
 def _kind(array: str) -> str:
