@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irc.cli.batch import batch
 from irc.cli.asking import ask
+from irc.cli.batch import batch
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.generate import generate
 from irc.cli.online import replan, run, simulate
