@@ -318,7 +318,7 @@ def _add_precedence(walk: _Walk, change: AddPrecedence, at: Pointer) -> None:
             if walk.names.require("action", name, (*place, field)):
                 _require_at_most_once(walk, name, "a precedence cannot name it", (*place, field))
         if edge.max_lag is not None:
-            check_lags(edge.min_lag, edge.max_lag, place, walk.times)
+            check_lags(edge, edge.max_lag, place, walk.times)
         walk.edges.add((edge.before, edge.after))
 
 

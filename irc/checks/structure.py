@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Findings, did_you_mean
 from irc.diagnostics.source import Pointer
-from irc.model import Action, DurationRange, Resource, Task, Use
+from irc.model import Action, DurationRange, Precedence, Resource, Task, Use
 from irc.model.base import write_time
 from irc.model.objectives import short_name
 from irc.model.quantities import Number, TimeError
@@ -652,17 +652,19 @@ def _check_precedence(
             )
         seen.add(key)
         if edge.max_lag is not None:
-            check_lags(edge.min_lag, edge.max_lag, ("precedence", k), times)
+            check_lags(edge, edge.max_lag, ("precedence", k), times)
 
 
-def check_lags(least: Instant, greatest: Instant, at: Pointer, times: TimeChecks) -> None:
+def check_lags(edge: Precedence, greatest: Instant, at: Pointer, times: TimeChecks) -> None:
     """Reports a lag whose minimum is above its maximum."""
+    least = edge.min_lag
     low = times.number(least, "min_lag", (*at, "min_lag"))
     high = times.number(greatest, "max_lag", (*at, "max_lag"))
     if low is not None and high is not None and low > high:
         times.findings.add(
             Code.EMPTY_RANGE,
-            f"the lag is at least {write_time(least)} but at most {write_time(greatest)}",
+            f"the lag from {edge.before!r} to {edge.after!r} is at least {write_time(least)} "
+            f"but at most {write_time(greatest)}",
             (*at, "max_lag"),
             hint=_SWAP,
         )

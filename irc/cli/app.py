@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irc.cli.asking import ask
 from irc.cli.batch import batch
 from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.generate import generate
@@ -472,6 +473,13 @@ def lsp() -> None:
     run_server()
 
 
+def mcp() -> None:
+    """Run the MCP server for agents, over standard input and output: check, solve, explain, …"""
+    from irc.cli.mcp import run_server
+
+    run_server()
+
+
 _COMMANDS = (
     check,
     compile_,
@@ -490,5 +498,7 @@ _COMMANDS = (
     explain_code,
     targets,
     schema,
+    ask,
     lsp,
+    mcp,
 )

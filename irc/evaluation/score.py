@@ -5,13 +5,15 @@ from __future__ import annotations
 import gzip
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from fractions import Fraction
 from pathlib import Path
 from types import NoneType
 from typing import Any
 
-from irc.diagnostics import Report
+from irc.diagnostics import InputError, Report
+from irc.driver.solve import solve_task
 from irc.evaluation.data import Record, StepInstance, read_instance, unreadable
 from irc.evaluation.figure import Count, Table, document, number
 from irc.evaluation.graph_rules import (
@@ -32,12 +34,23 @@ from irc.frontends.json.value import read_line
 from irc.methods import (
     Answer,
     AnswerState,
+    FinishReason,
+    finished,
     read_nl_ir,
     read_plan,
     read_plan_answer,
     read_planner,
     read_schedule_spec,
 )
+from irc.methods.pddl_answer import read_pddl_task
+from irc.model import Task
+from irc.model.parts import DurationRange
+from irc.model.times import unit_seconds
+from irc.schedule import Schedule
+from irc.targets import SolveOptions
+
+SOLVE_SECONDS = 10.0
+"""The time in which a task of NL IR, or of PDDL without a recorded plan, is solved."""
 
 
 class ScoredMethod(StrEnum):
@@ -51,11 +64,16 @@ class ScoredMethod(StrEnum):
 
 @dataclass(frozen=True)
 class Scoring:
-    """The scored answers with what was found in each, and the instances without an answer."""
+    """The scored answers with what was found in each, and the instances without an answer.
+
+    `service_failures` has, by model and id, why a service gave no answer: these are no answers,
+    and no measure counts them.
+    """
 
     rows: tuple[Row, ...]
     faults: Mapping[str, str]
     unanswered: tuple[str, ...]
+    service_failures: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     @property
     def table(self) -> dict[str, Table]:
@@ -67,13 +85,14 @@ class Scoring:
                 model: {measure: rate(rows, measure) for measure in rows[0].scores}
                 for model, rows in by_model.items()
             },
-            "answers": {model: _states(rows) for model, rows in by_model.items()},
+            "answers": {model: self._states(model, rows) for model, rows in by_model.items()},
         }
 
-
-def _states(rows: Sequence[Row]) -> Table:
-    counts = {state: sum(row.state is state for row in rows) for state in AnswerState}
-    return {state.value: Count(number) for state, number in counts.items()}
+    def _states(self, model: str, rows: Sequence[Row]) -> Table:
+        counts = {state.value: sum(row.state is state for row in rows) for state in AnswerState}
+        if self.service_failures:
+            counts["service_failure"] = sum(of == model for of, _ in self.service_failures)
+        return {name: Count(number) for name, number in counts.items()}
 
 
 def score(method: ScoredMethod, instances: Path, answers: Path) -> Scoring:
@@ -81,19 +100,25 @@ def score(method: ScoredMethod, instances: Path, answers: Path) -> Scoring:
     known = dict(_instances(instances))
     rows: list[Row] = []
     faults: dict[str, str] = {}
+    failures: dict[tuple[str, str], str] = {}
     for position, record in enumerate(_records(answers), 1):
         key = str(record.get("id"))
         if key not in known:
             raise unreadable(answers, f"line {position}: there is no instance with id {key!r}")
-        scores, state, report = _scores(method, record, known[key])
         model = str(record.get("model", "answers"))
+        if isinstance(failure := record.get("service_failure"), str):
+            failures[model, key] = failure
+            continue
+        scores, state, report = _scores(method, record, known[key])
         rows.append(Row(model, method, key, scores, state))
         if report.diagnostics:
             faults[f"{model}/{key}"] = report.diagnostics[0].message
     if not rows:
-        raise unreadable(answers, "there are no answers")
+        failed = f", and {len(failures)} service failures" if failures else ""
+        raise unreadable(answers, f"there are no answers{failed}")
     answered = {row.instance for row in rows}
-    return Scoring(tuple(rows), faults, tuple(key for key in known if key not in answered))
+    unanswered = tuple(key for key in known if key not in answered)
+    return Scoring(tuple(rows), faults, unanswered, failures)
 
 
 def _instances(path: Path) -> Iterator[tuple[str, StepInstance | Mapping[str, Any]]]:
@@ -151,18 +176,79 @@ def _scores(
 
 
 def _step_scores(method: ScoredMethod, record: Record, gold: StepInstance) -> Found:
-    text = record.get("answer") or ""
     if method is ScoredMethod.pddl21_formalizer:
         answer = pddl_answer(record)
-        run = {"outcome": record.get("outcome", "ok"), "plan": record.get("plan")}
+        recorded = "plan" in record or "outcome" in record
+        run = record if recorded else _planned(record.get("answer") or "")
+        run = {"outcome": run.get("outcome", "ok"), "plan": run.get("plan")}
         return meaning_scores(run, answer, gold), answer.state, Report()
+    read = _finished(_READERS[method](record.get("answer") or ""), record)
     if method is ScoredMethod.planner:
-        read = read_planner(text)
         return _without_totals(planner_scores(read, gold)), read.state, read.report
-    read = read_schedule_spec(text) if method is ScoredMethod.cpsat_formalizer else read_nl_ir(text)
-    makespan = None if read.graph is None else own_makespan(numbered(read.graph))
+    if method is ScoredMethod.nl_ir and (task := read.task) is not None:
+        read, makespan = _in_seconds(read, task), _solved_seconds(task)
+    else:
+        makespan = None if read.graph is None else own_makespan(numbered(read.graph))
     scores = scheduled_scores(read, makespan, gold)
     return _without_totals(scores), read.state, read.report
+
+
+_READERS = {
+    ScoredMethod.planner: read_planner,
+    ScoredMethod.cpsat_formalizer: read_schedule_spec,
+    ScoredMethod.nl_ir: read_nl_ir,
+}
+
+
+def _planned(text: str) -> Record:
+    """The run of an answer in PDDL for which no plan is recorded: irc plans it itself."""
+    task = read_pddl_task(text).task
+    schedule = None if task is None else _schedule(task)
+    if schedule is None:
+        return {"outcome": "no_plan", "plan": None}
+    steps = [(e.start, e.id.strip("()"), e.end - e.start) for e in schedule.entries]
+    return {"outcome": "ok", "plan": steps}
+
+
+def _in_seconds(answer: Answer, task: Task) -> Answer:
+    """The answer with the durations of its graph in seconds, the unit of gold durations.
+
+    A task may be in minutes, or have texts such as "1 h". Of a range the least counts.
+    """
+    unit = unit_seconds(task.time_unit, task.days_per_month)
+    seconds: dict[str, int | float] = {}
+    for action in task.actions:
+        written = action.duration
+        least = written.min if isinstance(written, DurationRange) else written
+        if least is not None:
+            exact = Fraction(task.number(least)) * unit
+            seconds[action.id] = int(exact) if exact.denominator == 1 else float(exact)
+    if answer.graph is None:
+        return answer
+    actions = tuple(replace(a, duration=seconds.get(a.id)) for a in answer.graph.actions)
+    return replace(answer, graph=replace(answer.graph, actions=actions))
+
+
+def _solved_seconds(task: Task) -> float | None:
+    """The makespan of irc's schedule in seconds; None where there is none within the limit."""
+    schedule = _schedule(task)
+    unit = unit_seconds(task.time_unit, task.days_per_month)
+    return None if schedule is None else float(Fraction(schedule.makespan) * unit)
+
+
+def _schedule(task: Task) -> Schedule | None:
+    """irc's schedule of a task; None where it is refused, or none is found within the limit."""
+    try:
+        schedule = solve_task(task, SolveOptions(time_limit=SOLVE_SECONDS)).schedule
+    except InputError:
+        return None
+    return schedule if schedule.answered else None
+
+
+def _finished(answer: Answer, record: Record) -> Answer:
+    """The answer in the state that its service's reason gives it, where the record has one."""
+    known = [reason for reason in FinishReason if reason == record.get("finish_reason")]
+    return finished(answer, known[0]) if known else answer
 
 
 def _without_totals(scores: Scores) -> Scores:
@@ -203,6 +289,9 @@ def written(found: Scoring, layout: Layout) -> str:
     grids = [grid_of(name, table) for name, table in found.table.items()]
     if found.faults:
         grids.append(Grid("faults", ("answer", "fault"), list(found.faults.items())))
+    if found.service_failures:
+        failures = [(f"{m}/{key}", why) for (m, key), why in found.service_failures.items()]
+        grids.append(Grid("service failures", ("answer", "reason"), failures))
     if found.unanswered:
         grids.append(Grid("without an answer", ("instance",), [(k,) for k in found.unanswered]))
     return "\n\n".join(WRITERS[layout](grid) for grid in grids) + "\n"
@@ -225,4 +314,5 @@ def _as_json(found: Scoring) -> dict[str, Any]:
         ],
         "faults": dict(found.faults),
         "unanswered": list(found.unanswered),
+        "service_failures": {f"{m}/{key}": w for (m, key), w in found.service_failures.items()},
     }

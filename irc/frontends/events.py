@@ -57,7 +57,13 @@ def read_events(
     The text is JSON, or `event` statements of the DSL. Events without a time are at `at`. Raises
     `InputError` with every fault of syntax and shape.
     """
-    text, name = read_text(path)
+    return parse_events(*read_text(path), at)
+
+
+def parse_events(
+    text: str, name: str, at: int | float | str
+) -> tuple[list[PlacedEvent], tuple[Diagnostic, ...], Source]:
+    """The events in a text, as `read_events` reads those of a file. Raises `InputError`."""
     if name.endswith(".irc") or _DSL.match(text):
         return _from_dsl(text, name, at)
     raw, source, notes = find_value(text, name, _EXPECTED)

@@ -15,6 +15,7 @@ from irc.methods.instance import (
     NotAnInstance,
     RunningInstance,
     kitchen_instance,
+    running_instance,
     step_instance,
 )
 from irc.methods.loop import Conversation, ServiceFailure, converse
@@ -23,6 +24,7 @@ from irc.methods.nl_ir import read_nl_ir
 from irc.methods.pddl_answer import PddlAnswer, read_pddl_answer
 from irc.methods.planner import read_plan_answer, read_planner
 from irc.methods.prompt import Message
+from irc.methods.reply import FinishReason, Reply, finished
 from irc.methods.schedule_spec import read_schedule_spec
 
 __all__ = [
@@ -31,6 +33,7 @@ __all__ = [
     "AnswerState",
     "Conversation",
     "Edge",
+    "FinishReason",
     "GoldInstance",
     "Instance",
     "Message",
@@ -38,11 +41,13 @@ __all__ = [
     "NotAnInstance",
     "PddlAnswer",
     "PlanLine",
+    "Reply",
     "RunningInstance",
     "ServiceFailure",
     "StepGraph",
     "WrittenAction",
     "converse",
+    "finished",
     "kitchen_instance",
     "method",
     "read_nl_ir",
@@ -51,5 +56,6 @@ __all__ = [
     "read_plan_answer",
     "read_planner",
     "read_schedule_spec",
+    "running_instance",
     "step_instance",
 ]

@@ -27,6 +27,9 @@ SHOWN_OF_KITCHEN = (
 )
 """The fields of an instance of Robo Challenge that are read."""
 
+SHOWN_OF_RUNNING = ("id", "news", "task", "now")
+"""The fields of an instance of a running task that are read; the task's own events are not."""
+
 
 class NotAnInstance(IrcError, ValueError):
     """An instance without the fields that a prompt needs."""
@@ -80,3 +83,30 @@ def kitchen_instance(raw: Mapping[str, Any]) -> Instance:
         stations=dict(shown["stations"]),
         robots=tuple(shown.get("robots", ())),
     )
+
+
+def running_instance(raw: Mapping[str, Any]) -> RunningInstance:
+    """A running task, the time now, and the news. Raises `NotAnInstance`."""
+    from irc.checks import run_checks
+    from irc.diagnostics import Findings, Report
+    from irc.model.from_document import to_task
+    from irc.model.quantities import TimeError
+    from irc.model.times import parse_instant
+
+    news, document = raw.get("news"), raw.get("task")
+    if not isinstance(news, str) or not news.strip():
+        raise NotAnInstance("the instance has no 'news', a text")
+    if not isinstance(document, Mapping):
+        raise NotAnInstance("the instance has no 'task', a document of the IR")
+    findings = Findings()
+    task = to_task({**document, "events": []}, findings)
+    if task is not None:
+        findings.items += run_checks(task, lint=False).report
+    errors = Report(tuple(findings.items)).errors
+    if task is None or errors:
+        raise NotAnInstance(f"its task: {errors[0].message}")
+    try:
+        now = task.number(parse_instant(raw.get("now", 0)))
+    except TimeError as error:
+        raise NotAnInstance(f"its 'now': {error}") from None
+    return RunningInstance(str(raw.get("id")), news, task=task, now=now)

@@ -10,12 +10,13 @@ from irc.methods.answer import Answer, AnswerState
 from irc.methods.instance import Instance
 from irc.methods.method import Method
 from irc.methods.prompt import Message
+from irc.methods.reply import FinishReason, Reply, finished
 from irc.model import Task
 
 MOST_REWRITES = 3
 
-Ask = Callable[[list[Message]], str]
-"""A model: the messages so far → the text of its answer.
+Ask = Callable[[list[Message]], str | Reply]
+"""A model: the messages so far → the text of its answer, or a `Reply` with why it stopped.
 
 It raises `ServiceFailure` for failures of the service, which are no answers.
 """
@@ -30,12 +31,14 @@ class Conversation:
     """All answers of a model to one instance, the last one to be used, and the messages.
 
     `service_failure` says why the last question got no answer; it is no answer and counts as none.
+    `finish_reason` says why the model stopped writing the last answer, where its service says it.
     """
 
     instance: Instance
     messages: tuple[Message, ...]
     answers: tuple[Answer, ...]
     service_failure: str | None = None
+    finish_reason: FinishReason | None = None
 
     @property
     def answer(self) -> Answer | None:
@@ -65,15 +68,18 @@ def converse(
     if not messages:
         return Conversation(instance, (), (method.read("", instance),))
     answers: list[Answer] = []
+    reason: FinishReason | None = None
     for _ in range(rewrites + 1):
         try:
-            text = ask(list(messages))
+            said = ask(list(messages))
         except (ServiceFailure, OSError) as error:
             failure = str(error) or type(error).__name__
-            return Conversation(instance, tuple(messages), tuple(answers), failure)
-        answers.append(method.read(text, instance))
-        messages.append({"role": "assistant", "content": text})
+            return Conversation(instance, tuple(messages), tuple(answers), failure, reason)
+        reply = Reply(said) if isinstance(said, str) else said
+        reason = reply.finish_reason
+        answers.append(finished(method.read(reply.text, instance), reason))
+        messages.append({"role": "assistant", "content": reply.text})
         if answers[-1].state is AnswerState.OK or len(answers) > rewrites:
             break
         messages.append(method.retry(answers[-1], answers[-1].report))
-    return Conversation(instance, tuple(messages), tuple(answers))
+    return Conversation(instance, tuple(messages), tuple(answers), None, reason)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from irc.diagnostics import Report
 from irc.errors import NameNotFound
@@ -30,12 +31,16 @@ Retry = Callable[[Answer, Report | None], Message]
 
 @dataclass(frozen=True)
 class Method:
-    """A way to let a language model plan. A method without messages asks no model."""
+    """A way to let a language model plan. A method without messages asks no model.
+
+    `schema` names the strict schema that the answers follow, for structured output; None: none.
+    """
 
     name: str
     messages: Messages
     read: Read
     retry: Retry = rewrite
+    schema: Literal["task", "event"] | None = None
 
 
 def _prompted(name: str) -> Messages:
@@ -76,9 +81,9 @@ METHODS: Mapping[str, Method] = {
         Method("planner", _prompted("planner"), _read_planner),
         Method("pddl21-formalizer", _prompted("pddl21-formalizer"), _read_pddl),
         Method("cpsat-formalizer", _prompted("cpsat-formalizer"), _read_schedule_spec),
-        Method("nl-ir", _nl_ir_messages, _read_nl_ir),
+        Method("nl-ir", _nl_ir_messages, _read_nl_ir, schema="task"),
         Method("gold-ir", _no_messages, read_gold_ir),
-        Method("state-aware-repair", repair_messages, read_repair),
+        Method("state-aware-repair", repair_messages, read_repair, schema="event"),
     )
 }
 """The methods by name."""

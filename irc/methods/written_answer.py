@@ -21,11 +21,12 @@ def unreadable_state(text: str) -> AnswerState:
     return AnswerState.MALFORMED if whole else AnswerState.TRUNCATED
 
 
-_REASONS = {
+REASONS = {
     AnswerState.EMPTY: "the answer is empty",
     AnswerState.TRUNCATED: "the answer is cut off: it ends before its JSON object does",
     AnswerState.MALFORMED: "the answer holds no JSON object that can be read",
 }
+"""The first message of an answer in which no object can be read."""
 
 
 def unreadable(text: str, expected: str) -> Answer:
@@ -38,7 +39,7 @@ def unreadable_report(text: str, state: AnswerState, expected: str) -> Report:
     """The report of an answer in which no object can be read."""
     findings = Findings()
     code = Code.UNREADABLE if state is AnswerState.EMPTY else Code.SYNTAX
-    findings.add(code, _REASONS[state], offset=len(text.rstrip()), hint=f"expected {expected}")
+    findings.add(code, REASONS[state], offset=len(text.rstrip()), hint=f"expected {expected}")
     if "{" in text:
         findings.items += _faults_of_text(text)
     return Report(tuple(findings.items), Source("answer", text))

@@ -141,10 +141,10 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         return  # Each of its entries has its own fault.
     if isinstance(cause, TimeError):
         findings.add(
-            Code.BAD_TIME, f"{_where(pointer)}: {cause}", pointer, hint=_time_hint(str(cause))
+            Code.BAD_TIME, f"{_where(pointer, raw)}: {cause}", pointer, hint=_time_hint(str(cause))
         )
     elif kind in ("literal_error", "union_tag_invalid"):
-        _add_word(fault, pointer, value, findings)
+        _add_word(fault, pointer, raw, findings)
     else:
         message = _EXPECTED.get(kind) or str(cause or fault["msg"])
         found = "" if kind == "value_error" else f", found {_shown(value)}"
@@ -153,7 +153,11 @@ def _add(fault: Any, raw: Mapping[str, Any], findings: Findings) -> None:
         if not fix and kind == "model_type" and pointer[:1] in (("precedence",), ("dependencies",)):
             advice = 'write {"before": …, "after": …}, or a pair of two names'
         findings.add(
-            Code.WRONG_TYPE, f"{_where(pointer)}: {message}{found}", pointer, hint=advice, fix=fix
+            Code.WRONG_TYPE,
+            f"{_where(pointer, raw)}: {message}{found}",
+            pointer,
+            hint=advice,
+            fix=fix,
         )
 
 
@@ -163,7 +167,9 @@ def _adds_time(pointer: Pointer, raw: Any, findings: Findings) -> bool:
 
     text = time_meant(_value_at(pointer, raw)) if kind_at(pointer) == "duration" else None
     if text is not None and not any(d.pointer == pointer for d in findings.items):
-        message = f"{_where(pointer)}: expected a time, found an object with a number and a unit"
+        message = (
+            f"{_where(pointer, raw)}: expected a time, found an object with a number and a unit"
+        )
         hint, fix = f'write "{text}"', replaced(pointer, text)
         findings.add(Code.WRONG_TYPE, message, pointer, hint=hint, fix=fix)
     return text is not None
@@ -185,8 +191,9 @@ def _instead_of(pointer: Pointer, raw: Any) -> tuple[str, Fix]:
     return _known_fields(_fields_at(pointer[:-1], raw)), ()
 
 
-def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> None:
+def _add_word(fault: Any, pointer: Pointer, raw: Any, findings: Findings) -> None:
     """Adds a fault of a value, or of the tag of an object, that must be one of a few words."""
+    value = _value_at(pointer, raw)
     expected = fault["ctx"].get("expected") or fault["ctx"].get("expected_tags", "")
     if fault["type"] == "union_tag_invalid":
         tag = fault["ctx"]["discriminator"].strip("'")
@@ -195,7 +202,7 @@ def _add_word(fault: Any, pointer: Pointer, value: Any, findings: Findings) -> N
     sure = _word_meant(value, words) if isinstance(value, str) else None
     findings.add(
         Code.WRONG_TYPE,
-        f"{_where(pointer)}: expected {_listed(words) or expected}, found {_shown(value)}",
+        f"{_where(pointer, raw)}: expected {_listed(words) or expected}, found {_shown(value)}",
         pointer,
         hint=f"did you mean `{sure}`?" if sure else did_you_mean(str(value), words),
         fix=replaced(pointer, sure) if sure else (),
@@ -308,17 +315,32 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def _where(pointer: Pointer) -> str:
-    """A field by its name, an entry of a list by its number, a name of a pair by its meaning."""
+def _where(pointer: Pointer, raw: Any) -> str:
+    """A field by its name, an entry of a list by its number, a name of a pair by its meaning.
+
+    With it the element that it is a field of, where that has an id or a number.
+    """
     names = [part for part in pointer if isinstance(part, str)]
     if not names:
         return "the task"
     *parents, last = pointer
     if isinstance(last, str):
-        return f"'{last}'"
+        owner = _owner(tuple(parents), raw)
+        return f"'{last}' of {owner}" if owner else f"'{last}'"
     if parents and isinstance(parents[-1], int):
         return f"'{('before', 'after')[last]}' of {_kind(names[-1])} {parents[-1] + 1}"
     return f"{_kind(names[-1])} {last + 1}"
+
+
+def _owner(pointer: Pointer, raw: Any) -> str | None:
+    """The nearest element with an id that a path lies in, else the nearest entry of a list."""
+    around = [pointer[:n] for n in range(len(pointer), 0, -1) if isinstance(pointer[n - 1], int)]
+    for path in around:
+        value = _value_at(path, raw)
+        if isinstance(value, Mapping) and isinstance(value.get("id"), (str, int)):
+            kind = _kind([part for part in path if isinstance(part, str)][-1])
+            return f"{kind} {str(value['id'])!r}"
+    return _element(around[0], raw) if around else None
 
 
 def _kind(array: str) -> str:

@@ -17,6 +17,7 @@ import irc
 from paths import ROOT
 
 HEAVY = ["ortools", "unified_planning", "networkx", "matplotlib", "kairos", "numpy", "pandas"]
+HEAVY += ["openai", "tenacity", "httpx2", "mcp", "asyncio"]
 
 TASK = {
     "resources": [{"id": "oven"}],

@@ -110,7 +110,7 @@ SHAPE = [
     case(
         action('{"id": ‸7, "duration": 3}'),
         "IRC103 /actions/0/id",
-        says="'id': expected text in double quotes, found 7",
+        says="'id' of action '7': expected text in double quotes, found 7",
     ),
     case(
         '{"actions": ‸{}}',
@@ -156,12 +156,12 @@ SHAPE = [
     case(
         actions(',\n "events": [{"at": 1, "changes": [{"op": ‸"delete"}]}]'),
         "IRC103 /events/0/changes/0/op",
-        says="'op': expected 'add_actions'",
+        says="'op' of change 1: expected 'add_actions'",
     ),
     case(
         action('{"id": "a", "duration": ‸"soon"}'),
         "IRC104 /actions/0/duration",
-        says="'duration': cannot read 'soon' as a time",
+        says="'duration' of action 'a': cannot read 'soon' as a time",
     ),
     case(
         action('{"id": "a", "duration": {"min": 1, "max": ‸"2 parsecs"}}'),
@@ -265,7 +265,7 @@ TIMES = [
     case(
         actions(',\n "precedence": [{"before": "a", "after": "b", "min_lag": 5, "max_lag": ‸3}]'),
         "IRC106 /precedence/0/max_lag",
-        says="the lag is at least 5 but at most 3",
+        says="the lag from 'a' to 'b' is at least 5 but at most 3",
     ),
     case(
         actions(',\n "resources": [‸{"id": "s", "kind": "reservoir", "min": ‸3, "max": 2}]'),
@@ -384,7 +384,7 @@ NAMES = [
     case(
         actions(',\n "precedence": [{"before": "a", "after": "b", "lag": ‸"x"}]'),
         "IRC104 /precedence/0/lag",
-        says="'lag': cannot read 'x' as a time",
+        says="'lag' of precedence 1: cannot read 'x' as a time",
     ),
     case(
         actions(',\n "precedence": [["a", "b"],\n ["a", ‸"c"]]'),
@@ -975,8 +975,8 @@ def test_many_faults_of_one_code_are_counted_not_shown() -> None:
 def test_a_finding_shows_its_line_under_a_caret() -> None:
     report = checked('{"actions": [{"id": "a",\n   "duration": "soon"}]}')
     assert report.render() == (
-        "error[IRC104]: 'duration': cannot read 'soon' as a time; write a number and a unit "
-        "(ms, s, min, h, day, week, month, year), as in '1 h 30 min'\n"
+        "error[IRC104]: 'duration' of action 'a': cannot read 'soon' as a time; write a number and "
+        "a unit (ms, s, min, h, day, week, month, year), as in '1 h 30 min'\n"
         "  --> <text>:2:16\n"
         ' 2 |    "duration": "soon"}]}\n'
         "   |                ^"

@@ -35,7 +35,8 @@ from paths import ROOT
 
 BACKENDS = ("irc_cpsat", "irc_pddl21")
 HEAVY = frozenset({"kairos", "lark", "matplotlib", "networkx", "numpy", "ortools", "pandas"}) | {
-    *("pydantic", "pygls", "rich", "typer", "unified_planning", "up_aries")
+    *("pydantic", "pygls", "rich", "typer", "unified_planning", "up_aries"),
+    *("openai", "tenacity", "httpx2", "mcp"),
 }
 AT_MOST_LOOSE = 6
 LINES_OF_95_PERCENT = 30

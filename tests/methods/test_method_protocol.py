@@ -8,12 +8,12 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from importlib.resources import files
-from itertools import pairwise
 from typing import Any
 
 import pytest
 
 import irc
+from answer_corruptions import DOCUMENTS, KINDS, corrupted, judged
 from irc.diagnostics import Report
 from irc.methods import (
     METHODS,
@@ -32,7 +32,7 @@ from irc.methods import (
 from irc.methods.instance import SHOWN_OF_KITCHEN, SHOWN_OF_STEPS
 from irc.methods.prompt import MOST_CHARACTERS, rewrite
 from irc.model.canonical import canonical_task
-from oracles.generators import random_task
+from paths import EXAMPLES
 
 STEPS = {
     "id": 7,
@@ -322,115 +322,20 @@ def test_a_plan_of_a_kitchen_is_a_schedule() -> None:
 # --- sixty corruptions --------------------------------------------------------------------------
 
 
-def document(rng: random.Random) -> dict[str, Any]:
-    """A task whose names are words that stand nowhere else."""
-    drawn = random_task(rng, tighten=0.0).model_dump(mode="json", by_alias=True, exclude_unset=True)
-    made: dict[str, Any] = {
-        "resources": [{"id": "kiln", "capacity": 2}],
-        "actions": [
-            {"id": f"task{k}x", "duration": 3 + k, "uses": [{"resource": "kiln"}]}
-            for k, _ in enumerate(drawn["actions"])
-        ],
-    }
-    names = [a["id"] for a in made["actions"]]
-    made["precedence"] = [{"before": a, "after": b} for a, b in pairwise(names)]
-    return made
-
-
-def _unknown_predecessor(made: Any, k: int) -> str:
-    made["precedence"][k]["before"] = "quokka"
-    return "quokka"
-
-
-def _no_duration(made: Any, k: int) -> str:
-    del made["actions"][k]["duration"]
-    return made["actions"][k]["id"]
-
-
-def _negative(made: Any, k: int) -> str:
-    made["actions"][k]["duration"] = -4
-    return made["actions"][k]["id"]
-
-
-def _words(made: Any, k: int) -> str:
-    made["actions"][k]["duration"] = "a good while"
-    return "a good while"
-
-
-def _misspelt(made: Any, k: int) -> str:
-    made["actions"][k]["durattion"] = made["actions"][k].pop("duration")
-    return "durattion"
-
-
-def _foreign(made: Any, k: int) -> str:
-    made["actions"][k]["depends_on"] = ["wombat"]
-    return "wombat"
-
-
-def _no_resource(made: Any, k: int) -> str:
-    made["actions"][k]["uses"][0]["resource"] = "anvil"
-    return "anvil"
-
-
-def _too_many(made: Any, k: int) -> str:
-    made["actions"][k]["uses"][0]["amount"] = 9
-    return made["actions"][k]["id"]
-
-
-def _twice(made: Any, k: int) -> str:
-    made["actions"].append({"id": made["actions"][k]["id"], "duration": 99})
-    return made["actions"][k]["id"]
-
-
-def _turned(made: Any, k: int) -> str:
-    edge = made["precedence"][k]
-    made["precedence"].append({"before": edge["after"], "after": edge["before"]})
-    return edge["after"]
-
-
-def _too_late(made: Any, k: int) -> str:
-    made["actions"][k]["deadline"] = 1
-    return made["actions"][k]["id"]
-
-
-def _type(made: Any, k: int) -> str:
-    made["precedence"][k]["type"] = "sideways"
-    return "sideways"
-
-
-CORRUPTIONS = (
-    *(_unknown_predecessor, _no_duration, _negative, _words, _misspelt, _foreign),
-    *(_no_resource, _too_many, _twice, _turned, _too_late, _type),
-)
-
-
 @pytest.mark.parametrize("seed", range(60))
 def test_the_diagnostics_of_a_corrupted_answer_name_the_corrupted_element(seed: int) -> None:
-    rng = random.Random(seed)
-    made = document(rng)
-    corrupt = CORRUPTIONS[seed % len(CORRUPTIONS)]
-    named = corrupt(made, rng.randrange(len(made["precedence"])))
-    text = json.dumps(made, indent=rng.choice((None, 1)))
-    answer = METHODS["nl-ir"].read(text, step_instance(STEPS))
-    assert answer.state is AnswerState.INVALID
-    assert named in words_of(answer.report)
-    assert named in rewrite(answer)["content"]
+    kind, made = corrupted(seed)
+    found = judged(made)
+    said = f"{kind}: {made.named}\n{found.answer.report.render()}"
+    assert found.answer.state in (AnswerState.INVALID, AnswerState.MALFORMED), said
+    assert found.is_named, said
+    assert found.is_shown, said
+    assert found.is_placed, said
 
 
-IN_STEPS = (_unknown_predecessor, _no_duration, _negative, _words, _twice, _turned)
-
-
-@pytest.mark.parametrize("name", ["planner", "cpsat-formalizer"])
-@pytest.mark.parametrize("seed", range(12))
-def test_so_do_those_of_the_other_readers(name: str, seed: int) -> None:
-    rng = random.Random(seed)
-    made = document(rng)
-    corrupt = IN_STEPS[seed % len(IN_STEPS)]
-    named = corrupt(made, rng.randrange(len(made["precedence"])))
-    written = {"actions": made["actions"], "dependencies": made["precedence"]}
-    answer = METHODS[name].read(json.dumps(written), step_instance(STEPS))
-    assert answer.state is AnswerState.INVALID
-    assert named in words_of(answer.report)
+def test_every_kind_of_corruption_is_among_the_sixty() -> None:
+    assert len(KINDS) <= 60
+    assert len({kind for kind, _ in KINDS}) == len(KINDS)
 
 
 DOMAIN = """(define (domain d) (:requirements :durative-actions)
@@ -476,9 +381,9 @@ def words_of(report: Report) -> str:
     return "\n".join(f"{d.message} {d.hint}" for d in report.errors)
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_an_answer_without_corruption_is_taken_as_it_is(seed: int) -> None:
-    made = document(random.Random(seed))
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_an_answer_without_corruption_is_taken_as_it_is(name: str) -> None:
+    made = json.loads((EXAMPLES / f"{name}.json").read_text("utf-8"))
     answer = METHODS["nl-ir"].read(json.dumps(made), step_instance(STEPS))
     assert answer.state is AnswerState.OK, answer.report.render()
     assert answer.task is not None
