@@ -75,12 +75,12 @@ def plan_lines(record: Record) -> str:
     return "".join(f"{start:.3f}: ({name}) [{lasts:.3f}]\n" for start, name, lasts in plan)
 
 
-def optics_makespan(task: Task, record: Record) -> Schedule | None:
-    """OPTIC's plan, as early as its choices and order allow; None where irc cannot take it."""
+def optics_schedule(task: Task, record: Record) -> Schedule | str:
+    """OPTIC's plan, as early as its choices and order allow; or why irc cannot take it."""
     try:
         return retimed_answer(task, read_plan(plan_lines(record), "plan", task)).schedule
-    except IrcError:
-        return None
+    except IrcError as error:
+        return str(error)
 
 
 def compare_pddl(data: Data, name: str, options: argparse.Namespace) -> None:
@@ -122,11 +122,12 @@ def solve_as_optic(task: Task, record: Record, tally: Tally, seconds: float) -> 
         return
     count["solved"] += 1
     count["proven"] += schedule.status is Status.OPTIMAL
-    theirs = optics_makespan(task, record)
-    if theirs is None:
-        tally.differs("OPTIC's plan is not valid as a schedule", record, "")
-    elif theirs.makespan > OVERFLOW:
+    if schedule.makespan > OVERFLOW:
         count["beyond OPTIC's clock"] += 1
+        return
+    theirs = optics_schedule(task, record)
+    if isinstance(theirs, str):
+        tally.differs("OPTIC's plan is not valid as a schedule", record, theirs)
     elif schedule.makespan == theirs.makespan:
         count["makespan of OPTIC"] += 1
     elif schedule.makespan < theirs.makespan:
