@@ -396,6 +396,25 @@ def test_a_worse_final_plan_changes_all_verdicts_on_it(
     assert differing(base, file, position, long) == expected
 
 
+def test_a_worse_final_plan_of_model_written_pddl_changes_the_verdicts_that_it_had(
+    base: Scored,
+) -> None:
+    rows = base.online_pddl
+    position = perfect(rows, "gemini", lambda row: row.scores["plan"])
+    had = [m for m in ("plan", "strict", "with_deadlines") if rows.rows[position].scores[m]]
+    record = record_at(base, "online_pddl", position)
+    lines = plan_lines(record["final_plan"])
+    expected = {("online_by_model", "formalizer", "gemini", m) for m in had}
+    expected |= {("online", "formalizer", "online_hard_temporal", m) for m in had}
+    expected |= {("online_errors", "formalizer", kind) for kind in ("ok", "eval_error")}
+    for worsen in (without_last, backwards, first_half):
+        worse = {**record, "final_plan": plan_text(worsen(lines))}
+        assert differing(base, "online_pddl", position, worse) == expected
+    long = {**record, "final_plan": plan_text(with_long_last(lines))}
+    stricter = {path for path in expected if path[-1] in ("strict", "with_deadlines")}
+    assert differing(base, "online_pddl", position, long) == stricter
+
+
 def test_a_failed_online_run_stays_failed_whatever_its_plan(base: Scored) -> None:
     record = record_at(base, "online_pddl", 0)
     assert record["success"] is False
@@ -422,3 +441,25 @@ def test_asynchow_on_cpsat_goes_by_the_recorded_makespan_alone(base: Scored) -> 
     record = record_at(base, "asynchow_cpsat", position)
     for worse in (cut(record), turned_round(record), with_long_step(record, 0)):
         assert differing(base, "asynchow_cpsat", position, worse) == set()
+
+
+def test_asynchow_on_pddl_goes_by_the_recorded_outcome_alone(base: Scored) -> None:
+    rows = base.asynchow["pddl"]
+    position = perfect(rows, "qwen", lambda row: row.scores["makespan"])
+    record = record_at(base, "asynchow_pddl", position)
+    lines = [(start, name, duration) for start, name, duration in record["plan"]]
+    domain = record["domain"]
+    for worse in (
+        {**record, "domain": re.sub(r"\(at start \(\w+\)\)", "", domain, count=1)},
+        {**record, "domain": re.sub(r"\(= \?duration ", r"\g<0>24", domain, count=1)},
+        {**record, "domain": domain.replace("at start", "AT").replace("at end", "at start")},
+        {**record, "plan": backwards(lines)},
+        {**record, "plan": with_long_last(lines)},
+        cut(record, "domain"),
+        cut(record, "problem"),
+    ):
+        assert worse != record
+        assert differing(base, "asynchow_pddl", position, worse) == set()
+    for outcome in ("wrong_makespan", "no_plan"):
+        worse = {**record, "outcome": outcome, "plan": None}
+        assert differing(base, "asynchow_pddl", position, worse) == {("asynchow", "pddl", "qwen")}
