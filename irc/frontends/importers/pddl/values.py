@@ -29,6 +29,7 @@ from irc.frontends.importers.pddl.lifted import (
     Schema,
     conjuncts,
 )
+from irc.frontends.importers.pddl.supply import Supply
 
 MOST_VALUES = 200
 """A number with more values is refused where something depends on its value."""
@@ -87,6 +88,22 @@ class _Event(NamedTuple):
         return found
 
 
+class _Ends(NamedTuple):
+    """The least and the greatest value of a number, as far as they are known."""
+
+    least: Fraction | None
+    greatest: Fraction | None
+
+    def allow(self, value: Fraction) -> bool:
+        """Whether a value lies between them."""
+        above = self.least is None or value >= self.least
+        return above and (self.greatest is None or value <= self.greatest)
+
+
+_Ground = tuple[Schema, tuple[str, ...]]
+"""An action with its objects."""
+
+
 class ReachedValues:
     """The values of numbers, counted when they are first asked for."""
 
@@ -98,7 +115,7 @@ class ReachedValues:
     ) -> None:
         self.lifted, self.bound, self.decider = lifted, bound, decider
         self._values: dict[Fact, tuple[Fraction, ...]] = {}
-        self._events: list[_Event] | None = None
+        self._events: dict[_Event, list[_Ground]] | None = None
 
     def of(self, fact: Fact, offset: int) -> tuple[Fraction, ...]:
         """The values of a number, in order. Raises `NotSupportedError` where they are too many.
@@ -107,14 +124,15 @@ class ReachedValues:
         """
         if fact not in self._values:
             if self._events is None:
-                self._events = list(dict.fromkeys(self._all_events()))
+                self._events = {}
+                for event, ground in self._all_events():
+                    self._events.setdefault(event, []).append(ground)
             self._count(fact, self._events, offset)
         return self._values[fact]
 
-    def _count(self, fact: Fact, events: Iterable[_Event], offset: int) -> None:
+    def _count(self, fact: Fact, events: Mapping[_Event, Sequence[_Ground]], offset: int) -> None:
         """Counts the values of a number and of all on which its changes depend, together."""
         facts = _together(fact, events)
-        own = dict.fromkeys(e for event in events if (e := event.among(facts)).changes)
         first = {f: self.lifted.numbers[f] for f in facts if f in self.lifted.numbers}
         if len(first) < len(facts):
             raise NotSupportedError(
@@ -122,25 +140,49 @@ class ReachedValues:
                 " first; that is not supported",
                 offset,
             )
-        seen = {tuple(first.values()): None}
-        waiting = [first]
-        values: dict[Fact, set[Fraction]] = {f: {value} for f, value in first.items()}
-        while waiting:
-            known = waiting.pop()
-            for event in own:
-                found = event.result(known)
-                if found is None or (key := tuple(found.values())) in seen:
+        own: dict[_Event, list[_Ground]] = {}
+        for event, ground in events.items():
+            if (part := event.among(facts)).changes:
+                own.setdefault(part, []).extend(ground)
+        values = _explored(first, own, {})
+        if _too_many(values):
+            values = _explored(first, own, self._ends(first, own))
+        if _too_many(values):
+            raise self._refusal(fact, values, offset)
+        self._values.update((one, tuple(sorted(found))) for one, found in values.items())
+
+    def _ends(
+        self, first: Known, events: Mapping[_Event, Sequence[_Ground]]
+    ) -> Mapping[Fact, _Ends]:
+        """Bounds of numbers that are changed by constants, by how often that can happen at all."""
+        supply = Supply(self.lifted, self.bound)
+        steps: dict[Fact, dict[tuple[bool, Fact | None], Fraction]] = {f: {} for f in first}
+        open_ends: set[tuple[Fact, bool]] = set()
+        for event, grounds in events.items():
+            for change in event.changes:
+                if not change.add or change.amount.factors:
+                    open_ends |= {(change.fact, True), (change.fact, False)}
                     continue
-                seen[key] = None
-                waiting.append(found)
-                for one, value in found.items():
-                    values[one].add(value)
-                if len(seen) > MOST_STATES or max(map(len, values.values())) > MOST_VALUES:
-                    raise self._too_many(fact, values, offset)
-        self._values.update((one, tuple(sorted(own))) for one, own in values.items())
+                amount, own = change.amount.constant, steps[change.fact]
+                for ground in grounds:
+                    key = amount > 0, supply.used_up(*ground)
+                    own[key] = max(own.get(key, Fraction(0)), abs(amount))
+        found = {}
+        for fact, own in steps.items():
+            ends: list[Fraction | None] = []
+            for up in (False, True):
+                total: Fraction | None = first[fact]
+                for (upwards, token), amount in own.items():
+                    count = None if token is None else supply.of(token)
+                    if upwards is up and total is not None:
+                        change_by = None if count is None else count * (amount if up else -amount)
+                        total = None if change_by is None else total + change_by
+                ends.append(None if (fact, up) in open_ends else total)
+            found[fact] = _Ends(*ends)
+        return found
 
     @staticmethod
-    def _too_many(
+    def _refusal(
         fact: Fact, values: Mapping[Fact, set[Fraction]], offset: int
     ) -> NotSupportedError:
         most = max(values, key=lambda one: len(values[one]))
@@ -151,12 +193,13 @@ class ReachedValues:
             offset,
         )
 
-    def _all_events(self) -> Iterator[_Event]:
+    def _all_events(self) -> Iterator[tuple[_Event, _Ground]]:
         for schema in self.lifted.schemas:
             if not any(isinstance(change, NumericChange) for change in schema.changes()):
                 continue
             for objects in self.bound[schema.name]:
-                yield from self._events_of(schema, objects)
+                for event in self._events_of(schema, objects):
+                    yield event, (schema, objects)
 
     def _events_of(self, schema: Schema, objects: tuple[str, ...]) -> Iterator[_Event]:
         names = [name for name, _ in schema.parameters]
@@ -193,6 +236,34 @@ class ReachedValues:
                 difference = self.decider.difference(part, binding)
                 if difference is not None and difference.factors:
                     yield _Asked(part.relation, difference)
+
+
+def _explored(
+    first: Known, events: Iterable[_Event], ends: Mapping[Fact, _Ends]
+) -> dict[Fact, set[Fraction]]:
+    """The values of numbers, within their ends; incomplete where they are too many."""
+    values = {fact: {value} for fact, value in first.items()}
+    seen = {tuple(first.values())}
+    waiting = [dict(first)]
+    while waiting and len(seen) <= MOST_STATES and not _too_many(values):
+        known = waiting.pop()
+        for event in events:
+            found = event.result(known)
+            if found is None or (key := tuple(found.values())) in seen:
+                continue
+            if all(end.allow(found[fact]) for fact, end in ends.items()):
+                seen.add(key)
+                waiting.append(found)
+                for one, value in found.items():
+                    values[one].add(value)
+    if len(seen) > MOST_STATES:
+        most = max(values, key=lambda one: len(values[one]))
+        values[most].update(Fraction(k) for k in range(MOST_VALUES + 1))
+    return values
+
+
+def _too_many(values: Mapping[Fact, set[Fraction]]) -> bool:
+    return any(len(found) > MOST_VALUES for found in values.values())
 
 
 def _together(fact: Fact, events: Iterable[_Event]) -> dict[Fact, None]:
