@@ -17,12 +17,14 @@ STEP = """(:durative-action step{k} :parameters (?s - step) :duration (= ?durati
     :effect (and (at start (not (pending ?s))) (at end (done ?s)) (at end (s{k}))))"""
 
 
-def steps(count: int, *, tokens: int | None = None, goal: str = "", more: str = "") -> Task:
+def steps(
+    count: int, *, tokens: int | None = None, goal: str = "", more: str = "", token: str = "t"
+) -> Task:
     """Steps in a chain, each of which uses up any one of the tokens."""
     actions = [
         STEP.format(k=k, d=k + 1, needs=f"(at start (s{k - 1}))" if k else "") for k in range(count)
     ]
-    names = [f"t{k}" for k in range(count if tokens is None else tokens)]
+    names = [f"{token}{k}" for k in range(count if tokens is None else tokens)]
     predicates = " ".join(f"(s{k})" for k in range(count))
     domain = f"""(define (domain d) (:types step)
       (:predicates (pending ?s - step) (done ?s - step) {predicates} (other ?s - step))
@@ -55,13 +57,17 @@ def test_what_is_told_apart_is_not_interchangeable() -> None:
     assert len([a for a in task.actions if "step" in a.id]) == 4
 
 
+@pytest.mark.parametrize("token", ["t", "step"])
 @pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
-def test_a_plan_with_other_places_is_read_as_one_with_these(order: tuple[int, ...]) -> None:
+def test_a_plan_with_other_places_is_read_as_one_with_these(
+    order: tuple[int, ...], token: str
+) -> None:
+    """Also where the tokens have the names of actions."""
     plan = "".join(
-        f"{start}: (step{k} t{token}) [{k + 1}]\n"
-        for (k, token), start in zip(enumerate(order), (0, 1.001, 3.002), strict=True)
+        f"{start}: (step{k} {token}{number}) [{k + 1}]\n"
+        for (k, number), start in zip(enumerate(order), (0, 1.001, 3.002), strict=True)
     )
-    task = steps(3)
+    task = steps(3, token=token)
     schedule = read_plan(plan, "plan", task)
     assert irc.validate(task, schedule).valid
-    assert [e.id for e in schedule.entries] == [f"(step{k} t{k})" for k in range(3)]
+    assert [e.id for e in schedule.entries] == [f"(step{k} {token}{k})" for k in range(3)]

@@ -119,16 +119,19 @@ def _matched(steps: list[_Step], objects: list[str], order: list[str]) -> list[_
     place = {_VARIANT.sub("", name): k for k, name in reversed(list(enumerate(order)))}
     used: list[tuple[int, Fraction, str]] = []
     for step in steps:
-        words = step.name[1:-1].split()
+        name, *words = step.name[1:-1].split()
         for item in objects:
-            if item in words[1:]:
-                open_name = f"({' '.join('*' if word == item else word for word in words)})"
+            if item in words:
+                open_name = f"({' '.join((name, *('*' if w == item else w for w in words)))})"
                 used.append((place.get(open_name, len(place)), step.start, item))
     names = dict(zip(dict.fromkeys(item for _, _, item in sorted(used)), objects, strict=False))
-    return [
-        replace(step, name=f"({' '.join(names.get(w, w) for w in step.name[1:-1].split())})")
-        for step in steps
-    ]
+    return [replace(step, name=_renamed(step.name, names)) for step in steps]
+
+
+def _renamed(step: str, names: Mapping[str, str]) -> str:
+    """The step with other objects; an action may have the name of one."""
+    name, *words = step[1:-1].split()
+    return f"({' '.join((name, *(names.get(word, word) for word in words)))})"
 
 
 def _chosen(
