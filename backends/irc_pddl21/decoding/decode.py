@@ -17,7 +17,7 @@ from irc_pddl21.decoding.plan_reader import read_plans
 from irc_pddl21.decoding.rounding import rounded
 from irc_pddl21.objective_values import ObjectiveValues, objective_values
 
-_TOLERANCE = Fraction(3, 2000)
+TOLERANCE = Fraction(3, 2000)
 """Planner time by which printed times may be off: two times rounded to three decimals."""
 
 Accept = Callable[[Schedule], str | None]
@@ -47,14 +47,16 @@ def best_of(
             reason = f"line {first.line} is damaged ({first.reason}): {first.text!r}"
             reasons.append((reason, first.line))
             continue
-        try:
-            schedule = _schedule(problem, names, block)
-        except AnswerError as error:
-            reasons.append((f"the plan of line {block.line}: {error}", error.line or block.line))
-            continue
-        objection = None if accept is None else accept(schedule)
-        if objection is not None:
-            reasons.append((f"the plan of line {block.line}: {objection}", block.line))
+        schedule = None
+        for tolerance in names.get("tolerances", (TOLERANCE,)):
+            try:
+                schedule = _accepted(_schedule(problem, names, block, tolerance), accept)
+            except AnswerError as error:
+                where = error.line or block.line
+                reasons.append((f"the plan of line {block.line}: {error}", where))
+            else:
+                break
+        if schedule is None:
             continue
         values = objective_values(problem, schedule)
         if best is None or values <= best[0]:
@@ -69,6 +71,13 @@ def best_of(
     raise AnswerError("there is no plan in the text")
 
 
+def _accepted(schedule: Schedule, accept: Accept | None) -> Schedule:
+    objection = None if accept is None else accept(schedule)
+    if objection is not None:
+        raise AnswerError(objection)
+    return schedule
+
+
 class _OccurrenceStep(NamedTuple):
     """A step of the plan that stands for an occurrence, and the meaning of its operator."""
 
@@ -76,7 +85,9 @@ class _OccurrenceStep(NamedTuple):
     meaning: Mapping[str, Any]
 
 
-def _schedule(problem: Problem, names: Mapping[str, Any], block: PlanBlock) -> Schedule:
+def _schedule(
+    problem: Problem, names: Mapping[str, Any], block: PlanBlock, tolerance: Fraction
+) -> Schedule:
     scale = names["planner_units_per_tick"]
     happened = _occurrences(problem, names, block)
     depth = max((len(steps) for steps in happened.values()), default=0)
@@ -98,7 +109,7 @@ def _schedule(problem: Problem, names: Mapping[str, Any], block: PlanBlock) -> S
         raise AnswerError(f"{missing[0]!r} is missing{more}")
     if names.get("shortened"):
         return schedule_of(unrolled, retime(unrolled, rounded(unrolled, decisions)))
-    return schedule_of(unrolled, retime(unrolled, decisions, _TOLERANCE / scale))
+    return schedule_of(unrolled, retime(unrolled, decisions, tolerance / scale))
 
 
 def _occurrences(
