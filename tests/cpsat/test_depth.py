@@ -8,13 +8,15 @@ from typing import Any
 import pytest
 
 from builders import problem_for_cpsat, task_of
-from irc.diagnostics import InputError
+from irc.diagnostics import Code, InputError
 from irc.driver.judge import finish
 from irc.driver.solve import solve_task
 from irc.model import Task
 from irc.problem import Problem
 from irc.schedule import Entry, Schedule, Status
 from irc.targets import Budget, ObjectiveLevel, Outcome, SolveOptions
+from irc_cpsat.encoding.builder import Builder, OutOfTimeError
+from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.deepening import DeepeningSearch
 from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough
 
@@ -128,3 +130,23 @@ def test_more_reward_is_better_in_a_deeper_model() -> None:
         problem, lambda _p, depth, _s: outcome(("reward", 8, 8)) if depth == 1 else deep
     )
     assert found is deep
+
+
+def test_a_model_that_is_not_complete_in_time_is_no_answer() -> None:
+    """The time may be over while a model is written: what is asked then ends at once."""
+    raw: dict[str, Any] = {
+        "state": [{"id": "light"}],
+        "actions": [
+            {"id": "on", "duration": 1, "effects": [{"at": "end", "var": "light"}]},
+            {"id": "read", "duration": 1, "conditions": [{"at": "start", "var": "light"}]},
+        ],
+    }
+    problem = problem_for_cpsat(Task.model_validate(raw))
+    builder = Builder(problem, True, True)
+    builder.is_over = lambda: True
+    with pytest.raises(OutOfTimeError, match="before its model was complete"):
+        write_model(builder)
+    search = DeepeningSearch("cpsat", problem, SolveOptions(), Budget(0.0))
+    found = search.solve_at(problem, 1, 1.0)
+    assert found.status is Status.UNKNOWN
+    assert [note.code for note in found.notes] == [Code.NO_ANSWER]

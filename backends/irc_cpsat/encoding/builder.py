@@ -7,12 +7,13 @@ integer that orders happenings (docs/semantics.md, rule 6).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from ortools.sat.python import cp_model
 
+from irc.errors import IrcError
 from irc.passes.serial_sgs import quick_schedule
 from irc.problem import PLAIN, Activity, OpenDemand, Problem
 from irc.problem.decisions import Decision
@@ -89,11 +90,16 @@ class Model:
     hint: Hint | None = None
 
 
+class OutOfTimeError(IrcError):
+    """The time was over before the model was complete."""
+
+
 class Builder:
     """Holds the variables of a problem whose repeats are unrolled.
 
     `bounds` and `hints` add what the compiler already knows. `horizon` (ticks) replaces the one
-    that the problem would be given. The elements are added by `irc_cpsat.encoding.encode`.
+    that the problem would be given. `is_over` says whether there is no time to go on. The elements
+    are added by `irc_cpsat.encoding.encode`.
     """
 
     def __init__(
@@ -104,6 +110,7 @@ class Builder:
         by_makespan = (
             bounds and problem.objectives[:1] == ("makespan",) and not problem.previous.stability
         )
+        self.is_over: Callable[[], bool] = lambda: False
         self.bounds = bounds
         self.hints = hints
         self.hint = found if hints else None
@@ -129,6 +136,11 @@ class Builder:
         self.ranks: list[tuple[cp_model.IntVar, cp_model.IntVar] | None] = []
         self.points: dict[tuple[int, bool], cp_model.IntVar] = {}
         self.conjunctions: dict[tuple[int, int], tuple[Literal, Literal, Literal]] = {}
+
+    def check_time(self) -> None:
+        """Raises `OutOfTimeError` where there is no time to go on."""
+        if self.is_over():
+            raise OutOfTimeError("the time was over before its model was complete")
 
     def end(self, i: int) -> Any:
         """The end of an activity, as an expression."""

@@ -95,6 +95,7 @@ class _StateEncoder:
         """Adds the effects, conditions and goals of one variable."""
         owners = self._owners(v)
         for need, at in self.conditions[v]:
+            self.builder.check_time()
             self._add_condition(need, at, owners)
         for var, value in self.problem.goals:
             if var == v and self.problem.variables[v].changes:

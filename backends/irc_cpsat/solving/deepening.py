@@ -14,7 +14,7 @@ from irc.passes.unroll import unroll
 from irc.problem import Problem
 from irc.schedule import Status
 from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
-from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.builder import Builder, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.asking import asked
 from irc_cpsat.solving.depth import SLOTS_LIMIT, depths, enough, fits_a_model, within
@@ -70,7 +70,14 @@ class DeepeningSearch:
         """The outcome at one depth, within a share of the time that is left."""
         budget = self.budget.share(share)
         unrolled = unroll(problem, depth)
-        built = write_model(Builder(unrolled, self.bounds, self.hints))
+        builder = Builder(unrolled, self.bounds, self.hints)
+        builder.is_over = lambda: self.budget.is_over
+        try:
+            built = write_model(builder)
+        except OutOfTimeError as error:
+            note = Diagnostic(Code.NO_ANSWER, f"{self.engine}: {error}")
+            seconds = self.budget.elapsed
+            return Outcome(Status.UNKNOWN, self.engine, notes=(note,), seconds=seconds)
         if built.hint is not None and self.options.on_progress is not None:
             tell_hint(self.engine, built, self.budget, self.options.on_progress)
         try:
