@@ -1,6 +1,6 @@
 """Compares irc with what was recorded when models' PDDL and scheduling JSON were solved.
 
-    python benchmarks/recorded.py DATA [--what pddl specs] [--seconds 10] [--largest 15] [--show]
+    python benchmarks/recorded.py DATA [--what pddl specs nl-ir] [--seconds 10] [--largest 15] [--show]
         [--part K/N]
 
 DATA is the folder of the data (docs/evaluation.md). `pddl`: domains and problems for which OPTIC
@@ -8,6 +8,8 @@ found a plan: how many are read; those with at most `--largest` steps (and all k
 by `auto` within `--seconds` of CPU time, and their makespan is compared with that of OPTIC's own
 plan, re-timed, where OPTIC's clock did not overflow. `specs`: scheduling JSON: how many are read of
 those that the paper's pipeline could read, and whether irc's answer gets the recorded verdict.
+`nl-ir`: actions, durations and precedence as models wrote them, through both targets, engines forced
+to run: whether both come to the same verdict and makespan.
 `--show` lists what differs. `--part` takes a part of the records only.
 """
 
@@ -18,6 +20,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +33,7 @@ from irc.evaluation.kitchen_solving import solved_plan
 from irc.evaluation.robo import judge_plan
 from irc.frontends.importers.pddl import read_pddl
 from irc.frontends.importers.pddl.plan_reader import read_plan
+from irc.methods.nl_ir import read_nl_ir
 from irc.methods.pddl_answer import read_pddl_answer
 from irc.methods.schedule_spec import read_schedule_spec
 from irc.model import Task
@@ -196,6 +200,45 @@ def compare_kitchens(data: Data, name: str, options: argparse.Namespace) -> None
     report(name, count)
 
 
+# --- IR that models wrote -----------------------------------------------------------------------
+
+
+def compare_targets(data: Data, name: str, options: argparse.Namespace) -> None:
+    """Prints how many of a file's answers are read, and get the same verdict on both targets."""
+    tally = Tally(options.show)
+    count = tally.count
+    for record in part_of(data.records(name), options.part):
+        answer = read_nl_ir(record["answer"] or "")
+        if answer.document is None:
+            count[f"not read: {answer.state}"] += 1
+            if not answer.report.diagnostics:
+                tally.differs("without a diagnostic", record, str(answer.state))
+            continue
+        count["read"] += 1
+        found = [verdict_of(answer.document, target, options.seconds) for target in TARGETS]
+        if found[0] == found[1]:
+            count["same verdict"] += 1
+            count["of them with a makespan"] += isinstance(found[0], (int, Fraction))
+        else:
+            tally.differs("another verdict", record, f"cpsat {found[0]}, pddl21 {found[1]}")
+    report(name, count)
+
+
+TARGETS = ("cpsat", "pddl21")
+
+
+def verdict_of(document: Mapping[str, Any], target: str, seconds: float) -> object:
+    """The makespan, or the first diagnostic's code, or the status where there is no schedule."""
+    options = SolveOptions(target=target, time_limit=seconds, shortcut=False)
+    try:
+        schedule = solve_task(Task.model_validate(document), options).schedule
+    except InputError as error:
+        return error.report.errors[0].code.id
+    except IrcError as error:
+        return str(error)
+    return schedule.makespan if schedule.answered and schedule.entries else str(schedule.status)
+
+
 def part_of(records: list[Record], part: str) -> Iterator[Record]:
     """Every n-th record from the k-th on."""
     number, parts = map(int, part.split("/"))
@@ -209,6 +252,7 @@ def report(name: str, count: Counter[str]) -> None:
 
 COMPARED = {
     "pddl": (("xxl_pddl", compare_pddl), ("robo_pddl", compare_pddl)),
+    "nl-ir": (("xxl_nl_cpsat", compare_targets),),
     "specs": (("xxl_cpsat", compare_graphs), ("robo_cpsat", compare_kitchens)),
 }
 
