@@ -1,16 +1,16 @@
 """Compares irc with what was recorded when models' PDDL and scheduling JSON were solved.
 
-    python benchmarks/recorded.py DATA [--what pddl specs nl-ir] [--seconds 10] [--largest 15] [--show]
-        [--part K/N]
+    python benchmarks/recorded.py DATA [--what pddl specs nl-ir] [--seconds 10]
+        [--largest 15] [--show] [--part K/N]
 
 DATA is the folder of the data (docs/evaluation.md). `pddl`: domains and problems for which OPTIC
 found a plan: how many are read; those with at most `--largest` steps (and all kitchens) are solved
-by `auto` within `--seconds` of CPU time, and their makespan is compared with that of OPTIC's own
-plan, re-timed, where OPTIC's clock did not overflow. `specs`: scheduling JSON: how many are read of
-those that the paper's pipeline could read, and whether irc's answer gets the recorded verdict.
-`nl-ir`: actions, durations and precedence as models wrote them, through both targets, engines forced
-to run: whether both come to the same verdict and makespan.
-`--show` lists what differs. `--part` takes a part of the records only.
+by `auto` within `--seconds`, and their makespan is compared with that of OPTIC's own plan,
+re-timed, where OPTIC's clock did not overflow. `specs`: scheduling JSON: how many are read of those
+that the paper's pipeline could read, and whether irc's answer gets the recorded verdict. `nl-ir`:
+actions, durations and precedence as models wrote them, through both targets, engines forced to run:
+whether both come to the same verdict and makespan. `--show` lists what differs. `--part` takes a
+part of the records only.
 """
 
 from __future__ import annotations
