@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from irc_pddl21.search.planner_session import PlannerSession
 
-ORIGINAL_SHARE = 0.6
+ORIGINAL_SHARES = (0.5, 0.7)
 """Of the time left, for the original in one kind of search after the other."""
 
 
@@ -24,8 +24,9 @@ def plan_original(session: PlannerSession) -> None:
         return
     problem = session.problem
     least = problem.bounds.makespan.value
-    for search in reversed(session.planner.searches):
-        seconds = ORIGINAL_SHARE * session.left
+    searches = reversed(session.planner.searches)
+    for search, share in zip(searches, ORIGINAL_SHARES, strict=False):
+        seconds = share * session.left
         plan = session.ask(problem, seconds, enough=least, search=search, original=True)
         if plan is not None:
             break
