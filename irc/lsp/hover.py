@@ -19,6 +19,7 @@ from irc.lsp.names import Names
 from irc.model.details import Setups
 from irc.model.parts import Action, Resource, Use
 from irc.model.quantities import Quantity
+from irc.model.state_values import limits_text
 from irc.model.times import format_number
 
 _MOST_LISTED = 12
@@ -195,7 +196,9 @@ class Descriptions:
         task = self.analysis.task
         found = None if task is None else next((v for v in task.state if v.id == id), None)
         yield f"state variable {mark(id)}"
-        if found is not None:
+        if found is not None and found.is_number:
+            yield f"a number, {limits_text(found.min, found.max)}"
+        elif found is not None:
             values = ", ".join(
                 mark(str(v).lower() if v is True or v is False else v) for v in found.values
             )
