@@ -77,6 +77,7 @@ class Relaxation:
                 self._activity(i, of) for i, of in zip(indexes, smaller.activities, strict=True)
             ),
             resources=resources,
+            families=smaller.families,
             contention=Contention(
                 tuple(ContendedPool(r.id, r.capacity, (k,)) for k, r in enumerate(resources))
             ),

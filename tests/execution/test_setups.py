@@ -50,9 +50,7 @@ def test_what_was_used_last_says_which_setup_is_next() -> None:
 def test_setups_that_are_past_count_in_the_objective() -> None:
     task = shop(("a", "blue"), ("b", "red"), objective=["minimize_setup_cost", "minimize_makespan"])
     schedule = task.solve()
-    step = replanned(
-        task, schedule, 18, {"op": "add_resources", "resources": [{"id": "r"}]}
-    )
+    step = replanned(task, schedule, 18, {"op": "add_resources", "resources": [{"id": "r"}]})
     values = {o.name: o.value for o in step.schedule.objective}
     assert values["setup_cost"] == 2
 
