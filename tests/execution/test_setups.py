@@ -75,3 +75,12 @@ def test_a_running_use_is_waited_for_with_its_setup() -> None:
     late = {"op": "observe", "action": "a", "started": 0, "finished": 6}
     step = replanned(task, schedule, 7, late)
     assert starts(step.schedule) == {"a": 0, "c": 15}
+
+
+def test_a_use_is_not_presumed_to_have_begun_before_its_setup() -> None:
+    task = shop(("a", "blue"), ("c", "red"))
+    schedule = task.solve()
+    assert starts(schedule) == {"a": 0, "c": 13}
+    late = {"op": "observe", "action": "a", "started": 0, "finished": 6}
+    assert starts(replanned(task, schedule, 14, late).schedule) == {"a": 0, "c": 15}
+    assert starts(replanned(task, schedule, 16, late).schedule) == {"a": 0, "c": 16}
