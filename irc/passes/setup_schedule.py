@@ -56,9 +56,11 @@ def setup_schedule(problem: Problem) -> Found | None:
 def search_of(problem: Problem) -> SetupSearch | None:
     """The search for list schedules of a problem, with a first one; None where it does not apply.
 
-    It knows modes and `one_of`, and neither state, stock nor activities that may be absent.
+    It knows modes and `one_of`, and no state, stock, pauses, nor activities that may be absent.
     """
-    if problem.variables or problem.reservoirs or not all(g.required for g in problem.groups):
+    if problem.has_state or problem.has_work or problem.reservoirs:
+        return None
+    if not all(g.required for g in problem.groups):
         return None
     if not problem.activities or any(
         a.details.optional or a.details.repeats or a.details.stock for a in problem.activities
