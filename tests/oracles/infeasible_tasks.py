@@ -844,12 +844,8 @@ SOLVER += [
         ),
         "everything ends by 14 s",
         "'press' has a capacity of 1",
-        "'press' is set up between uses of different families",
-        *(
-            "'a' uses 'press' for 'red'",
-            "'b' uses 'press' for 'blue'",
-            "'c' uses 'press' for 'red'",
-        ),
+        "'press' needs set-ups between families",
+        *_held("a", "b", "c", by="'press'"),
         *_take(4, "a", "b", "c"),
     ),
 ]
