@@ -843,7 +843,6 @@ SOLVER += [
             deadline=14,
         ),
         "everything ends by 14 s",
-        "'press' has a capacity of 1",
         "'press' needs set-ups between families",
         *_held("a", "b", "c", by="'press'"),
         *_take(4, "a", "b", "c"),
