@@ -54,6 +54,7 @@ class Glyphs(NamedTuple):
 
     critical: Kind
     slack: Kind
+    setup: Kind
     crowd: str
     rule: str
     tick: str
@@ -68,9 +69,11 @@ class Glyphs(NamedTuple):
 
 
 _RED, _CYAN = ("red", "bold white on red"), ("cyan", "bold cyan")
+_YELLOW = ("yellow", "bold yellow")
 _BLOCKS = Glyphs(
     critical=Kind("█", "▐", "▐", "◆", *_RED),
     slack=Kind("░", "▕", "▒", "◇", *_CYAN),
+    setup=Kind("╌", "╌", "╌", "╌", *_YELLOW),
     crowd="▓",
     rule="─",
     tick="┼",
@@ -86,6 +89,7 @@ _BLOCKS = Glyphs(
 _ASCII = Glyphs(
     critical=Kind("#", "[", "[", "*", *_RED),
     slack=Kind("=", "(", "(", "o", *_CYAN),
+    setup=Kind("~", "~", "~", "~", *_YELLOW),
     crowd="%",
     rule="-",
     tick="+",

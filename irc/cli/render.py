@@ -43,6 +43,7 @@ from irc.cli.table import (
 from irc.model.quantities import Number, exact
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
+from irc.problem.objective_values import setups_shown
 from irc.retiming.slack import slacks
 from irc.schedule import Entry, ObjectiveValue, Schedule, Status
 
@@ -142,7 +143,7 @@ def _gap(schedule: Schedule) -> str:
 def _objective_line(page: Page, problem: Problem, schedule: Schedule, value: ObjectiveValue) -> str:
     if value.name != "makespan":
         bound = "" if value.bound is None else f", bound {grouped(value.bound)}"
-        return f"{value.name} {grouped(value.value)}{bound}"
+        return f"{value.name.replace('_', ' ')} {grouped(value.value)}{bound}"
     makespan = f"makespan {time_in_words(page, value.value, problem.time_unit)}"
     if value.bound is None:
         return makespan
@@ -230,13 +231,14 @@ def _columns(
 class _Bar(NamedTuple):
     """An action in the chart, in ticks; `labels` are its possible labels, the best one first.
 
-    `critical` is None if slack is not known.
+    `critical` is None if slack is not known. A set-up of a resource is a bar without labels.
     """
 
     start: Number
     end: Number
     labels: tuple[str, ...]
     critical: bool | None
+    setup: bool = False
 
 
 _Lanes = list[list[_Bar]]
@@ -295,9 +297,19 @@ def _bars(
             counted = f"{title} {page.glyphs.times}{amount}"
             labels = (title,) if amount == 1 else (counted, title)
             held.setdefault(name, []).append(bar._replace(labels=labels))
+    for name, bar in _setup_bars(problem, schedule):
+        held[name].append(bar)
     for bars in (free, *held.values()):
         bars.sort(key=lambda bar: (bar.start, bar.end))
     return held, free
+
+
+def _setup_bars(problem: Problem, schedule: Schedule) -> Iterator[tuple[str, _Bar]]:
+    """The set-ups of each resource, each right before the use that it is for."""
+    if not problem.has_setups:
+        return
+    for resource, end, time in setups_shown(problem, schedule):
+        yield problem.resources[resource].id, _Bar(end - time, end, (), None, setup=True)
 
 
 def _lanes_by_time(bars: Iterable[_Bar]) -> _Lanes:
@@ -430,10 +442,14 @@ class _Row:
             self._put(cell, glyph, kind.style, mark=True)
 
     def _kind(self, bar: _Bar) -> Kind:
+        if bar.setup:
+            return self.page.glyphs.setup
         return self.page.glyphs.critical if bar.critical else self.page.glyphs.slack
 
     def _label(self, bar: _Bar, span: range) -> None:
         """Writes a label inside the bar, else right or left of it, else cut inside the bar."""
+        if bar.setup:
+            return
         for label in bar.labels:
             if _fits_inside(label, span):
                 self._inside(bar, span, label)
@@ -487,6 +503,7 @@ def _legend(page: Page, rows: list[_Row]) -> Text:
         (slack.short, "has slack, short", slack.style),
         (critical.milestone, "critical milestone", critical.style),
         (slack.milestone, "milestone", slack.style),
+        (page.glyphs.setup.fill, "set-up", page.glyphs.setup.style),
         (page.glyphs.crowd, "several actions", ""),
     )
     legend = Text()

@@ -17,6 +17,8 @@ from irc.execution.state_conflicts import without_broken_conditions
 from irc.execution.stock_conflicts import with_stock_lent
 from irc.lowering.elements import pool_of
 from irc.problem import Activity, Arc, Problem, Renewable, Window
+from irc.problem.decisions import Decision
+from irc.problem.setups import setup_links
 from irc.schedule import Entry
 
 
@@ -36,6 +38,8 @@ def relaxed(
     )
     problem = _with_room(problem, executed)
     stock = state = False
+    if problem.has_setups:
+        problem = _with_setups_done(problem, executed)
     if problem.reservoirs:
         problem, stock = with_stock_lent(problem, executed, now, hopes=hopes)
     if problem.numbers:
@@ -88,6 +92,29 @@ def _is_broken(problem: Problem, arc: Arc, executed: Mapping[int, ExecutedActivi
     if to_most - from_least < arc.min_lag:
         return True
     return arc.max_lag is not None and to_least - from_most > arc.max_lag
+
+
+def _with_setups_done(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
+    """The problem in which executed activities wait for no set-up that they did not wait for."""
+    begun = [i for i, past in executed.items() if past.resources is not None]
+    places = [Decision(executed[i].start, _ends(problem, i, executed[i])[0]) for i in begun]
+    activities = [problem.activities[i] for i in begun]
+    chosen = [[r for r in executed[i].resources or () if r is not None] for i in begun]
+    settled: dict[int, int] = {}
+    for link in setup_links(problem.resources, activities, places, chosen):
+        setups = problem.resources[link.resource].setups
+        start = int(places[link.after].start)
+        ready = 0 if setups is None else setups.since
+        ready = ready if link.before is None else int(places[link.before].end)
+        if link.setup.time and start < ready + link.setup.time:
+            settled[link.resource] = max(settled.get(link.resource, 0), start + 1)
+    resources = tuple(
+        replace(resource, setups=replace(resource.setups, settled=settled[r]))
+        if r in settled and resource.setups is not None
+        else resource
+        for r, resource in enumerate(problem.resources)
+    )
+    return replace(problem, resources=resources) if settled else problem
 
 
 # --- capacity ---

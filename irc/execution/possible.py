@@ -148,7 +148,29 @@ class Happened:
             held = sum(e.resources[name] for e in others if e.start <= time < e.end)
             if held + own > self._capacity(resource, time):
                 return False
-        return True
+        return resource.setups is None or self._is_set_up(resource, entry, others)
+
+    def _is_set_up(self, resource: Resource, entry: Entry, others: Iterable[Entry]) -> bool:
+        """Whether the set-up since the last use can have been done by its start."""
+        from irc.lowering.setups import setup_between
+
+        ended = [e for e in others if e.start < e.end <= entry.start]
+        last = max(ended, key=lambda e: (e.start, e.end), default=None)
+        if last is None or last.id not in self.actions:
+            return True
+        before, after = (
+            {
+                use.family
+                for use in (*action.uses, *(u for m in action.modes for u in m.uses))
+                if resource.id in use.alternatives
+            }
+            for action in (self.actions[last.id], self.actions[entry.id])
+        )
+        needed = min(
+            (self.task.clock.number(setup_between(resource, a, b)) for a in before for b in after),
+            default=0,
+        )
+        return last.end + needed <= entry.start
 
     def _capacity(self, resource: Resource, time: Number) -> int:
         clock = self.task.clock

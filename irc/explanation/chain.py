@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from irc.problem import Problem
 from irc.problem.decisions import Decision
+from irc.problem.setups import setup_links
 from irc.problem.statements import (
     KINDS,
     ORIGIN,
@@ -29,21 +30,24 @@ from irc.problem.statements import (
     start_point,
 )
 from irc.retiming.resources import resource_orders
+from irc.retiming.slack import uses_taken
 from irc.schedule import Schedule
 
 
 @dataclass(frozen=True, slots=True)
 class HandOver:
-    """`after` starts when `before` frees the resource (all indexes).
+    """`after` starts when `before` frees the resource (all indexes), or is set up after it.
 
     `needed` is whether `after` had to wait for the resource; otherwise the order of the two is
-    only that of the schedule.
+    only that of the schedule. With a set-up of the initial family `before` is None.
     """
 
-    before: int
+    before: int | None
     after: int
     resource: int
     needed: bool
+    setup: int = 0
+    """The time of the set-up between the two, in ticks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,9 +148,27 @@ def _tight_edges(problem: Problem, schedule: Schedule, times: Sequence[int]) -> 
     for d in (*stated, *how_time_is(range(len(problem.activities)))):
         if times[d.dst] - times[d.src] == d.weight and d.dst != ORIGIN:
             yield _Edge(d, None)
-    for hand_over in _hand_overs(problem, schedule, times):
-        d = Difference(end_point(hand_over.before), start_point(hand_over.after), 0)
-        yield _Edge(d, hand_over)
+    for hand_over in (*_hand_overs(problem, schedule, times), *_setups(problem, schedule, times)):
+        src = ORIGIN if hand_over.before is None else end_point(hand_over.before)
+        yield _Edge(Difference(src, start_point(hand_over.after), hand_over.setup), hand_over)
+
+
+def _setups(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[HandOver]:
+    """The set-ups that end when the next use begins."""
+    if not problem.has_setups:
+        return
+    decisions = _decisions(problem, times)
+    chosen = uses_taken(problem, schedule)
+    for link in setup_links(problem.resources, problem.activities, decisions, chosen):
+        since = 0 if link.before is None else times[end_point(link.before)]
+        if link.setup.time and since + link.setup.time == times[start_point(link.after)]:
+            yield HandOver(link.before, link.after, link.resource, True, link.setup.time)
+
+
+def _decisions(problem: Problem, times: Sequence[int]) -> list[Decision]:
+    return [
+        Decision(times[start_point(i)], times[end_point(i)]) for i in range(len(problem.activities))
+    ]
 
 
 def _one_sided(problem: Problem) -> Iterator[Statement]:
@@ -161,9 +183,7 @@ def _one_sided(problem: Problem) -> Iterator[Statement]:
 
 def _hand_overs(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[HandOver]:
     held = _held(problem, schedule)
-    decisions = [
-        Decision(times[start_point(i)], times[end_point(i)]) for i in range(len(problem.activities))
-    ]
+    decisions = _decisions(problem, times)
     chosen = [tuple(amounts) for amounts in held]
     usage = _Usage(problem, held, decisions)
     for before, after in sorted(resource_orders(problem, decisions, chosen, 0)):

@@ -12,10 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from irc.explanation.minimise import Conflict, Possibility, Trial, minimise, narrow
+from irc.passes import bound_with_setups
 from irc.passes.contention import drop_uncontended, merge_pools
 from irc.passes.critical_path import heads_and_tails
 from irc.passes.energy import energy_bound
-from irc.passes.serial_sgs import list_schedule
+from irc.passes.serial_sgs import quick_schedule
 from irc.problem import Activity, OpenDemand, Problem
 from irc.problem.horizon import safe_horizon
 from irc.problem.statements import (
@@ -41,6 +42,7 @@ _ORDER = (
     Kind.START,
     Kind.GROUP_DEADLINE,
     Kind.TASK_DEADLINE,
+    Kind.SETUPS,
     Kind.CAPACITY,
 )
 """The order of leaving out: deadlines and capacities, which authors set, are kept longest."""
@@ -126,7 +128,7 @@ class _Search:
             return Possibility.POSSIBLE  # All statements together have no conflict of time.
         if _refuted_by_energy(part):
             return Possibility.IMPOSSIBLE
-        if list_schedule(part) is not None:
+        if quick_schedule(part) is not None:
             return Possibility.POSSIBLE
         status = self.refuter.decide(part, self.horizon, self.budget)
         if status is Status.UNKNOWN and _refuted_by_cases(part):
@@ -148,7 +150,7 @@ class _Search:
             s
             for s in all_statements(self.problem)
             if (s.kind is not Kind.USE or (s.of, s.use) in uses)
-            and (s.kind is not Kind.CAPACITY or s.of in resources)
+            and (s.kind not in (Kind.CAPACITY, Kind.SETUPS) or s.of in resources)
         ]
 
     def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
@@ -163,6 +165,8 @@ class _Search:
                 Activity(a.id, 0, self.horizon, uses=a.uses, open_demands=tuple(demands.get(i, ())))
                 for i, a in enumerate(self.problem.activities)
             ),
+            # (Set-ups are no assumptions: a core that needs them is found without one.)
+            resources=tuple(replace(r, setups=None) for r in self.problem.resources),
             arcs=(),
             deadline=None,
         )
@@ -212,7 +216,7 @@ class _Search:
         of_action: dict[int, set[Statement]] = {}
         arcs = []
         for s in sorted(found):
-            if s.kind is Kind.CAPACITY:
+            if s.kind in (Kind.CAPACITY, Kind.SETUPS):
                 of_resource.setdefault(s.of, set()).add(s)
             elif s.kind is Kind.PRECEDENCE:
                 arcs.append(frozenset((s,)))
@@ -230,7 +234,9 @@ class _Search:
 
 
 def _refuted_by_energy(part: Problem) -> bool:
-    return part.deadline is not None and energy_bound(part).bounds.makespan.value > part.deadline
+    if part.deadline is None:
+        return False
+    return bound_with_setups(energy_bound(part)).bounds.makespan.value > part.deadline
 
 
 def _refuted_by_cases(part: Problem) -> bool:

@@ -17,7 +17,7 @@ from irc.explanation.minimise import Conflict
 from irc.explanation.result import ChainStep, Explanation, RenderedStatement, located
 from irc.explanation.task_conflict import task_conflict
 from irc.explanation.temporal import temporal_conflict
-from irc.explanation.wording import in_words
+from irc.explanation.wording import in_words, setup_in_words
 from irc.model import Task
 from irc.passes import run_passes
 from irc.passes.mandatory import mandatory_part
@@ -313,8 +313,13 @@ def _rendered_link(problem: Problem, link: Link) -> RenderedStatement:
 
 
 def _rendered_hand_over(problem: Problem, hand_over: HandOver) -> RenderedStatement:
-    before, after = (problem.activities[i].id for i in (hand_over.before, hand_over.after))
     resource = problem.resources[hand_over.resource]
+    if hand_over.setup:
+        words = setup_in_words(problem, hand_over)
+        return RenderedStatement("setup", words, (*resource.origin, "setups"))
+    before, after = (
+        problem.activities[i].id for i in (hand_over.before, hand_over.after) if i is not None
+    )
     pointer: Pointer = (*resource.origin, "capacity")
     if hand_over.needed:
         return RenderedStatement("hand_over", f"{resource.id!r}: {before!r} → {after!r}", pointer)

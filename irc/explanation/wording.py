@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from irc.explanation.chain import HandOver
 from irc.model.times import format_number
-from irc.problem import Problem
+from irc.problem import NO_FAMILY, Problem
 from irc.problem.arc_text import arc_in_words
 from irc.problem.statements import Kind, Side, Statement
 
@@ -24,6 +25,10 @@ def _capacity(problem: Problem, statement: Statement) -> str:
     return f"{resource.id!r} has a capacity of {resource.capacity}"
 
 
+def _setups(problem: Problem, statement: Statement) -> str:
+    return f"{problem.resources[statement.of].id!r} is set up between uses of different families"
+
+
 def _use(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
     use = activity.uses[statement.use]
@@ -32,7 +37,8 @@ def _use(problem: Problem, statement: Statement) -> str:
     amount = f"{use.amount} of " if use.amount != 1 and len(names) == 1 else ""
     if use.amount != 1 and len(names) > 1:
         amount = f"{use.amount} units of "
-    return f"{activity.id!r} uses {amount}{where}"
+    family = "" if use.family == NO_FAMILY else f" for {problem.families[use.family]!r}"
+    return f"{activity.id!r} uses {amount}{where}{family}"
 
 
 def _precedence(problem: Problem, statement: Statement) -> str:
@@ -83,9 +89,21 @@ def _duration(problem: Problem, statement: Statement) -> str:
     return f"{activity.id!r} takes {least} to {problem.time_text(high)}"
 
 
+def setup_in_words(problem: Problem, hand_over: HandOver) -> str:
+    """A set-up of the critical chain."""
+    resource = problem.resources[hand_over.resource].id
+    after = problem.activities[hand_over.after].id
+    time = problem.time_text(hand_over.setup)
+    if hand_over.before is None:
+        return f"{resource!r} is set up for {after!r}: {time}"
+    before = problem.activities[hand_over.before].id
+    return f"{resource!r} is set up after {before!r} for {after!r}: {time}"
+
+
 _WORDS: Mapping[Kind, Callable[[Problem, Statement], str]] = {
     Kind.TASK_DEADLINE: _task_deadline,
     Kind.CAPACITY: _capacity,
+    Kind.SETUPS: _setups,
     Kind.USE: _use,
     Kind.PRECEDENCE: _precedence,
     Kind.RELEASE: _release,

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from irc.lowering.elements import ToTicks, natural_order, ticks_or_none
+from irc.model import Resource, Task
 from irc.model import Setups as SetupsNode
-from irc.model import Task
+from irc.model.quantities import Span
 from irc.problem import ANY_FAMILY, Setup, Setups
 
 ANY = "*"
@@ -29,6 +30,18 @@ def _named(task: Task) -> Iterator[str]:
         for use in (*action.uses, *(use for mode in action.modes for use in mode.uses)):
             if use.family is not None:
                 yield use.family
+
+
+def setup_between(resource: Resource, before: str | None, after: str | None) -> Span:
+    """The time of the set-up between two families, as the task writes it."""
+    setups = resource.setups
+    if setups is None:
+        return 0
+    rows = {(row.from_, row.to): row.time for row in setups.times}
+    if before == after:
+        return 0 if after is None else rows.get((after, after), 0)
+    a, b = before or ANY, after or ANY
+    return next((rows[r] for r in ((a, b), (a, ANY), (ANY, b), (ANY, ANY)) if r in rows), 0)
 
 
 def lowered_setups(setups: SetupsNode, families: Mapping[str, int], to_ticks: ToTicks) -> Setups:

@@ -71,6 +71,15 @@ def bound_by_open_times(problem: Problem) -> Problem:
     return open_time_bound(problem)
 
 
+def bound_with_setups(problem: Problem) -> Problem:
+    """Raises the bound by the least set-ups; only tasks with set-ups load the code."""
+    if not problem.has_setups:
+        return problem
+    from irc.passes.setup_bound import setup_bound
+
+    return setup_bound(problem)
+
+
 Pass = Callable[[Problem], Problem]
 
 PASSES: tuple[Pass, ...] = (
@@ -82,6 +91,7 @@ PASSES: tuple[Pass, ...] = (
     heads_and_tails,
     resource_bounds,
     bound_by_open_times,
+    bound_with_setups,
     bound_on_grid,
 )
 

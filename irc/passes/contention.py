@@ -71,7 +71,8 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 def drop_uncontended(problem: Problem) -> Problem:
     """Drops open demands on resources that always suffice, even if all activities ran at once.
 
-    Where a resource has set-ups, its uses stay open: their order matters. So do coupled choices.
+    Where a resource has set-ups, its uses stay open: their order matters, and one that could be
+    elsewhere may save a set-up. Coupled choices stay open, too.
     (Occurrences of one action never overlap: they count once, as do its modes together. But where
     ranks order the happenings of an instant, the next one may start before the last one ends.)
 
@@ -102,7 +103,7 @@ def drop_uncontended(problem: Problem) -> Problem:
         before = list(activities)
         for i, activity in enumerate(activities):
             if activity.open_demands:
-                activities[i] = _without_ample(problem, i, activity, enough, fixed)
+                activities[i] = _without_ample(problem, i, activity, enough, fixed, with_setups)
         if activities == before:
             break
     return replace(
@@ -118,11 +119,13 @@ def _without_ample(
     activity: Activity,
     enough: set[int],
     fixed: dict[tuple[int, int], int],
+    with_setups: Collection[int],
 ) -> Activity:
     still_open = []
     old = problem.previous.places[index] if problem.previous.places else None
     for demand in activity.open_demands:
-        chosen = next((r for r in demand.alternatives if r in enough), None)
+        free = not any(r in with_setups for r in demand.alternatives)
+        chosen = next((r for r in demand.alternatives if r in enough and free), None)
         if len(demand.alternatives) > 1 and index in problem.coupled:
             chosen = None  # What it takes matters to others.
         if chosen is not None and old is not None:

@@ -93,6 +93,10 @@ def quick_schedule(problem: Problem) -> Found | None:
     """The quick schedule; with a previous plan, the best of three, and of equals the one that moves
     least: by the rule, in the order of the previous plan, and with no start before its start there.
     """
+    if problem.has_setups:
+        from irc.passes.setup_schedule import setup_schedule
+
+        return setup_schedule(problem)
     by_rule = list_schedule(problem)
     if not any(problem.previous.places):
         return by_rule

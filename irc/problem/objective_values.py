@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -11,7 +11,7 @@ from irc.model.quantities import Number, exact
 from irc.problem.choices import UnexplainedError, decision_of
 from irc.problem.decisions import Decision
 from irc.problem.problem import Activity, Details, Group, PreviousPlace, Problem, Setup
-from irc.problem.setups import setup_links, total_setup
+from irc.problem.setups import SetupLink, setup_links, total_setup
 from irc.schedule import CANCELLED, Entry, Schedule
 
 
@@ -111,6 +111,21 @@ class _DatedValues:
 
 def _setups(problem: Problem, schedule: Schedule, activities: Mapping[str, Activity]) -> Setup:
     """The set-ups of a schedule together."""
+    return total_setup(link for link, _ in _links(problem, schedule, activities))
+
+
+def setups_shown(problem: Problem, schedule: Schedule) -> Iterator[tuple[int, Number, int]]:
+    """(resource, start of the use after it, time) of each set-up that takes time, in ticks."""
+    activities = {a.id: a for a in reversed(problem.activities)}
+    for link, decisions in _links(problem, schedule, activities):
+        if link.setup.time:
+            yield link.resource, decisions[link.after].start, link.setup.time
+
+
+def _links(
+    problem: Problem, schedule: Schedule, activities: Mapping[str, Activity]
+) -> Iterator[tuple[SetupLink, list[Decision]]]:
+    """The set-ups of a schedule, with decisions by the numbers that they have in them."""
     used: list[Activity] = []
     decisions: list[Decision] = []
     for entry in schedule.entries:
@@ -121,9 +136,9 @@ def _setups(problem: Problem, schedule: Schedule, activities: Mapping[str, Activ
         if decision.chosen:
             used.append(activities[entry.id])
             decisions.append(decision)
-    return total_setup(
-        setup_links(problem.resources, used, decisions, [d.chosen for d in decisions])
-    )
+    chosen = [d.chosen for d in decisions]
+    for link in setup_links(problem.resources, used, decisions, chosen):
+        yield link, decisions
 
 
 def _cost_of_mode(details: Details, entry: Entry) -> int:

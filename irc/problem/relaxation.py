@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
 from irc.problem.problem import (
@@ -29,6 +30,7 @@ class Relaxation:
         self.free_length = free_length
         self.deadline: int | None = None
         self.limited: set[int] = set()
+        self.with_setups: set[int] = set()
         self._fields: dict[int, dict[str, Any]] = {}
         self._uses: dict[int, list[int]] = {}
         self._arcs: list[tuple[int, Arc]] = []
@@ -75,6 +77,7 @@ class Relaxation:
                 self._activity(i, of) for i, of in zip(indexes, smaller.activities, strict=True)
             ),
             resources=resources,
+            families=smaller.families,
             contention=Contention(
                 tuple(ContendedPool(r.id, r.capacity, (k,)) for k, r in enumerate(resources))
             ),
@@ -98,6 +101,12 @@ class Relaxation:
             **fields,
         )
 
+    def _limited(self, r: int, resource: Renewable) -> Renewable:
+        """A resource whose capacity is stated; its set-ups are those between uses one by one."""
+        if resource.setups is None or r in self.with_setups:
+            return resource
+        return replace(resource, setups=None)
+
     def _resources(self, smaller: Problem, way: Projection) -> tuple[Renewable, ...]:
         asked: Counter[int] = Counter()
         for activity in smaller.activities:
@@ -105,7 +114,7 @@ class Relaxation:
                 for r in use.alternatives:
                     asked[r] += use.amount
         return tuple(
-            resource
+            self._limited(r, resource)
             if r in self.limited
             else Renewable(resource.id, max(asked[k], resource.capacity), resource.origin)
             for k, (r, resource) in enumerate(

@@ -25,6 +25,7 @@ class Kind(StrEnum):
 
     TASK_DEADLINE = "task_deadline"
     CAPACITY = "capacity"
+    SETUPS = "setups"
     USE = "use"
     PRECEDENCE = "precedence"
     RELEASE = "release"
@@ -157,6 +158,21 @@ class _Capacity(StatementKind):
 
     def state(self, relaxation: Relaxation, statement: Statement) -> None:
         relaxation.limited.add(statement.of)
+
+
+class _Setups(StatementKind):
+    kind = Kind.SETUPS
+
+    def all(self, problem: Problem) -> Iterator[Statement]:
+        for r, resource in enumerate(problem.resources):
+            if resource.setups is not None:
+                yield Statement(self.kind, r)
+
+    def pointer(self, problem: Problem, statement: Statement) -> Pointer:
+        return (*problem.resources[statement.of].origin, "setups")
+
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        relaxation.with_setups.add(statement.of)
 
 
 class _Use(StatementKind):
@@ -367,6 +383,7 @@ KINDS: Mapping[Kind, StatementKind] = {
     for of in (
         _TaskDeadline(),
         _Capacity(),
+        _Setups(),
         _Use(),
         _Precedence(),
         _Release(),

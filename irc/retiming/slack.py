@@ -46,7 +46,7 @@ def slacks(problem: Problem, schedule: Schedule) -> dict[str, int]:
     for before, after in resource_orders(problem, decisions, _held(problem, entries), 0):
         network.add(points.end[before], points.start[after], points.end_offset[before])
     if problem.has_setups:
-        uses = _uses(problem, entries)
+        uses = uses_taken(problem, schedule)
         add_setups(problem, decisions, uses, points, network, timing.floors, 0)
     _keep_chosen_lengths(network, points, entries, decisions)
     latest = latest_times(problem, points, network, makespan)
@@ -71,10 +71,10 @@ def _entries(problem: Problem, schedule: Schedule) -> list[Entry]:
     return [by_id[activity.id] for activity in problem.activities]
 
 
-def _uses(problem: Problem, entries: list[Entry]) -> list[tuple[int, ...]]:
-    """The resource of each use."""
+def uses_taken(problem: Problem, schedule: Schedule) -> list[tuple[int, ...]]:
+    """The resource of each use of each activity. Raises `AnswerError` where none is known."""
     chosen: list[tuple[int, ...]] = []
-    for activity, entry in zip(problem.activities, entries, strict=True):
+    for activity, entry in zip(problem.activities, _entries(problem, schedule), strict=True):
         try:
             _, taken = choices_of(problem, activity, entry)
         except UnexplainedError:

@@ -70,7 +70,7 @@ def drawn(schema: dict[str, Any], rng: random.Random) -> Any:
     return plain[kind]
 
 
-RULES = ("resource' or", "one of", "'min'", "time unit", "origin")
+RULES = ("resource' or", "one of", "'min'", "time unit", "origin", "number without a unit")
 """Faults of shape that no schema without conditions can exclude."""
 
 
@@ -81,7 +81,7 @@ def test_whatever_the_schema_allows_has_a_shape_that_the_readers_take(
 ) -> None:
     rng = random.Random(5)
     taken = 0
-    for _ in range(60):
+    for _ in range(200):
         value = drawn(strict_schema(part), rng)
         raw = value if part == "task" else {"actions": [], "events": [value]}
         findings = Findings()

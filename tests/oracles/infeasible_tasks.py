@@ -392,6 +392,11 @@ def _held(*names: str, by: str) -> list[str]:
     return [f"{name!r} uses {by}" for name in names]
 
 
+def _colour(name: str, family: str) -> Document:
+    """An action of 4 on the press."""
+    return {"id": name, "duration": 4, "uses": [{"resource": "press", "family": family}]}
+
+
 def _take(seconds: int, *names: str) -> list[str]:
     return [f"{name!r} takes {seconds} s" for name in names]
 
@@ -825,6 +830,22 @@ SOLVER = [
         "'pan' has a capacity of 1",
         *_held("fry", "boil", by="'pan'"),
         *(*_take(5, "fry"), *_take(4, "boil")),
+    ),
+]
+
+SOLVER += [
+    _case(
+        "solver",
+        "a set-up that there is no time for",
+        task(
+            {**r("press"), "setups": {"times": [{"from": "*", "to": "*", "time": 3}]}},
+            *(_colour("a", "red"), _colour("b", "blue"), _colour("c", "red")),
+            deadline=14,
+        ),
+        "everything ends by 14 s",
+        "'press' needs set-ups between families",
+        *_held("a", "b", "c", by="'press'"),
+        *_take(4, "a", "b", "c"),
     ),
 ]
 

@@ -34,3 +34,19 @@ def answer_of(document: dict[str, object]) -> tuple[object, ...] | None:
 def test_cpsat_finds_the_optimum_of_brute_force(seed: int) -> None:
     document = random_task(random.Random(seed))
     assert answer_of(document) == best(document)
+
+
+def test_a_use_that_could_be_elsewhere_may_save_a_setup() -> None:
+    """Between `a` and what was first, `c` breaks the triangle: 2 instead of 5."""
+    rows = [
+        {"from": "*", "to": "blue", "time": 5},
+        {"from": "green", "to": "blue", "time": 2},
+    ]
+    document = {
+        "resources": [{"id": "m", "setups": {"initial": "clean", "times": rows}}, {"id": "p"}],
+        "actions": [
+            {"id": "a", "duration": 3, "uses": [{"resource": "m", "family": "blue"}]},
+            {"id": "c", "duration": 1, "uses": [{"one_of": ["m", "p"], "family": "green"}]},
+        ],
+    }
+    assert answer_of(document) == best(document) == (6,)

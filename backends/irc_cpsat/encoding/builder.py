@@ -98,15 +98,21 @@ class Builder:
     """Holds the variables of a problem whose repeats are unrolled.
 
     `bounds` and `hints` add what the compiler already knows. `horizon` (ticks) replaces the one
-    that the problem would be given. `is_over` says whether there is no time to go on. The elements
-    are added by `irc_cpsat.encoding.encode`.
+    that the problem would be given, and `found` the list schedule. `is_over` says whether no time
+    is left. The elements are added by `irc_cpsat.encoding.encode`.
     """
 
     def __init__(
-        self, problem: Problem, bounds: bool, hints: bool, horizon: int | None = None
+        self,
+        problem: Problem,
+        bounds: bool,
+        hints: bool,
+        horizon: int | None = None,
+        found: Hint | None = None,
     ) -> None:
         quick = problem.is_plain or problem.has_setups
-        found = quick_schedule(problem) if quick and (bounds or hints) else None
+        if found is None and quick and (bounds or hints):
+            found = quick_schedule(problem)
         by_makespan = (
             bounds and problem.objectives[:1] == ("makespan",) and not problem.previous.stability
         )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 
 from irc.problem.decisions import Decision, Placed
 from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.setups import SetupSequence
 
 Takes = Callable[[int, int, int], bool]
 """Whether an activity (index) takes a pool (index) for one of its open demands (number)."""
@@ -44,6 +46,8 @@ def _add_assignment(
     hints |= _derived(built, places)
     for both, a, b in builder.conjunctions.values():
         hints[both.index] = hints.get(a.index, 0) * hints.get(b.index, 0)
+    for sequence in builder.sequences:
+        hints |= _sequence_hints(sequence, places, hints)
     latest = max((int(place.end) for place in places), default=0)
     hints[built.makespan.index] = max(latest, builder.problem.bounds.makespan.value)
     hint = builder.model.proto.solution_hint
@@ -64,6 +68,30 @@ def _derived(built: Model, places: Sequence[Decision | Placed]) -> dict[int, int
         if ranks is not None and place.present:
             hints[ranks[0].index], hints[ranks[1].index] = place.rank, place.end_rank
     return hints
+
+
+def _sequence_hints(
+    sequence: SetupSequence, places: Sequence[Decision | Placed], hints: Mapping[int, int]
+) -> dict[int, int]:
+    """The arcs and orders of a circuit, as known places have them."""
+    taken = [
+        k
+        for k, t in enumerate(sequence.takers)
+        if places[t.activity].present
+        and (t.literal is None or hints.get(t.literal.index, 0))
+        and places[t.activity].end > places[t.activity].start
+    ]
+    order = sorted(taken, key=lambda k: places[sequence.takers[k].activity].start)
+    rounds = [0, *(k + 1 for k in order), 0]
+    followed = {*pairwise(rounds)}
+    found = {arc.index: int(pair in followed) for pair, arc in sequence.arcs.items()}
+    if sequence.empty is not None:
+        found[sequence.empty.index] = int(not order)
+    for (k, after), first in sequence.orders.items():
+        if k < after:
+            one, other = (places[sequence.takers[n].activity] for n in (k, after))
+            found[first.index] = int(one.start <= other.start)
+    return found
 
 
 def _add_known_schedule(builder: Builder, built: Model, places: Sequence[Placed]) -> None:

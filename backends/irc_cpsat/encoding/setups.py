@@ -121,12 +121,13 @@ class _Circuit:
         activities = builder.problem.activities
         self.least = [max(1, activities[t.activity].duration_min) for t in takers]
         self.apart = _least_gaps(setups, takers, self.least)
+        self.settled = any(self._is_settled(k) for k in range(len(takers)))
 
     def add(self, past: Setup) -> SetupSequence:
         """Adds the constraints; `past` is what has been set up before."""
         takers, model = self.takers, self.model
         arcs: _Arcs = {}
-        orders = self._orders() if len(takers) <= MOST_ORDERED else {}
+        orders = self._orders() if len(takers) <= MOST_ORDERED and not self.settled else {}
         for k in range(len(takers)):
             arcs[0, k + 1] = model.new_bool_var("")
             arcs[k + 1, 0] = model.new_bool_var("")
@@ -187,7 +188,7 @@ class _Circuit:
         found: _Arcs = {}
         for k, after in combinations(range(len(self.takers)), 2):
             i, j = self.takers[k].activity, self.takers[after].activity
-            if i == j or self._is_settled(k) or self._is_settled(after):
+            if i == j:
                 continue
             first = self.model.new_bool_var("")
             found[k, after], found[after, k] = first, ~first
@@ -219,7 +220,7 @@ class _Circuit:
         """Uses, each with the least set-up before it, do not overlap."""
         builder, intervals = self.builder, []
         ahead = _least_before(self.setups, self.takers)
-        if not any(ahead) or any(map(self._is_settled, range(len(self.takers)))):
+        if self.settled or not any(ahead):
             return
         for k, taker in enumerate(self.takers):
             start, end = builder.starts[taker.activity], builder.end(taker.activity)
@@ -279,6 +280,8 @@ def add_setup_work(builder: Builder, makespan: Any) -> None:
     """The work on each resource, with its set-ups, fits beneath the makespan."""
     for sequence in builder.sequences:
         setups, _ = setups_from_now(builder.problem, sequence.resource)
+        if setups.settled:
+            continue
         work: list[Any] = []
         for taker in sequence.takers:
             least = builder.problem.activities[taker.activity].duration_min

@@ -15,7 +15,7 @@ from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
 from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
-from irc_cpsat.encoding.builder import Builder, Model, OutOfTimeError
+from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.asking import asked
 from irc_cpsat.solving.depth import (
@@ -32,6 +32,13 @@ from irc_cpsat.solving.reporting import Reporter, tell_hint
 
 _DEPTH_SHARE = 0.4
 """The part of the time left that a depth may take before a greater one is tried."""
+
+_LISTING_SHARE = 0.1
+_MOST_LISTING_SECONDS = 20.0
+"""The part of the time, and the time, in which a list schedule with set-ups is improved at most."""
+
+_MOVES = 40
+"""The number of orders that are tried for it at most, for each pair of activities."""
 
 _STATE_WORKERS = 8
 """With state, which of CP-SAT's searches succeeds differs from task to task: with fewer workers
@@ -78,7 +85,8 @@ class DeepeningSearch:
         """The outcome at one depth, within a share of the time that is left."""
         budget = self.budget.share(share)
         unrolled = unroll(problem, depth)
-        builder = Builder(unrolled, self.bounds, self.hints)
+        found = self._listed(unrolled, budget)
+        builder = Builder(unrolled, self.bounds, self.hints, found=found)
         builder.is_over = lambda: self.budget.is_over
         try:
             built = write_model(builder)
@@ -93,6 +101,19 @@ class DeepeningSearch:
         except ValueError as error:
             raise EngineFailed(f"CP-SAT rejects the model: {error}") from None
         return self.outcome_of(unrolled, built, result)
+
+    def _listed(self, problem: Problem, budget: Budget) -> Hint | None:
+        """A list schedule with set-ups, improved for a part of the time; None without set-ups."""
+        if not (problem.has_setups and self.hints):
+            return None
+        from irc.passes.setup_schedule import search_of
+
+        search = search_of(problem)
+        if search is None:
+            return None
+        part = budget.share(_LISTING_SHARE).at_most(_MOST_LISTING_SECONDS)
+        search.improve(_MOVES * len(problem.activities) ** 2, lambda: part.is_over)
+        return search.found
 
     def outcome_of(self, problem: Problem, built: Model, result: LexicographicResult) -> Outcome:
         """The outcome of one depth's result, at this moment."""
