@@ -38,14 +38,14 @@ def with_planner(solve: Solve, plan: Solve, budget: Budget, target: str) -> Answ
         found = _result(running)
         if found is None or not found.schedule.answered:
             raise
-        return _told(found, f"{target!r} failed")
+        return _with_note(found, f"{target!r} failed")
     finally:
         running.end()
     if found is None or not _is_better(found, answer):
         return answer
     if answer.schedule.answered:
-        return _told(found, f"{target!r} found no better schedule")
-    return _told(found, f"{target!r} found no schedule within {budget.elapsed:.1f} s")
+        return _with_note(found, f"{target!r} found no better schedule")
+    return _with_note(found, f"{target!r} found no schedule within {budget.elapsed:.1f} s")
 
 
 def _planned(plan: Solve, budget: Budget, cancel: Cancellation) -> Answer | None:
@@ -72,7 +72,7 @@ def _is_better(new: Answer, old: Answer) -> bool:
     return new_values < old_values
 
 
-def _told(found: Answer, why: str) -> Answer:
+def _with_note(found: Answer, why: str) -> Answer:
     """The planner's answer, with a note that it is one."""
     note = Diagnostic(
         Code.NO_ANSWER,

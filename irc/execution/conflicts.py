@@ -100,21 +100,21 @@ def _with_setups_done(problem: Problem, executed: Mapping[int, ExecutedActivity]
     places = [Decision(executed[i].start, _ends(problem, i, executed[i])[0]) for i in begun]
     activities = [problem.activities[i] for i in begun]
     chosen = [[r for r in executed[i].resources or () if r is not None] for i in begun]
-    settled: dict[int, int] = {}
+    waived: dict[int, int] = {}
     for link in setup_links(problem.resources, activities, places, chosen):
         setups = problem.resources[link.resource].setups
         start = int(places[link.after].start)
         ready = 0 if setups is None else setups.since
         ready = ready if link.before is None else int(places[link.before].end)
         if link.setup.time and start < ready + link.setup.time:
-            settled[link.resource] = max(settled.get(link.resource, 0), start + 1)
+            waived[link.resource] = max(waived.get(link.resource, 0), start + 1)
     resources = tuple(
-        replace(resource, setups=replace(resource.setups, settled=settled[r]))
-        if r in settled and resource.setups is not None
+        replace(resource, setups=replace(resource.setups, waived_before=waived[r]))
+        if r in waived and resource.setups is not None
         else resource
         for r, resource in enumerate(problem.resources)
     )
-    return replace(problem, resources=resources) if settled else problem
+    return replace(problem, resources=resources) if waived else problem
 
 
 # --- capacity ---

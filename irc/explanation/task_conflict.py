@@ -65,7 +65,7 @@ class _Search:
         return replace(conflict, statements=(*conflict.statements, *self._contributing(conflict)))
 
     def _contributing(self, conflict: Conflict[Element]) -> list[Element]:
-        """What may help elsewhere, but without which the conflict would be none."""
+        """The elements that may help elsewhere, but without which the others can hold together."""
         kept = frozenset(conflict.statements)
         return [
             other

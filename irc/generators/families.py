@@ -26,7 +26,7 @@ MOST_COUNT = 100_000
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be generated.
+    """The instances to be generated.
 
     `sizes` are numbers of steps, or of items (empty: those of the data); `axes` are those of the
     kitchens. There are `count` instances of each size and axis. `time_limit` is in seconds, for the

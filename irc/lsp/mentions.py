@@ -75,7 +75,7 @@ def _action(action: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
 
 
 def _stock_and_state(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
-    """What an action, or a mode, consumes, produces, needs and sets."""
+    """The names that an action, or a mode, consumes, produces, needs and sets."""
     for key in ("consumes", "produces"):
         for pointer, stock in _objects(holder, key, at):
             yield from _name(stock, "resource", pointer, Kind.RESOURCE)

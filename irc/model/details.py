@@ -118,7 +118,7 @@ Limits = tuple[Number | None, Number | None]
 
 
 class NumberTest:
-    """What is common to all that may ask of a number variable for a range of levels, or for one.
+    """The common part of all that may ask for a range of levels of a number variable, or for one.
 
     (The fields stand in each of them, behind its own.)
     """
@@ -387,7 +387,7 @@ class StateGoal(NumberTest, Node):
 
     @property
     def wanted(self) -> StateValue:
-        """What the variable must be, as reports name it: a value, or limits in words."""
+        """The value that the variable must have, as reports name it, or its limits in words."""
         return limits_text(*self.limits) if self.asks_for_a_level else self.value
 
 

@@ -90,7 +90,7 @@ class Use(Node):
 
 
 OF_MODES = ("consumes", "produces", "conditions", "effects", "cost")
-"""What a mode adds to its action, besides uses."""
+"""The fields of a mode that add to its action, besides uses."""
 
 _SIMPLE = frozenset(["id", "label", "description", "duration"])
 

@@ -24,7 +24,7 @@ MOST_FAMILIES = 10
 def setup_bound(problem: Problem) -> Problem:
     """Raises the bound by the work and set-ups of each resource. Needs heads and tails."""
     for r, resource in enumerate(problem.resources):
-        if resource.setups is None or resource.setups.settled:
+        if resource.setups is None or resource.setups.waived_before:
             continue
         value, work, setup = _bound_of(problem, r)
         if value > problem.bounds.makespan.value:

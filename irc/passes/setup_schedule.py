@@ -87,7 +87,7 @@ class _Way:
 
 
 class _Line:
-    """What a resource with set-ups was last used for, and since when it is free."""
+    """The last family of a resource with set-ups, and since when it is free."""
 
     __slots__ = ("cost", "family", "free", "table", "time")
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from irc.problem import Activity, Problem
 
 _Nets = tuple[Counter[int], ...]
-"""What one occurrence puts into each reservoir on balance, in each mode."""
+"""The net change of each reservoir by one occurrence, in each mode."""
 
 
 def bounded_by_stock(problem: Problem) -> Problem:

@@ -405,14 +405,14 @@ class Setups:
     """The set-ups of a resource of capacity 1, by the families before and after.
 
     `table` has the rows of the task. With an `initial` family the first use needs its set-up, which
-    can begin at the tick `since`. Uses that start before `settled` wait for no set-up: of a running
-    task, they started too early.
+    can begin at the tick `since`. Uses that start before `waived_before` wait for no set-up: while a
+    task runs, they have started too early.
     """
 
     table: Mapping[tuple[int, int], Setup] = field(default_factory=dict)
     initial: int | None = None
     since: int = 0
-    settled: int = 0
+    waived_before: int = 0
 
     def between(self, before: int, after: int) -> Setup:
         """The set-up of the most specific row (docs/semantics.md, rule 4.3)."""

@@ -96,5 +96,5 @@ def setups_from_now(problem: Problem, resource: int) -> tuple[Setups, Setup]:
     for start, duration, family in ended:
         done = setups.first(family)
         time, cost = time + done.time, cost + done.cost
-        setups = Setups(setups.table, family, start + duration, setups.settled)
+        setups = Setups(setups.table, family, start + duration, setups.waived_before)
     return setups, Setup(time, cost) if ended else NO_SETUP

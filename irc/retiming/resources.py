@@ -120,7 +120,7 @@ def add_setups(
         if points.end[link.after] != after:
             network.add(after, points.end[link.after], 1)
         fixed = problem.activities[link.after].start
-        if setups is None or (fixed is not None and fixed < setups.settled):
+        if setups is None or (fixed is not None and fixed < setups.waived_before):
             continue
         if link.before is not None:
             offset = points.end_offset[link.before]

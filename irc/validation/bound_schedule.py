@@ -107,7 +107,7 @@ class Occurrence(NamedTuple):
         return self.shortest != self.longest or self.rank != self.end_rank
 
     @property
-    def is_settled(self) -> bool:
+    def is_history(self) -> bool:
         """Whether no plan decides it: it is history, or a timed change."""
         return self.past is not None or self.by_itself
 

@@ -49,7 +49,7 @@ class Write(NamedTuple):
 
 
 class Hold(NamedTuple):
-    """What must hold from just after one happening to just before another."""
+    """A condition that must hold from just after one happening to just before another."""
 
     opening: Happening
     closing: Happening
@@ -69,7 +69,7 @@ class Timeline:
         """The part of it that no plan decides: the history, and all timed changes."""
         return Timeline(
             [read for read in self.reads if read.happening.occurrence.past],
-            [write for write in self.writes if write.happening.occurrence.is_settled],
+            [write for write in self.writes if write.happening.occurrence.is_history],
             [hold for hold in self.holds if hold.opening.occurrence.past],
         )
 

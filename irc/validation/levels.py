@@ -1,4 +1,4 @@
-"""What happenings ask of a variable and do to it, whether it has values or is a number.
+"""Tests and changes of a variable by happenings, whether it has values or is a number.
 
 A need is a value, or the `Between` of a number; a change is a value, or a `NumberChange`.
 """
@@ -34,10 +34,10 @@ class NumberChange(NamedTuple):
 
 
 Need = StateValue | Between | None
-"""What a happening asks of a variable."""
+"""The test of a variable by a happening."""
 
 Given = StateValue | NumberChange
-"""What a happening does to a variable."""
+"""The change of a variable by a happening."""
 
 
 def meets(value: Value, need: Need) -> bool:
@@ -61,7 +61,7 @@ def changed(value: Value, change: Given) -> Value:
 
 
 def need_of(test: Condition | StateGoal) -> Need:
-    """What a condition or a goal needs."""
+    """The test of a condition or a goal."""
     return Between(*test.limits) if test.asks_for_a_level else test.value
 
 
@@ -94,12 +94,12 @@ def need_text(variable: str, need: Need) -> str:
 
 
 def stay_text(need: Need) -> str:
-    """What a variable is to stay, as messages show it."""
+    """The value or limits that a variable is to keep, as messages show them."""
     return limits_text(*need) if isinstance(need, Between) else value_text(need)
 
 
 def change_text(variable: str, change: Given) -> str:
-    """What a happening does to a variable, as messages show it."""
+    """The change of a variable by a happening, as messages show it."""
     if not isinstance(change, NumberChange):
         return f"makes {variable!r} {value_text(change)}"
     if change.sets:

@@ -29,7 +29,7 @@ from irc.validation.verdict import Violations, listed
 
 
 class Demand(NamedTuple):
-    """What a happening needs just before it, or just after it and from then on."""
+    """A need of a happening just before it, or just after it and from then on."""
 
     occurrence: int
     at_end: bool
@@ -129,7 +129,7 @@ class StateSimulator:
     def _write(self, access: Write) -> None:
         value = changed(self.value, access.change)
         broken = _unmet(self.held, value)
-        is_open = not access.happening.occurrence.is_settled
+        is_open = not access.happening.occurrence.is_history
         if self.bounds is not None and _leaves(self.bounds, self.value, value, further=is_open):
             add_out_of_bounds(
                 self.name, access, value, self.bounds, self.violations, carried=not is_open
@@ -180,7 +180,7 @@ class StateSimulator:
 
 
 def _all_past(accesses: Iterable[Read | Write]) -> bool:
-    return all(access.happening.occurrence.is_settled for access in accesses)
+    return all(access.happening.occurrence.is_history for access in accesses)
 
 
 def _unmet(holds: _Holds, value: Value) -> dict[int, Hold]:

@@ -54,12 +54,12 @@ class _Owner:
     start: Any
     end: Any
     added: Any
-    """What was added before it."""
+    """The amount that was added before it."""
 
 
 @dataclass
 class _Touches:
-    """What reads and changes one number."""
+    """The happenings that read and change one number."""
 
     writes: list[_Write] = field(default_factory=list)
     reads: list[tuple[int, NumberCondition, tuple[Literal, ...]]] = field(default_factory=list)
@@ -335,7 +335,7 @@ class _NumberEncoder:
         return abs(self.number.initial) + sum(abs(w.amount) for w in self.touches.writes)
 
     def _added(self, point: Point, kind: str) -> Any:
-        """What is added before a happening, or (kind "after") until just after it."""
+        """The amount that is added before a happening, or (kind "after") until just after it."""
         terms = []
         for write in self.touches.writes:
             if not write.sets and write.amount:

@@ -121,13 +121,13 @@ class _Circuit:
         activities = builder.problem.activities
         self.least = [max(1, activities[t.activity].duration_min) for t in takers]
         self.apart = _least_gaps(setups, takers, self.least)
-        self.settled = any(self._is_settled(k) for k in range(len(takers)))
+        self.has_waived = any(self._is_waived(k) for k in range(len(takers)))
 
     def add(self, past: Setup) -> SetupSequence:
         """Adds the constraints; `past` is what has been set up before."""
         takers, model = self.takers, self.model
         arcs: _Arcs = {}
-        orders = self._orders() if len(takers) <= MOST_ORDERED and not self.settled else {}
+        orders = self._orders() if len(takers) <= MOST_ORDERED and not self.has_waived else {}
         for k in range(len(takers)):
             arcs[0, k + 1] = model.new_bool_var("")
             arcs[k + 1, 0] = model.new_bool_var("")
@@ -156,7 +156,7 @@ class _Circuit:
     def _link(self, arc: Literal, k: int, after: int) -> None:
         """Where an arc is taken, the set-up passes between its uses."""
         builder, i = self.builder, self.takers[after].activity
-        if self._is_settled(after):
+        if self._is_waived(after):
             return
         time = _setup(self.setups, self.takers, k, after).time
         if k < 0:
@@ -167,9 +167,9 @@ class _Circuit:
         end = builder.end(self.takers[k].activity)
         builder.model.add(builder.starts[i] >= end + time).only_enforce_if(arc)
 
-    def _is_settled(self, k: int) -> bool:
+    def _is_waived(self, k: int) -> bool:
         start = self.builder.problem.activities[self.takers[k].activity].start
-        return start is not None and start < self.setups.settled
+        return start is not None and start < self.setups.waived_before
 
     def _may_follow(self, k: int, after: int) -> bool:
         """Whether one use can be the next after another."""
@@ -220,7 +220,7 @@ class _Circuit:
         """Uses, each with the least set-up before it, do not overlap."""
         builder, intervals = self.builder, []
         ahead = _least_before(self.setups, self.takers)
-        if self.settled or not any(ahead):
+        if self.has_waived or not any(ahead):
             return
         for k, taker in enumerate(self.takers):
             start, end = builder.starts[taker.activity], builder.end(taker.activity)
@@ -280,7 +280,7 @@ def add_setup_work(builder: Builder, makespan: Any) -> None:
     """The work on each resource, with its set-ups, fits beneath the makespan."""
     for sequence in builder.sequences:
         setups, _ = setups_from_now(builder.problem, sequence.resource)
-        if setups.settled:
+        if setups.waived_before:
             continue
         work: list[Any] = []
         for taker in sequence.takers:

@@ -297,7 +297,7 @@ class _StateEncoder:
         return [*([] if present is None else [~present]), *(~literal for literal in need.when)]
 
     def _add_protected(self, v: int, owners: Sequence[_Owner]) -> None:
-        """What takes a protected value away comes after who needs it throughout.
+        """Orders what takes a protected value away behind those that need it throughout.
 
         Or the variable has another value just before.
         """

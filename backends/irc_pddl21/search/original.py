@@ -2,7 +2,7 @@
 
 A planner reads its lifted actions, and makes of them what it needs by itself; our own text of the
 task is ground, and has facts for each occurrence. So the original is often solved at once where the
-ground text is not. What the plan is worth is judged as that of any other plan: it is re-timed, and
+ground text is not. The plan is judged like any other: it is re-timed, and
 the validator must accept it as a schedule of the task.
 """
 

@@ -471,7 +471,7 @@ def _goal(goal: Any) -> str:
 
 
 def _level(fact: Any) -> str | None:
-    """What a fact says of a number: `>= 10`, `-= 2.5`; None where it is about a value."""
+    """The text of a number's limits or change: `>= 10`, `-= 2.5`; None for other values."""
     said = [
         f"{sign} {written.signed(level)}"
         for field, sign in _LEVELS.items()

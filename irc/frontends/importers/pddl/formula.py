@@ -356,7 +356,7 @@ class Linear:
         return sum((known[f] * x for f, x in self.factors.items()), self.constant)
 
     def given(self, known: Mapping[Fact, Fraction]) -> Linear:
-        """What is left once the values of some functions are known."""
+        """The formula that is left once the values of some functions are known."""
         rest = {f: x for f, x in self.factors.items() if f not in known}
         own = {f: x for f, x in self.factors.items() if f in known}
         return Linear(rest, Linear(own, self.constant).value(known))

@@ -1,4 +1,4 @@
-"""How often a fact may become true, for facts of which there is only so much.
+"""How often a fact may become true, for facts whose supply is limited.
 
 An action that uses up a fact happens at most as often as the fact becomes true. If all actions that
 make it true are limited so themselves, that is a number: an order that waits is started once.

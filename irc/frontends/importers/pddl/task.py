@@ -222,7 +222,7 @@ class _Builder:
         ]
 
     def _asked(self, tests: Iterable[Test]) -> Iterator[Raw]:
-        """What tests that hold together ask of each number."""
+        """The limits that tests which hold together set to each number."""
         limits: dict[Fact, tuple[list[Fraction], list[Fraction]]] = {}
         for test in tests:
             variable = self.grounded.numbers.get(test.fact)
@@ -240,7 +240,7 @@ class _Builder:
             yield asked if high is None else {**asked, "at_most": exact(high)}
 
     def _changes(self, action: Ground) -> Iterator[Raw]:
-        """What an action does to numbers."""
+        """The changes of numbers by an action."""
         for at, effect in action.effects:
             if isinstance(effect, NumericEffect) and effect.fact in self.numbers:
                 changed = {"at": at, "var": self._number_id(effect.fact)}

@@ -65,13 +65,13 @@ class _Change(NamedTuple):
 
 
 class _Event(NamedTuple):
-    """What one end of an action changes, where what it asks of numbers at its start holds."""
+    """The changes at one end of an action, where its tests of numbers at the start hold."""
 
     changes: tuple[_Change, ...]
     asked: tuple[_Asked, ...]
 
     def among(self, facts: Mapping[Fact, None]) -> _Event:
-        """What of it is about some numbers."""
+        """The part that is about some numbers."""
         return _Event(
             tuple(change for change in self.changes if change.fact in facts),
             tuple(one for one in self.asked if all(f in facts for f in one.sum.factors)),
