@@ -404,9 +404,9 @@ NO_SETUP = Setup(0, 0)
 class Setups:
     """The set-ups of a resource of capacity 1, by the families before and after.
 
-    `table` has the rows of the task. With an `initial` family the first use needs its set-up, which
-    can begin at the tick `since`. Uses that start before `waived_before` wait for no set-up: while a
-    task runs, they have started too early.
+    `table` has the rows of the task. With an `initial` family the first use needs its set-up,
+    which can begin at the tick `since`. Uses that start before `waived_before` wait for no set-up:
+    while a task runs, they have started too early.
     """
 
     table: Mapping[tuple[int, int], Setup] = field(default_factory=dict)
