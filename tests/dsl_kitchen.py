@@ -9,7 +9,8 @@ resolution 1 s
 calendar day shift zone "Europe/Berlin" open mon .. fri 06:00 .. 14:00 closed 2026-12-25
 calendar cycle every 1 day open 6 .. 14
 resource grill, board capacity 2 label "the board"
-resource press setup initial clean setup from red -> blue = 20 min cost 5 setup from * -> red = 30
+resource press no idle setup initial clean setup from red -> blue = 20 min cost 5
+resource saw setup from * -> red = 30
 resource bench during calendar day shift
 stock flour initial 3 within 0 .. 10
 pool robots = r1, r2

@@ -50,6 +50,7 @@ class CpSat(Backend):
             Feature.SETUPS,
             Feature.ACTION_CALENDARS,
             Feature.PAUSES,
+            Feature.NO_IDLE,
             Feature.RESERVOIRS,
             Feature.STATE,
             Feature.NUMBERS,

@@ -189,6 +189,10 @@ class Resource(Element[IrResource]):
         setups = self._raw.get("setups") or {}
         return self._set(setups={**setups, "times": [*setups.get("times", ()), row]})
 
+    def no_idle(self) -> Self:
+        """Leaves no gap between its first and its last use but set-ups."""
+        return self._set(no_idle=True)
+
     def initial_family(self, family: str) -> Self:
         """Sets the family that the resource is set up for at t = 0."""
         return self._set(setups={**(self._raw.get("setups") or {}), "initial": family})

@@ -362,7 +362,7 @@ def _add_resources(walk: _Walk, change: AddResources, at: Pointer) -> None:
 
 def _require_one_at_a_time(walk: _Walk, resource: Resource, capacity: int, at: Pointer) -> None:
     """Reports a capacity that a resource with set-ups cannot have."""
-    if resource.setups is None:
+    if resource.setups is None and not resource.no_idle:
         return
     from irc.checks.setups import check_capacity_with_setups
 

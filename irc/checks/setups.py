@@ -22,7 +22,7 @@ _MOST_NAMED = 6
 def check_setups(task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings) -> None:
     """Adds the faults of set-ups and of the families of uses."""
     for i, resource in enumerate(task.resources):
-        if resource.setups is not None and resource.kind == "renewable":
+        if (resource.setups is not None or resource.no_idle) and resource.kind == "renewable":
             _check_resource(resource, ("resources", i), times, findings)
     for i, action in enumerate(task.actions):
         if action.is_simple:
@@ -36,10 +36,11 @@ def check_setups(task: Task, names: DeclaredNames, times: TimeChecks, findings: 
 
 def check_capacity_with_setups(resource: Resource, capacity: int) -> str | None:
     """The reason why a resource cannot have a capacity; None if it can."""
-    if resource.setups is None or capacity <= 1:
+    if capacity <= 1 or (resource.setups is None and not resource.no_idle):
         return None
+    why = "has set-ups" if resource.setups is not None else "may have no idle time"
     return (
-        f"{resource.id!r} has set-ups, so one use comes after another; "
+        f"{resource.id!r} {why}, so one use comes after another; "
         f"it cannot have a capacity of {capacity}"
     )
 

@@ -160,7 +160,7 @@ def _check_families(
     """Checks set-ups and families; loads these checks only for tasks that have them."""
     uses = (u for a in task.actions if not a.is_simple for u in a.uses)
     modes = (u for a in task.actions if not a.is_simple for m in a.modes for u in m.uses)
-    if any(r.setups is not None for r in task.resources) or any(
+    if any(r.setups is not None or r.no_idle for r in task.resources) or any(
         use.family is not None for use in (*uses, *modes)
     ):
         from irc.checks.setups import check_setups
@@ -302,7 +302,7 @@ def check_resource(resource: Resource, at: Pointer, times: TimeChecks, findings:
                 (*at, "initial"),
                 hint=f'write an "initial" of {_limits(resource)}',
             )
-        meaningless = {"capacity", "availability", "calendar", "setups"}
+        meaningless = {"capacity", "availability", "calendar", "setups", "no_idle"}
         meaningless &= resource.model_fields_set
     else:
         meaningless = {"initial", "min", "max"} & resource.model_fields_set

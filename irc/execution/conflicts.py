@@ -39,7 +39,7 @@ def relaxed(
     problem = _with_room(problem, executed)
     stock = state = False
     if problem.has_setups:
-        problem = _with_setups_done(problem, executed)
+        problem = _with_setups_done(problem, executed, now)
     if problem.reservoirs:
         problem, stock = with_stock_lent(problem, executed, now, hopes=hopes)
     if problem.numbers:
@@ -94,8 +94,13 @@ def _is_broken(problem: Problem, arc: Arc, executed: Mapping[int, ExecutedActivi
     return arc.max_lag is not None and to_least - from_most > arc.max_lag
 
 
-def _with_setups_done(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:
-    """The problem in which executed activities wait for no set-up that they did not wait for."""
+def _with_setups_done(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
+) -> Problem:
+    """The problem in which executed activities wait for no set-up that they did not wait for.
+
+    Gaps that are history are none.
+    """
     begun = [i for i, past in executed.items() if past.resources is not None]
     places = [Decision(executed[i].start, _ends(problem, i, executed[i])[0]) for i in begun]
     activities = [problem.activities[i] for i in begun]
@@ -106,15 +111,20 @@ def _with_setups_done(problem: Problem, executed: Mapping[int, ExecutedActivity]
         start = int(places[link.after].start)
         ready = 0 if setups is None else setups.since
         ready = ready if link.before is None else int(places[link.before].end)
-        if link.setup.time and start < ready + link.setup.time:
+        ready += link.setup.time
+        tight = setups is not None and setups.tight and link.before is not None
+        if start < ready or (tight and start > ready):
             waived[link.resource] = max(waived.get(link.resource, 0), start + 1)
     resources = tuple(
-        replace(resource, setups=replace(resource.setups, waived_before=waived[r]))
-        if r in waived and resource.setups is not None
-        else resource
+        resource
+        if resource.setups is None
+        else replace(
+            resource,
+            setups=replace(resource.setups, waived_before=waived.get(r, 0), now=now),
+        )
         for r, resource in enumerate(problem.resources)
     )
-    return replace(problem, resources=resources) if waived else problem
+    return replace(problem, resources=resources)
 
 
 # --- capacity ---

@@ -48,6 +48,8 @@ class HandOver:
     needed: bool
     setup: int = 0
     """The time of the set-up between the two, in ticks."""
+    back: bool = False
+    """Whether `before` waits for `after`, because the resource is never idle between the two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +152,11 @@ def _tight_edges(problem: Problem, schedule: Schedule, times: Sequence[int]) -> 
             yield _Edge(d, None)
     for hand_over in (*_hand_overs(problem, schedule, times), *_setups(problem, schedule, times)):
         src = ORIGIN if hand_over.before is None else end_point(hand_over.before)
-        yield _Edge(Difference(src, start_point(hand_over.after), hand_over.setup), hand_over)
+        dst = start_point(hand_over.after)
+        if hand_over.back:
+            yield _Edge(Difference(dst, src, -hand_over.setup), hand_over)
+        else:
+            yield _Edge(Difference(src, dst, hand_over.setup), hand_over)
 
 
 def _setups(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Iterator[HandOver]:
@@ -163,6 +169,9 @@ def _setups(problem: Problem, schedule: Schedule, times: Sequence[int]) -> Itera
         since = 0 if link.before is None else times[end_point(link.before)]
         if link.setup.time and since + link.setup.time == times[start_point(link.after)]:
             yield HandOver(link.before, link.after, link.resource, True, link.setup.time)
+        setups = problem.resources[link.resource].setups
+        if setups is not None and setups.tight and link.before is not None:
+            yield HandOver(link.before, link.after, link.resource, True, link.setup.time, back=True)
 
 
 def _decisions(problem: Problem, times: Sequence[int]) -> list[Decision]:

@@ -42,9 +42,12 @@ _ORDER = (
     Kind.START,
     Kind.GROUP_DEADLINE,
     Kind.TASK_DEADLINE,
+    Kind.NO_IDLE,
     Kind.SETUPS,
     Kind.CAPACITY,
 )
+
+_OF_RESOURCE = frozenset((Kind.CAPACITY, Kind.SETUPS, Kind.NO_IDLE))
 """The order of leaving out: deadlines and capacities, which authors set, are kept longest."""
 
 _OF_ACTION = (
@@ -150,7 +153,7 @@ class _Search:
             s
             for s in all_statements(self.problem)
             if (s.kind is not Kind.USE or (s.of, s.use) in uses)
-            and (s.kind not in (Kind.CAPACITY, Kind.SETUPS) or s.of in resources)
+            and (s.kind not in _OF_RESOURCE or s.of in resources)
         ]
 
     def _assumptions(self, statements: frozenset[Statement]) -> Assumptions:
@@ -216,7 +219,7 @@ class _Search:
         of_action: dict[int, set[Statement]] = {}
         arcs = []
         for s in sorted(found):
-            if s.kind in (Kind.CAPACITY, Kind.SETUPS):
+            if s.kind in _OF_RESOURCE:
                 of_resource.setdefault(s.of, set()).add(s)
             elif s.kind is Kind.PRECEDENCE:
                 arcs.append(frozenset((s,)))

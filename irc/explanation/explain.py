@@ -314,6 +314,9 @@ def _rendered_link(problem: Problem, link: Link) -> RenderedStatement:
 
 def _rendered_hand_over(problem: Problem, hand_over: HandOver) -> RenderedStatement:
     resource = problem.resources[hand_over.resource]
+    if hand_over.back:
+        words = setup_in_words(problem, hand_over)
+        return RenderedStatement("no_idle", words, (*resource.origin, "no_idle"))
     if hand_over.setup:
         words = setup_in_words(problem, hand_over)
         return RenderedStatement("setup", words, (*resource.origin, "setups"))

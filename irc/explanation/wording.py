@@ -29,6 +29,10 @@ def _setups(problem: Problem, statement: Statement) -> str:
     return f"{problem.resources[statement.of].id!r} is set up between uses of different families"
 
 
+def _no_idle(problem: Problem, statement: Statement) -> str:
+    return f"{problem.resources[statement.of].id!r} is never idle between its uses"
+
+
 def _use(problem: Problem, statement: Statement) -> str:
     activity = problem.activities[statement.of]
     use = activity.uses[statement.use]
@@ -93,7 +97,10 @@ def setup_in_words(problem: Problem, hand_over: HandOver) -> str:
     """A set-up of the critical chain."""
     resource = problem.resources[hand_over.resource].id
     after = problem.activities[hand_over.after].id
-    time = problem.time_text(hand_over.setup)
+    time = problem.time_text(abs(hand_over.setup))
+    if hand_over.back:
+        name = problem.activities[hand_over.before or 0].id
+        return f"{resource!r} is never idle: {name!r} is right before {after!r}"
     if hand_over.before is None:
         return f"{resource!r} is set up for {after!r}: {time}"
     before = problem.activities[hand_over.before].id
@@ -104,6 +111,7 @@ _WORDS: Mapping[Kind, Callable[[Problem, Statement], str]] = {
     Kind.TASK_DEADLINE: _task_deadline,
     Kind.CAPACITY: _capacity,
     Kind.SETUPS: _setups,
+    Kind.NO_IDLE: _no_idle,
     Kind.USE: _use,
     Kind.PRECEDENCE: _precedence,
     Kind.RELEASE: _release,

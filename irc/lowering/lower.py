@@ -124,10 +124,10 @@ def _renewable(task: Task, index: int, to_ticks: ToTicks, families: Mapping[str,
     resource = task.resources[index]
     at: Pointer = ("resources", index)
     setups: Setups | None = None
-    if resource.setups is not None:
+    if resource.setups is not None or resource.no_idle:
         from irc.lowering.setups import lowered_setups
 
-        setups = lowered_setups(resource.setups, families, to_ticks)
+        setups = lowered_setups(resource, families, to_ticks)
     if not resource.availability:
         return Renewable(resource.id, resource.capacity, at, setups=setups)
     windows = set()

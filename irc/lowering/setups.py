@@ -44,8 +44,9 @@ def setup_between(resource: Resource, before: str | None, after: str | None) -> 
     return next((rows[r] for r in ((a, b), (a, ANY), (ANY, b), (ANY, ANY)) if r in rows), 0)
 
 
-def lowered_setups(setups: SetupsNode, families: Mapping[str, int], to_ticks: ToTicks) -> Setups:
+def lowered_setups(resource: Resource, families: Mapping[str, int], to_ticks: ToTicks) -> Setups:
     """The set-ups of a resource, by the indexes of their families."""
+    setups = resource.setups or SetupsNode()
     table: dict[tuple[int, int], Setup] = {}
     for row in setups.times:
         time = ticks_or_none(row.time, to_ticks)
@@ -53,4 +54,4 @@ def lowered_setups(setups: SetupsNode, families: Mapping[str, int], to_ticks: To
         if time is not None:
             table.setdefault(key, Setup(time, row.cost))
     initial = None if setups.initial is None else families.get(setups.initial)
-    return Setups(dict(sorted(table.items())), initial)
+    return Setups(dict(sorted(table.items())), initial, tight=resource.no_idle)

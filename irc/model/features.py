@@ -46,6 +46,7 @@ class Feature(Enum):
     CALENDARS = "availability windows and calendars"
     ACTION_CALENDARS = "calendars of actions"
     PAUSES = "work that pauses"
+    NO_IDLE = "resources without idle time"
     RESERVOIRS = "reservoirs"
     STATE = "state variables"
     NUMBERS = "number variables"
@@ -122,6 +123,8 @@ def _of_resource(resource: Resource, at: Pointer) -> Iterator[FeatureUse]:
         yield FeatureUse(Feature.SETUPS, (*at, "setups"), name)
     if resource.calendar is not None:
         yield FeatureUse(Feature.CALENDARS, (*at, "calendar"), name)
+    if resource.no_idle:
+        yield FeatureUse(Feature.NO_IDLE, (*at, "no_idle"), name)
 
 
 _ACTION_FIELDS = (

@@ -59,6 +59,7 @@ class Resource(Node):
     calendar: Name | None = None
     availability: Windows = ()
     setups: ResourceSetups = None
+    no_idle: Annotated[bool, Field(strict=True)] = False
     initial: Annotated[int, Field(strict=True)] = 0
     min: Annotated[int, Field(strict=True)] = 0
     max: Annotated[int, Field(strict=True)] | None = None

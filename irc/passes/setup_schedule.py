@@ -58,9 +58,14 @@ def search_of(problem: Problem) -> SetupSearch | None:
 
     It knows modes and `one_of`, and no state, stock, pauses, nor activities that may be absent.
     """
-    if problem.has_state or problem.has_work or problem.reservoirs:
+    if any(r.setups is not None and r.setups.tight for r in problem.resources):
         return None
-    if not all(g.required for g in problem.groups):
+    if (
+        problem.has_state
+        or problem.has_work
+        or problem.reservoirs
+        or not all(g.required for g in problem.groups)
+    ):
         return None
     if not problem.activities or any(
         a.details.optional or a.details.repeats or a.details.stock for a in problem.activities

@@ -406,13 +406,16 @@ class Setups:
 
     `table` has the rows of the task. With an `initial` family the first use needs its set-up,
     which can begin at the tick `since`. Uses that start before `waived_before` wait for no set-up:
-    while a task runs, they have started too early.
+    while a task runs, they have started too early. Where they are `tight`, nothing but a set-up is
+    between two uses, and the time before `now`.
     """
 
     table: Mapping[tuple[int, int], Setup] = field(default_factory=dict)
     initial: int | None = None
     since: int = 0
     waived_before: int = 0
+    tight: bool = False
+    now: int = 0
 
     def between(self, before: int, after: int) -> Setup:
         """The set-up of the most specific row (docs/semantics.md, rule 4.3)."""

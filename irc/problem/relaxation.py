@@ -31,6 +31,7 @@ class Relaxation:
         self.deadline: int | None = None
         self.limited: set[int] = set()
         self.with_setups: set[int] = set()
+        self.without_gaps: set[int] = set()
         self._fields: dict[int, dict[str, Any]] = {}
         self._uses: dict[int, list[int]] = {}
         self._arcs: list[tuple[int, Arc]] = []
@@ -103,9 +104,14 @@ class Relaxation:
 
     def _limited(self, r: int, resource: Renewable) -> Renewable:
         """A resource whose capacity is stated; its set-ups are those between uses one by one."""
-        if resource.setups is None or r in self.with_setups:
+        setups = resource.setups
+        if setups is None:
             return resource
-        return replace(resource, setups=None)
+        if r not in self.with_setups:
+            setups = replace(setups, table={}, initial=None)
+        setups = replace(setups, tight=setups.tight and r in self.without_gaps)
+        plain = not (setups.table or setups.tight or setups.initial is not None)
+        return replace(resource, setups=None if plain else setups)
 
     def _resources(self, smaller: Problem, way: Projection) -> tuple[Renewable, ...]:
         asked: Counter[int] = Counter()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from irc.problem.decisions import Decision, Moment, Placed
@@ -96,5 +97,5 @@ def setups_from_now(problem: Problem, resource: int) -> tuple[Setups, Setup]:
     for start, duration, family in ended:
         done = setups.first(family)
         time, cost = time + done.time, cost + done.cost
-        setups = Setups(setups.table, family, start + duration, setups.waived_before)
+        setups = replace(setups, initial=family, since=start + duration)
     return setups, Setup(time, cost) if ended else NO_SETUP

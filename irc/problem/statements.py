@@ -26,6 +26,7 @@ class Kind(StrEnum):
     TASK_DEADLINE = "task_deadline"
     CAPACITY = "capacity"
     SETUPS = "setups"
+    NO_IDLE = "no_idle"
     USE = "use"
     PRECEDENCE = "precedence"
     RELEASE = "release"
@@ -165,7 +166,8 @@ class _Setups(StatementKind):
 
     def all(self, problem: Problem) -> Iterator[Statement]:
         for r, resource in enumerate(problem.resources):
-            if resource.setups is not None:
+            setups = resource.setups
+            if setups is not None and (setups.table or setups.initial is not None):
                 yield Statement(self.kind, r)
 
     def pointer(self, problem: Problem, statement: Statement) -> Pointer:
@@ -173,6 +175,21 @@ class _Setups(StatementKind):
 
     def state(self, relaxation: Relaxation, statement: Statement) -> None:
         relaxation.with_setups.add(statement.of)
+
+
+class _NoIdle(StatementKind):
+    kind = Kind.NO_IDLE
+
+    def all(self, problem: Problem) -> Iterator[Statement]:
+        for r, resource in enumerate(problem.resources):
+            if resource.setups is not None and resource.setups.tight:
+                yield Statement(self.kind, r)
+
+    def pointer(self, problem: Problem, statement: Statement) -> Pointer:
+        return (*problem.resources[statement.of].origin, "no_idle")
+
+    def state(self, relaxation: Relaxation, statement: Statement) -> None:
+        relaxation.without_gaps.add(statement.of)
 
 
 class _Use(StatementKind):
@@ -384,6 +401,7 @@ KINDS: Mapping[Kind, StatementKind] = {
         _TaskDeadline(),
         _Capacity(),
         _Setups(),
+        _NoIdle(),
         _Use(),
         _Precedence(),
         _Release(),

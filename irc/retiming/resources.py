@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from irc.problem import Problem
+from irc.problem import Problem, Setups
 from irc.problem.decisions import AnswerError, Decision, Moment, Placed
-from irc.problem.setups import setup_links
+from irc.problem.setups import SetupLink, setup_links
 from irc.problem.temporal_network import Network
 from irc.problem.time_points import PointMap
 
@@ -123,10 +123,22 @@ def add_setups(
         if setups is None or (fixed is not None and fixed < setups.waived_before):
             continue
         if link.before is not None:
-            offset = points.end_offset[link.before]
-            network.add(points.end[link.before], after, offset + link.setup.time)
+            gap = points.end_offset[link.before] + link.setup.time
+            network.add(points.end[link.before], after, gap)
+            if setups.tight and not _has_waited(problem, link, setups):
+                network.add(after, points.end[link.before], -gap)
         elif link.setup.time:
             floors[after] = max(floors[after], setups.since + link.setup.time)
+
+
+def _has_waited(problem: Problem, link: SetupLink, setups: Setups) -> bool:
+    """Whether a gap before a use is history: nothing was done between then and now."""
+    if link.before is None:
+        return False
+    before = problem.activities[link.before]
+    if before.start is None or not before.is_fixed:
+        return False
+    return before.start + before.duration_min + link.setup.time < setups.now
 
 
 def resource_orders(

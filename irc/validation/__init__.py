@@ -19,7 +19,7 @@ from irc.validation.objectives import check_stated, objective_values
 from irc.validation.open_times import UnreadableCalendarError
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
-from irc.validation.setups import check_setups
+from irc.validation.setups import check_idle, check_setups
 from irc.validation.state import check_goals, check_state
 from irc.validation.stock import check_reservoirs
 from irc.validation.timing import check_precedence, check_windows
@@ -44,6 +44,7 @@ _CHECKS = (
     check_choices,
     check_capacity,
     check_setups,
+    check_idle,
     check_reservoirs,
     check_state,
     check_goals,

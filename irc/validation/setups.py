@@ -1,4 +1,5 @@
-"""Rule 4.3: between two consecutive uses of a resource its set-up takes place.
+"""Rules 4.3 and 4.4: between two consecutive uses of a resource there is its set-up, and perhaps
+nothing else.
 
 One pass over the uses of each resource in the order of their starts: O(n log n).
 """
@@ -34,6 +35,12 @@ def setups_of(bound: BoundSchedule) -> Iterator[SetupDone]:
     """Every set-up that the uses of a schedule need, with those that take no time."""
     for resource in bound.resources.values():
         if resource.setups is not None:
+            yield from _of_resource(bound, resource)
+
+
+def _uses_without_gaps(bound: BoundSchedule) -> Iterator[SetupDone]:
+    for resource in bound.resources.values():
+        if resource.no_idle and resource.kind == "renewable":
             yield from _of_resource(bound, resource)
 
 
@@ -97,6 +104,28 @@ def check_setups(bound: BoundSchedule, violations: Violations) -> None:
         ready = setup.time if setup.before is None else setup.before.end + setup.time
         if setup.time and setup.after.start < ready:
             _add_too_early(setup, ready, violations)
+
+
+def check_idle(bound: BoundSchedule, violations: Violations) -> None:
+    """Checks rule 4.4: nothing but a set-up is between two uses of a resource with `no_idle`.
+
+    As of a time, what is past is no gap.
+    """
+    for setup in _uses_without_gaps(bound):
+        if setup.before is None:
+            continue
+        ready = setup.before.end + setup.time
+        latest = ready if bound.at is None else max(ready, bound.at)
+        if setup.after.start > latest:
+            violations.add(
+                "idle",
+                f"{setup.resource!r} is idle from {violations.time(ready)} to "
+                f"{violations.time(setup.after.start)}, between {setup.before.name} and "
+                f"{setup.after.name}",
+                [setup.before.entry.id, setup.after.entry.id],
+                (ready, setup.after.start),
+                carried=setup.after.past is not None and setup.before.past is not None,
+            )
 
 
 def _add_too_early(setup: SetupDone, ready: Number, violations: Violations) -> None:

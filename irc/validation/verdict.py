@@ -39,6 +39,7 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "resources": 4,
         "capacity": 4,
         "setup": 4,
+        "idle": 4,
         "reservoir": 5,
         "rank": 6,
         "interference": 6,

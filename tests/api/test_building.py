@@ -51,7 +51,7 @@ def whole() -> irc.Task:
     )
     board = task.resource("board", capacity=2, label="Board", description="big")
     board.available("12:00", "13:00", 0)
-    board.setup("raw", "*", "5 min", cost=2).initial_family("clean")
+    board.setup("raw", "*", "5 min", cost=2).initial_family("clean").no_idle()
     eggs = task.reservoir("eggs", initial=6, min=1, max=12)
     chicken = task.state("chicken", ["raw", "grilled"], initial="raw")
     door = task.state("door", changes={"2026-03-02T10:00:00": True, 300: False})
@@ -141,6 +141,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
                     "initial": "clean",
                 },
                 "calendar": "shift",
+                "no_idle": True,
             },
             {"id": "eggs", "kind": "reservoir", "initial": 6, "min": 1, "max": 12},
             {"id": "bench"},

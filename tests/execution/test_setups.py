@@ -84,3 +84,32 @@ def test_a_use_is_not_presumed_to_have_begun_before_its_setup() -> None:
     late = {"op": "observe", "action": "a", "started": 0, "finished": 6}
     assert starts(replanned(task, schedule, 14, late).schedule) == {"a": 0, "c": 15}
     assert starts(replanned(task, schedule, 16, late).schedule) == {"a": 0, "c": 16}
+
+
+def kiln(*actions: dict[str, Any], **more: Any) -> irc.Task:
+    """A kiln that is never idle between its uses."""
+    fired = [{**action, "uses": [{"resource": "kiln"}]} for action in actions]
+    return irc.Task("kiln", resources=[{"id": "kiln", "no_idle": True}], actions=fired, **more)
+
+
+def test_a_gap_that_is_past_is_no_gap() -> None:
+    task = kiln(
+        {"id": "a", "duration": 4, "latest_start": 0},
+        {"id": "b", "duration": 3, "latest_start": 20},
+    )
+    schedule = task.solve()
+    held_up = {"op": "set_release", "action": "b", "release": 6}
+    step = replanned(task, schedule, 4, held_up)
+    assert step.schedule.status == "infeasible"
+    now = replanned(task, schedule, 6, {"op": "observe", "action": "b", "status": "not_begun"})
+    assert starts(now.schedule) == {"a": 0, "b": 6}
+    assert irc.validate(now.task, now.schedule, at=6).valid
+
+
+def test_what_runs_is_followed_at_once() -> None:
+    task = kiln(
+        {"id": "a", "duration": {"min": 4, "max": 9}, "start": 0}, {"id": "b", "duration": 3}
+    )
+    schedule = task.solve()
+    step = replanned(task, schedule, 2, {"op": "set_release", "action": "b", "release": 7})
+    assert [(e.id, e.start, e.end) for e in step.schedule.entries] == [("a", 0, 7), ("b", 7, 10)]

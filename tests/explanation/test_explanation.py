@@ -249,7 +249,7 @@ class _Listening(_Misleading):
 # --- statements ---------------------------------------------------------------------------------
 
 EVERYTHING = task(
-    *(r("crew", 3), r("r1")),
+    *(r("crew", 3), {**r("r1"), "no_idle": True}),
     {**r("r2"), "setups": {"initial": "x", "times": [{"from": "x", "to": "*", "time": 1}]}},
     a("a", 4, ("crew", 2), ["r2", "r1"], release=2, deadline=20, latest_start=15, earliest_end=5),
     a("b", {"min": 2, "max": 6}, start=9),

@@ -62,6 +62,7 @@ def statements_of(task: Task) -> set[Pointer]:
         if group.deadline is not None
     }
     found |= {("resources", r, "capacity") for r in range(len(task.resources))}
+    found |= {("resources", r, "no_idle") for r, of in enumerate(task.resources) if of.no_idle}
     found |= {("resources", r, "setups") for r, of in enumerate(task.resources) if of.setups}
     found |= {("precedence", k) for k in range(len(task.precedence))}
     return found
@@ -90,9 +91,12 @@ def _weaken(document: Any, pointer: Pointer) -> None:
         document["groups"][pointer[1]]["deadline"] = None
     elif kind == "resources" and name == "setups":
         document["resources"][pointer[1]]["setups"] = None
+    elif kind == "resources" and name == "no_idle":
+        document["resources"][pointer[1]]["no_idle"] = False
     elif kind == "resources":
         # (Set-ups are between uses one by one.)
         document["resources"][pointer[1]]["setups"] = None
+        document["resources"][pointer[1]]["no_idle"] = False
         document["resources"][pointer[1]]["capacity"] = _PLENTY
     elif kind == "actions" and name == "duration":
         document["actions"][pointer[1]]["duration"] = {"min": 0, "max": _LONG}

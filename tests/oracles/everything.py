@@ -38,6 +38,7 @@ EVERYTHING: dict[str, Any] = {
         {"id": "flour", "kind": "reservoir", "initial": 3, "min": -1, "max": 9},
         {
             "id": "r1",
+            "no_idle": True,
             "setups": {
                 "initial": "clean",
                 "times": [{"from": "red", "to": "*", "time": "20 min", "cost": 5}],

@@ -81,6 +81,7 @@ EXCLUDED: Mapping[str, str] = {
     "StateVariable.values": "which values are legal; where two lists are, the answers are equal",
     "StateVariable.changes": "judged by `oracles.timed_changes`",
     "Resource.setups": "judged by `oracles.setups`",
+    "Resource.no_idle": "judged by `oracles.setups`",
     "Use.family": "judged by `oracles.setups`",
     **dict.fromkeys(
         [

@@ -7,7 +7,8 @@ leaves lower bounds between points in time, of which the least solution is the b
 objective that looks at ends. Set-ups depend on the order alone.
 
 Known: durations fixed or in a range, `optional`, modes, `one_of`, families, resources of capacity 1
-with windows of capacity 0, all precedences and lags, releases, latest starts, deadlines, due dates.
+with windows of capacity 0 or without idle time, all precedences and lags, releases, latest starts,
+deadlines, due dates.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def _value(
     task: Document, ways: Sequence[Way], orders: Mapping[str, Sequence[Way]]
 ) -> tuple[int, ...] | None:
     time = cost = 0
-    gaps: list[tuple[str | None, str, int]] = []
+    gaps: list[tuple[str | None, str, int, bool]] = []
     for resource in task.get("resources", ()):
         before: Way | None = None
         for way in orders.get(resource["id"], ()):
@@ -131,7 +132,8 @@ def _value(
                 else:
                     price = 0
                 time, cost = time + gap, cost + price
-            gaps.append((None if before is None else before.name, way.name, gap))
+            idle = not resource.get("no_idle", False)
+            gaps.append((None if before is None else before.name, way.name, gap, idle))
             before = way
     spans = _least(task, ways, gaps)
     if spans is None or not _keeps_limits(task, ways, spans):
@@ -140,7 +142,7 @@ def _value(
 
 
 def _least(
-    task: Document, ways: Sequence[Way], gaps: Sequence[tuple[str | None, str, int]]
+    task: Document, ways: Sequence[Way], gaps: Sequence[tuple[str | None, str, int, bool]]
 ) -> dict[str, tuple[int, int]] | None:
     start = {w.name: max(0, w.action.get("release", 0), w.action.get("start", 0)) for w in ways}
     end = {w.name: start[w.name] + w.least for w in ways}
@@ -159,8 +161,10 @@ def _least(
                 for begin, until in closed[resource]:
                     if start[name] < until and begin < end[name] and start[name] < end[name]:
                         start[name] = until
-        for first, name, gap in gaps:
+        for first, name, gap, idle in gaps:
             start[name] = max(start[name], gap + (0 if first is None else end[first]))
+            if first is not None and not idle:
+                end[first] = max(end[first], start[name] - gap)
         for arc in arcs:
             of, to = arc.get("type", "finish-start").split("-")
             tail = end if of == "finish" else start
@@ -237,6 +241,9 @@ def random_task(rng: random.Random) -> dict[str, Any]:
     task["objective"] = rng.sample(objectives, rng.randint(1, len(objectives)))
     if any("reward" in a for a in actions) and "maximize_reward" not in task["objective"]:
         task["objective"].insert(0, "maximize_reward")
+    for resource in resources:
+        if rng.random() < 0.2:
+            resource["no_idle"] = True
     return task
 
 

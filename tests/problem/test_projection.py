@@ -155,7 +155,7 @@ MEANING: dict[type, dict[str, str]] = {
             Ranks: ("start", "end", "at_least"),
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows", "setups"),
-            Setups: ("table", "initial", "since", "settled"),
+            Setups: ("table", "initial", "since", "settled", "tight", "now"),
             Setup: ("time", "cost"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
             NumberVariable: (

@@ -160,12 +160,17 @@ class _Circuit:
             return
         time = _setup(self.setups, self.takers, k, after).time
         if k < 0:
+            ready = self.setups.since + time
             if time:
-                ready = builder.model.add(builder.starts[i] >= self.setups.since + time)
-                ready.only_enforce_if(arc)
+                builder.model.add(builder.starts[i] >= ready).only_enforce_if(arc)
+            if self.setups.tight and self.setups.since:
+                latest = max(ready, self.setups.now)
+                builder.model.add(builder.starts[i] <= latest).only_enforce_if(arc)
             return
-        end = builder.end(self.takers[k].activity)
-        builder.model.add(builder.starts[i] >= end + time).only_enforce_if(arc)
+        ready = builder.end(self.takers[k].activity) + time
+        builder.model.add(builder.starts[i] >= ready).only_enforce_if(arc)
+        if self.setups.tight:
+            builder.model.add(builder.starts[i] <= ready).only_enforce_if(arc)
 
     def _is_waived(self, k: int) -> bool:
         start = self.builder.problem.activities[self.takers[k].activity].start

@@ -506,6 +506,10 @@ class Builder:
         setups = self._setups(element, clause, at)
         self.put_field(setups, "initial", name(said), (*at, "setups"), key)
 
+    def _no_idle(self, element: Element, clause: Any, at: Pointer) -> None:
+        (token,) = clause.children
+        self.put_field(element, "no_idle", Placed(True, *span(token)), at, token)
+
     def _setups(self, element: Element, clause: Any, at: Pointer) -> Element:
         found: Element = element.setdefault("setups", {})
         self.mark_node((*at, "setups"), clause, clause.children[0])
@@ -752,6 +756,7 @@ def _word(field: str) -> str:
         "breaks": "may pause",
         "max_pause": "at most",
         "time_zone": "zone",
+        "no_idle": "no idle",
     }.get(field, field)
 
 
@@ -790,6 +795,7 @@ _RESOURCE_CLAUSES: dict[str, _Clause] = {
     "within": Builder._within,
     "setup": Builder._setup,
     "setup_initial": Builder._setup_initial,
+    "no_idle": Builder._no_idle,
     "label": Builder._text,
     "describe": Builder._text,
 }

@@ -117,6 +117,7 @@ PHRASES = {
     ("of", "group"): "OF_GROUP",
     ("when", "broken"): "WHEN_BROKEN",
     ("already", "done"): "ALREADY_DONE",
+    ("no", "idle"): "NO_IDLE",
     ("setup", "from"): "SETUP_FROM",
     ("setup", "initial"): "SETUP_INITIAL",
     ("of", "family"): "OF_FAMILY",

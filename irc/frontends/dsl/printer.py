@@ -358,6 +358,8 @@ def _resource_clauses(resource: Resource) -> list[str]:
     clauses += [
         f"capacity {w.capacity} during {written.span(w.from_, w.to)}" for w in resource.availability
     ]
+    if resource.no_idle:
+        clauses.append("no idle")
     if resource.setups is not None:
         clauses += _setups(resource.setups)
     clauses += _calendar_of(resource)
