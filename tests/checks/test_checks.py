@@ -677,6 +677,14 @@ STRUCTURE = [
     ),
     case(
         actions(
+            ',\n "resources": [{"id": "r", "no_idle": true, "capacity": ‸3}]',
+            uses='[{"resource": "r"}]',
+        ),
+        "IRC217 /resources/0/capacity",
+        says="'r' may have no idle time, so one use comes after another",
+    ),
+    case(
+        actions(
             ',\n "resources": [{"id": "r", "setups": {"times": [{"from": "red", "to": "blue"}]}}]',
             uses='[{"resource": "r", "family": ‸"rad"}]',
         ),
