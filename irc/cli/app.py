@@ -343,8 +343,9 @@ def convert(
         typer.Option(
             "--from",
             help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, psplib, "
-            "rcpsp-max, patterson, job-shop, flexible-job-shop, planner, schedule-spec, "
-            "plan-lines, tables, pddl, pddl-plan, schedule. Without it, the suffix says which.",
+            "rcpsp-max, patterson, pyjobshop, job-shop, flexible-job-shop, planner, "
+            "schedule-spec, plan-lines, tables, pddl, pddl-plan, schedule. Without it, the suffix "
+            "says which.",
         ),
     ] = None,
     target: Annotated[

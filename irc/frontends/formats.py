@@ -19,6 +19,7 @@ IMPORTERS: Mapping[str, str] = {
     "psplib": "irc.frontends.importers.scheduling_files.psplib:import_psplib",
     "rcpsp-max": "irc.frontends.importers.scheduling_files.rcpsp_max:import_rcpsp_max",
     "patterson": "irc.frontends.importers.scheduling_files.patterson:import_patterson",
+    "pyjobshop": "irc.frontends.importers.pyjobshop:import_pyjobshop",
     "job-shop": "irc.frontends.importers.scheduling_files.job_shop:import_job_shop",
     "flexible-job-shop": (
         "irc.frontends.importers.scheduling_files.flexible_job_shop:import_flexible_job_shop"

@@ -918,6 +918,7 @@ WHOLE_FEATURES: dict[str, WholeFeature] = {
         ),
         _put_mode,
     ),
+    "no idle time": WholeFeature(lambda _: st.just(True), _sets("resources", 0, "no_idle")),
     "numbers": WholeFeature(_numbers, _put_number),
     "calendars": WholeFeature(_calendars, _put_calendar),
     "set-ups": WholeFeature(

@@ -1,0 +1,137 @@
+"""PyJobShop's problems: each feature that it names means the same here, or is refused."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+import irc
+from irc.diagnostics import InputError
+from irc.frontends.importers.pyjobshop import import_pyjobshop
+
+Document = dict[str, Any]
+
+
+def problem(**more: Any) -> Document:
+    """Three tasks of 3, 4 and 2 on machines 0 and 1, the first and the last on either."""
+    return {
+        "jobs": [],
+        "resources": [{"type": "machine", "name": "A"}, {"type": "machine", "breaks": []}],
+        "tasks": [{}, {}, {}],
+        "modes": [
+            {"task": 0, "resources": [0], "duration": 3},
+            {"task": 0, "resources": [1], "duration": 3},
+            {"task": 1, "resources": [0], "duration": 4},
+            {"task": 2, "resources": [0], "duration": 2},
+            {"task": 2, "resources": [1], "duration": 2},
+        ],
+        **more,
+    }
+
+
+def solved(document: Document) -> object:
+    ((_, task),) = import_pyjobshop(json.dumps(document), "problem.json")
+    schedule = irc.solve(task, time_limit=20)
+    return schedule.objective[0].value if schedule.answered else str(schedule.status)
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ({}, 5),
+        ({"constraints": {"end_before_start": [{"task1": 1, "task2": 0, "delay": 1}]}}, 8),
+        ({"constraints": {"end_at_start": [{"task1": 0, "task2": 2}]}}, 5),
+        ({"constraints": {"start_at_start": [{"task1": 0, "task2": 2, "delay": 1}]}}, 6),
+        ({"constraints": {"identical_resources": [{"task1": 0, "task2": 1}]}}, 7),
+        ({"constraints": {"different_resources": [{"task1": 0, "task2": 2}]}}, 6),
+        ({"constraints": {"mode_dependencies": [{"mode1": 1, "modes2": [3]}]}}, 6),
+        (
+            {
+                "constraints": {
+                    "setup_times": [
+                        {"machine": 0, "task1": a, "task2": b, "duration": 5}
+                        for a, b in ((1, 2), (2, 1), (0, 1), (1, 0))
+                    ]
+                }
+            },
+            5,
+        ),
+        ({"resources": [{"type": "machine", "breaks": [[1, 9]]}, {"type": "machine"}]}, 13),
+        (
+            {
+                "resources": [{"type": "machine", "breaks": [[1, 9]]}, {"type": "machine"}],
+                "tasks": [{}, {"allow_breaks": True}, {}],
+            },
+            12,
+        ),
+        (
+            {
+                "tasks": [{"optional": True}, {"optional": True}, {}],
+                "constraints": {"select_exactly_one": [{"tasks": [0, 1]}]},
+            },
+            3,
+        ),
+        (
+            {
+                "tasks": [{"optional": True}, {"optional": True}, {}],
+                "constraints": {
+                    "select_all_or_none": [{"tasks": [0, 1]}],
+                    "select_at_least_one": [{"tasks": [0], "condition_task": 2}],
+                },
+            },
+            5,
+        ),
+        ({"tasks": [{"earliest_start": 4}, {"latest_end": 4}, {"earliest_end": 9}]}, 9),
+        (
+            {
+                "tasks": [{"job": 0}, {"job": 1}, {"job": 0}],
+                "jobs": [{"due_date": -2, "weight": 3}, {"due_date": 1}],
+                "objective": {"weight_total_tardiness": 1},
+            },
+            20,
+        ),
+        (
+            {
+                "tasks": [{"job": 0}, {"job": 1}, {"job": 0}],
+                "jobs": [{"due_date": 4}, {"due_date": 1}],
+                "objective": {"weight_tardy_jobs": 10, "weight_makespan": 1},
+            },
+            16,
+        ),
+        (
+            {
+                "resources": [{"type": "consumable", "capacity": 4}, {"type": "machine"}],
+                "modes": [
+                    {"task": 0, "resources": [0], "duration": 1, "demands": [3]},
+                    {"task": 0, "resources": [1], "duration": 6},
+                    {"task": 1, "resources": [0], "duration": 1, "demands": [1]},
+                    {"task": 2, "resources": [0], "duration": 1, "demands": [1]},
+                ],
+            },
+            6,
+        ),
+    ],
+)
+def test_a_feature_means_the_same(more: Document, expected: object) -> None:
+    assert solved(problem(**more)) == expected
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"constraints": {"consecutive": [{"task1": 0, "task2": 1}]}}, "no consecutive order"),
+        ({"constraints": {"end_before_strat": []}}, "does not know the constraint"),
+        ({"modes": []}, "the task has no mode"),
+        ({"modes": [{"task": 7, "resources": [0], "duration": 3}]}, "no index of tasks"),
+        ({"modes": [{"task": 0, "resources": "A", "duration": 3}]}, "expected a whole number"),
+        ({"modes": [{"task": 0, "resources": [0]}]}, "the field 'duration' is missing"),
+        ({"resources": [{"breaks": [[1]]}, {}]}, "expected [start, end]"),
+        ({"tasks": 3}, "expected a list"),
+    ],
+)
+def test_what_cannot_be_read_has_its_place(more: Document, message: str) -> None:
+    with pytest.raises(InputError) as raised:
+        list(import_pyjobshop(json.dumps(problem(**more)), "problem.json"))
+    assert message in str(raised.value)
