@@ -40,7 +40,7 @@ class Book:
         self.start = self.wall(Fraction(0))
 
     def wall(self, seconds: Fraction) -> datetime:
-        """What the clock shows so many seconds after t = 0, in the zone of the origin."""
+        """The time on the clock, in the zone of the origin, `seconds` after t = 0."""
         origin, zone = self.task.origin or _WITHOUT_ORIGIN, self.task.clock.zone
         passed = timedelta(microseconds=round(seconds * 1_000_000))
         if zone is None:

@@ -52,7 +52,7 @@ class WorkCalendar:
 
     @property
     def contents(self) -> tuple[object, ...]:
-        """What it says, whatever it is called."""
+        """Its open times, without its name."""
         return self.week, tuple(sorted(self.exceptions.items()))
 
     def is_within(self, other: WorkCalendar) -> bool:
@@ -200,7 +200,7 @@ def union(spans: Iterable[tuple[int, int]]) -> Times:
 
 
 def without(times: Times, taken: Iterable[tuple[int, int]]) -> Times:
-    """What of `times` is outside of all spans in `taken`."""
+    """The parts of `times` that are outside of all spans in `taken`."""
     left = list(times)
     for begin, end in taken:
         cut = []

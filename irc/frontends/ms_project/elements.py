@@ -25,7 +25,7 @@ _DURATION = re.compile(
 
 @dataclass
 class Faults:
-    """What is wrong in a document, and what is read differently from what it says."""
+    """The faults of a document, and warnings where it is read differently from what it says."""
 
     source: Source
     findings: Findings = field(default_factory=Findings)

@@ -29,7 +29,7 @@ _MOST_EDGES = 200_000
 
 @dataclass(frozen=True)
 class Link:
-    """What a link says: the ends that it binds, and its lag in minutes."""
+    """A link: the ends that it binds, and its lag in minutes."""
 
     element: Element
     before: Item
@@ -54,13 +54,13 @@ def time_of(minutes: Decimal) -> int | str:
 
 
 class Open(Protocol):
-    """What is known about open times and times of work."""
+    """Answers about open times and times of work."""
 
     def of_lag(self, item: Item) -> str | None:
         """The id of the calendar of lags before a task; None if they pass at all hours."""
 
     def is_open_before(self, befores: Sequence[Item], after: Item, lag: Decimal) -> bool:
-        """Whether so much time of the calendar of lags lies before the end of one of `befores`."""
+        """Whether `lag` minutes of the calendar of lags lie before the end of one of `befores`."""
 
     def works_within(self, befores: Sequence[Item], after: Item) -> bool:
         """Whether each of `befores` works at open times of the calendar of lags only."""

@@ -210,7 +210,7 @@ def _open_times(item: Item, staff: Staff, calendars: _Calendars) -> dict[str, An
 
 @dataclass
 class _Open:
-    """What the links need to know about open times (`links.Open`)."""
+    """Answers the questions of the links about open times (`links.Open`)."""
 
     origin: datetime
     calendars: _Calendars
@@ -267,7 +267,7 @@ class _Limits:
 
 
 def _limits(item: Item, limits: _Limits) -> dict[str, Any]:
-    """What the constraints of a task, and of the summary tasks above it, say."""
+    """The limits from the constraints of a task and of the summary tasks above it."""
     found = _constraint(item, limits)
     above = item.parent
     while above is not None:
