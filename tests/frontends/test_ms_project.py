@@ -234,6 +234,18 @@ BOMB = '<!DOCTYPE a [<!ENTITY b "c"><!ENTITY d "&b;&b;">]><Project>&d;</Project>
         (project(tasks=one(1, "a") + one(1, "b")), "task 'b' has the UID 1 of another task"),
         (project(tasks="<Task><UID>1</UID><Name>a</Name></Task>"), "task 'a' has no Duration"),
         (
+            project(tasks=one(1, "a", 4, "<Deadline>2026-03-04T08:00:00Z</Deadline>")),
+            "Deadline: expected a date-time without a zone",
+        ),
+        (
+            project(
+                tasks=one(1, "a"),
+                more="<Resources><Resource><UID>1</UID><Name>r</Name><CalendarUID>5</CalendarUID>"
+                "</Resource></Resources>",
+            ),
+            "there is no calendar with the UID 5",
+        ),
+        (
             project(tasks=one(1, "a", 4, "<Duration>4 h</Duration>").replace("PT4H0M0S", "4 h")),
             "expected a duration such as PT8H30M0S, found '4 h'",
         ),

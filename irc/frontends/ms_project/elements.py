@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 from decimal import Decimal, InvalidOperation
+from functools import cached_property
 from importlib.util import find_spec
 from typing import Any
 
@@ -29,6 +30,7 @@ class Faults:
 
     source: Source
     findings: Findings = field(default_factory=Findings)
+    _said: set[tuple[int, str]] = field(default_factory=set, repr=False)
 
     def add(self, element: Element, message: str, hint: str | None = None) -> None:
         """Records a fault at an element."""
@@ -40,14 +42,19 @@ class Faults:
 
     def _add(self, code: Code, element: Element, message: str, hint: str | None) -> None:
         """Records a finding, once: an element may be asked for its contents more than once."""
-        found = Diagnostic(code, message, offset=self._offset(element.place), hint=hint)
-        if found not in self.findings.items:
-            self.findings.items.append(found)
+        if (element.place, message) not in self._said:
+            self._said.add((element.place, message))
+            offset = self._offset(element.place)
+            self.findings.items.append(Diagnostic(code, message, offset=offset, hint=hint))
 
     def _offset(self, place: int) -> int:
         """The offset in characters of an offset in bytes."""
-        text = self.source.text
-        return place if text.isascii() else len(text.encode()[:place].decode(errors="replace"))
+        return place if self._bytes is None else len(self._bytes[:place].decode(errors="replace"))
+
+    @cached_property
+    def _bytes(self) -> bytes | None:
+        """The text in bytes; None where each character is one byte."""
+        return None if self.source.text.isascii() else self.source.text.encode()
 
     def report(self) -> Report:
         """All that was found."""
@@ -136,11 +143,14 @@ class Element:
         if said in ("", "NA"):
             return None
         try:
-            return datetime.fromisoformat(said).replace(tzinfo=None)
+            found = datetime.fromisoformat(said)
         except ValueError:
-            message = f"{name}: expected a date-time such as 2026-03-02T08:00:00"
+            found = None
+        if found is None or found.tzinfo is not None:
+            message = f"{name}: expected a date-time without a zone, such as 2026-03-02T08:00:00"
             self.faults.add(self.at(name), f"{message}, found {said[:40]!r}")
             return None
+        return found
 
     def seconds(self, name: str) -> Decimal | None:
         """The length of time of a child (`PT8H30M0S`) in seconds; None where there is none."""

@@ -74,6 +74,9 @@ def read_staff(
             others[uid] = one
             continue
         calendar = calendars.get(one.whole("CalendarUID", -1), usual)
+        if one.whole("CalendarUID", -1) not in (-1, *calendars):
+            message = f"there is no calendar with the UID {one.said('CalendarUID')}"
+            one.faults.add(one.at("CalendarUID"), message)
         id = ids.take(name, f"resource {one.said('ID') or uid}")
         capacity = _parts(one, "MaxUnits")
         staff.resources[uid] = WorkResource(id, capacity, calendar, one)
