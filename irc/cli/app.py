@@ -16,11 +16,13 @@ from irc.cli.generate import generate
 from irc.cli.new import new
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
+    BaselineOption,
     EngineOption,
     FileArgument,
     FormatOption,
     MemoryLimitOption,
     OutOption,
+    PlanToWriteOption,
     ProblemOption,
     SeedOption,
     TargetOption,
@@ -344,7 +346,8 @@ def convert(
             "--from",
             help="The format of the input: irc, asyncplan, robo, robo-online, robotouille, psplib, "
             "rcpsp-max, patterson, pyjobshop, job-shop, flexible-job-shop, planner, "
-            "schedule-spec, plan-lines, tables, pddl, pddl-plan, schedule. Without it, the suffix "
+            "schedule-spec, plan-lines, tables, ms-project, pddl, pddl-plan, schedule. Without it, "
+            "the suffix "
             "says which.",
         ),
     ] = None,
@@ -353,7 +356,8 @@ def convert(
         typer.Option(
             "--to",
             help="The format of the output: irc, psplib, rcpsp-max, patterson, job-shop, "
-            "flexible-job-shop, tables. Without it, the suffix of the output says which.",
+            "flexible-job-shop, tables, ms-project, icalendar. Without it, the suffix of the "
+            "output says which.",
         ),
     ] = None,
     problem: Annotated[
@@ -372,6 +376,8 @@ def convert(
     lenient: Annotated[
         bool, typer.Option("--lenient", help="Read PDDL as language models write it.")
     ] = False,
+    schedule: PlanToWriteOption = None,
+    baseline: BaselineOption = False,
     format: FormatOption = Format.text,
 ) -> None:
     """Write a task as IR JSON, in the DSL if the output file ends in .irc, or in another format.
@@ -382,7 +388,8 @@ def convert(
 
     with reporting_errors(format):
         try:
-            beside = Beside(problem, instance, tuple(station or ()), domain, lenient)
+            stations = tuple(station or ())
+            beside = Beside(problem, instance, stations, domain, lenient, schedule, baseline)
             written = convert_file(
                 file,
                 source,

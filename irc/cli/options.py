@@ -59,3 +59,11 @@ StabilityOption = Annotated[
         help="How much worse the last objective may get so that fewer move: 0.05 or 5%.",
     ),
 ]
+
+PlanToWriteOption = Annotated[
+    str | None,
+    typer.Option("--schedule", help="Write this schedule of the task (ms-project, icalendar)."),
+]
+BaselineOption = Annotated[
+    bool, typer.Option("--baseline", help="Keep the schedule as the baseline of ms-project.")
+]

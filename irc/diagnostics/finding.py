@@ -75,7 +75,7 @@ class Code(Enum):
     NOT_AN_IMPORT = ("IRC107", Severity.ERROR, "the input is not in the importer's format")
     ROUNDED = ("IRC108", Severity.NOTE, "a time that is rounded to the resolution")
     COARSE_RESOLUTION = ("IRC109", Severity.ERROR, "a resolution coarser than a duration")
-    LENIENT = ("IRC110", Severity.WARNING, "PDDL that is read differently from what it says")
+    LENIENT = ("IRC110", Severity.WARNING, "an input that is read differently from what it says")
 
     UNKNOWN_NAME = ("IRC201", Severity.ERROR, "a reference to something that is not declared")
     DUPLICATE_ID = ("IRC202", Severity.ERROR, "an id given twice with different contents")

@@ -8,17 +8,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.driver.files import write_folder, write_whole
 from irc.errors import IrcError
 from irc.frontends.files import read_task
 from irc.frontends.formats import (
     DSL_SUFFIX,
+    EXPORTERS,
     FORMATS,
     IMPORTERS,
     KNOWN_SUFFIXES,
+    MS_PROJECT,
     PDDL,
     PDDL_PLAN,
+    PLAN_EXPORTERS,
     PLAN_LINES,
     PLANNER,
     SCHEDULE,
@@ -29,6 +32,7 @@ from irc.frontends.formats import (
     format_of,
     load_exporter,
     load_importer,
+    load_plan_exporter,
 )
 from irc.frontends.json.document import read_document
 from irc.frontends.texts import read_text
@@ -59,7 +63,9 @@ class Beside:
 
     `problem` is the file of a PDDL problem, and `domain` that of its domain where the input is a
     plan or a schedule; `lenient` reads PDDL as models write it. `instance` is the file of the
-    kitchen, and `stations` are the capacities (`grill=2`), of a scheduling JSON.
+    kitchen, and `stations` are the capacities (`grill=2`), of a scheduling JSON. `schedule` is the
+    file of the schedule that is written in place of its task, and as a baseline, too, with
+    `baseline`.
     """
 
     problem: str | None = None
@@ -67,6 +73,8 @@ class Beside:
     stations: tuple[str, ...] = ()
     domain: str | None = None
     lenient: bool = False
+    schedule: str | None = None
+    baseline: bool = False
 
 
 OnReport = Callable[[Report], None]
@@ -83,10 +91,10 @@ def convert_file(
 ) -> list[Path]:
     """Writes the task (or one task for each instance) and returns the written files.
 
-    `source` is one of `FORMATS`, and `target` one of `EXPORTERS` or `irc`; None is what the suffix
+    `source` is one of `FORMATS`, and `target` one of `TARGET_FORMATS`; None is what the suffix
     of the file or of `output` names. As `irc`, a task is written in the DSL if `output` ends in
     `.irc`, else as JSON. `lenient` reads PDDL as models write it;
-    `on_report` gets the warnings about PDDL.
+    `on_report` gets the warnings about PDDL and MS Project.
 
     An importer of instances also accepts a folder, whose files of the format it reads in order of
     name. It writes a folder; one instance is written as a file if the suffix of `output` names a
@@ -101,6 +109,11 @@ def convert_file(
     if target not in TARGET_FORMATS:
         raise UnknownTarget("output format", target, list(TARGET_FORMATS))
     _require_fitting(source, beside)
+    _require_schedule(source, target, beside)
+    if beside.schedule is not None:
+        task = _sound(_read_one(file, source, beside, on_report))
+        write_whole(output, _planned(task, beside.schedule, target, baseline=beside.baseline))
+        return [output]
     if source in IMPORTERS:
         return _convert_instances(file, source, output, target)
     if source == PLAN_LINES:
@@ -127,6 +140,37 @@ def _require_fitting(source: str, beside: Beside) -> None:
         raise ConversionUseError(f"--instance and --station are for --from {SCHEDULE_SPEC}")
 
 
+def _require_schedule(source: str, target: str, beside: Beside) -> None:
+    """Raises `ConversionUseError` where a schedule is missing, or is for another format."""
+    if beside.baseline and (beside.schedule is None or target != MS_PROJECT):
+        raise ConversionUseError(f"--baseline is for --to {MS_PROJECT} with --schedule FILE")
+    if beside.schedule is None:
+        if target in PLAN_EXPORTERS and target not in EXPORTERS:
+            raise ConversionUseError(f"--to {target} writes a schedule: --schedule FILE")
+        return
+    if target not in PLAN_EXPORTERS:
+        formats = " or ".join(PLAN_EXPORTERS)
+        raise ConversionUseError(f"--schedule is for --to {formats}")
+    if source in (*IMPORTERS, PLAN_LINES, PDDL_PLAN, SCHEDULE):
+        raise ConversionUseError(
+            f"--schedule needs one task: write it with --from {source} -o FILE.json first"
+        )
+
+
+def _planned(task: Task, file: str, target: str, *, baseline: bool) -> str:
+    """The text of a task's schedule in the format `target`. Raises `InputError`."""
+    document = read_document(*read_text(file))
+    schedule = schedule_from_json(document.content, document.source)
+    known = {action.id for action in task.actions}
+    for entry in schedule.entries:
+        if entry.id not in known:
+            message = f"the schedule has an entry of {entry.id!r}, which the task does not have"
+            hint = did_you_mean(entry.id, known) or "give the schedule of this very task"
+            fault = Diagnostic(Code.BAD_SCHEDULE, message, offset=0, hint=hint)
+            raise InputError(Report((fault,), document.source))
+    return load_plan_exporter(target)(task, schedule, baseline)
+
+
 def _read_one(file: str, source: str, beside: Beside, on_report: OnReport) -> Task:
     """The task of a format that has one in a file."""
     if source == PLANNER:
@@ -140,6 +184,12 @@ def _read_one(file: str, source: str, beside: Beside, on_report: OnReport) -> Ta
         from irc.frontends.tables.reader import task_of_sheets
 
         return task_of_sheets(read_sheets(file), file)
+    if source == MS_PROJECT:
+        from irc.frontends.ms_project.reader import read_ms_project
+
+        task, report = read_ms_project(*read_text(file))
+        on_report(report)
+        return task
     return read_task(file).task if source == "irc" else _read_pddl(file, beside, on_report)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
-from irc.frontends.formats import IMPORTERS, TABLES, format_of, load_importer
+from irc.frontends.formats import IMPORTERS, MS_PROJECT, TABLES, format_of, load_importer
 from irc.frontends.json.document import RawDocument, read_document
 from irc.frontends.language import language_of
 from irc.frontends.texts import STANDARD_INPUT, read_text
@@ -64,14 +64,21 @@ def read_task(path: str | Path, problem: str | None = None) -> Reading:
 
         return Reading(task_of_sheets(read_sheets(str(path)), str(path)), ())
     text, name = read_text(path)
+    if format == MS_PROJECT:
+        from irc.frontends.ms_project.reader import read_ms_project
+
+        return _noted(*read_ms_project(text, name))
     if format in IMPORTERS:
         return Reading(_only_one(format, text, name), ())
     if problem is not None:
         from irc.frontends.importers.pddl import read_pddl
 
-        task, report = read_pddl((text, name), read_text(problem))
-        return Reading(task, tuple(replace(d, within=report.source) for d in report.located()))
+        return _noted(*read_pddl((text, name), read_text(problem)))
     return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))
+
+
+def _noted(task: Task, report: Report) -> Reading:
+    return Reading(task, tuple(replace(d, within=report.source) for d in report.located()))
 
 
 def _only_one(format: str, text: str, name: str) -> Task:

@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 
 from irc.model import Task
+from irc.schedule import Schedule
 
 Importer = Callable[[str, str], Iterator[tuple[str, Task]]]
 """(text, name) → (file stem, task) of each instance in the text."""
@@ -36,8 +37,18 @@ EXPORTERS: Mapping[str, str] = {
     "patterson": "irc.frontends.exporters.projects:write_patterson",
     "job-shop": "irc.frontends.exporters.shops:write_job_shop",
     "flexible-job-shop": "irc.frontends.exporters.shops:write_flexible_job_shop",
+    "ms-project": "irc.frontends.ms_project.writer:write_ms_project",
 }
 """The formats that tasks are written in as text, and their `Exporter`s, loaded when needed."""
+
+PlanExporter = Callable[[Task, Schedule, bool], str]
+"""(task, its schedule, whether it is kept as a baseline) → the schedule in another format."""
+
+PLAN_EXPORTERS: Mapping[str, str] = {
+    "ms-project": "irc.frontends.ms_project.planned:write_planned_project",
+    "icalendar": "irc.frontends.exporters.icalendar:write_icalendar",
+}
+"""The formats that schedules are written in, and their `PlanExporter`s, loaded when needed."""
 
 PLANNER = "planner"
 """The JSON of a Planner: steps, dependencies and a makespan."""
@@ -50,6 +61,9 @@ PLAN_LINES = "plan-lines"
 
 PDDL = "pddl"
 """The format with two files, a domain and a problem, for one task."""
+
+MS_PROJECT = "ms-project"
+"""A project of MS Project as XML (`.xml`), for one task."""
 
 TABLES = "tables"
 """Sheets of a workbook (`.xlsx`), or CSV files, for one task."""
@@ -64,12 +78,13 @@ FORMATS = (
     SCHEDULE_SPEC,
     PLAN_LINES,
     TABLES,
+    MS_PROJECT,
     PDDL,
     PDDL_PLAN,
     SCHEDULE,
 )
 
-TARGET_FORMATS = ("irc", *EXPORTERS, TABLES)
+TARGET_FORMATS = ("irc", *EXPORTERS, "icalendar", TABLES)
 """The formats that tasks are written in."""
 
 SUFFIXES: Mapping[str, tuple[str, ...]] = {
@@ -78,6 +93,8 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "patterson": (".rcp",),
     "job-shop": (".jsp", ".txt"),
     "flexible-job-shop": (".fjs",),
+    "ms-project": (".xml",),
+    "icalendar": (".ics",),
 }
 """The suffixes of a format's files, for those that are not `.json`."""
 
@@ -108,4 +125,11 @@ def load_exporter(target: str) -> Exporter:
     """The exporter of a format in `EXPORTERS`."""
     module, _, function = EXPORTERS[target].partition(":")
     exporter: Exporter = getattr(import_module(module), function)
+    return exporter
+
+
+def load_plan_exporter(target: str) -> PlanExporter:
+    """The exporter of a format in `PLAN_EXPORTERS`."""
+    module, _, function = PLAN_EXPORTERS[target].partition(":")
+    exporter: PlanExporter = getattr(import_module(module), function)
     return exporter

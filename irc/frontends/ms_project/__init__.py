@@ -1,0 +1,1 @@
+"""Projects of MS Project as XML: in, a task; out, a task or a schedule as such a project."""
