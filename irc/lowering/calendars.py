@@ -23,6 +23,10 @@ Interval = tuple[Number, Number]
 MOST_CYCLES = 100_000
 """A calendar is read for at most this many cycles; the checks refuse a task that needs more."""
 
+MOST_DAYS = 350_000
+"""A calendar is read for at most this many days, in which it opens once a week more often than the
+checks let pass."""
+
 _NAMES = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 
 
@@ -120,15 +124,15 @@ def _by_day(calendar: Calendar, clock: Clock, until: Number) -> Iterator[Interva
         if isinstance(part.from_, str) and isinstance(part.to, str)
     )
     day = origin.astimezone(local).date() - timedelta(days=1)
-    while True:
-        for start, end, days in parts:
-            if _NAMES[day.weekday()] in days:
-                end += DAY if end <= start else 0
-                yield (
-                    _since(_moment(day, start, local), origin, clock),
-                    _since(_moment(day, end, local), origin, clock),
-                )
+    for _ in range(MOST_DAYS):
         try:
+            for start, end, days in parts:
+                if _NAMES[day.weekday()] in days:
+                    end += DAY if end <= start else 0
+                    yield (
+                        _since(_moment(day, start, local), origin, clock),
+                        _since(_moment(day, end, local), origin, clock),
+                    )
             day += timedelta(days=1)
             if _since(_moment(day, 0, local), origin, clock) >= until:
                 return

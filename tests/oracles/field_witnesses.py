@@ -79,6 +79,7 @@ EXCLUDED: Mapping[str, str] = {
     "Mode.label": _DESCRIPTIVE,
     "StateVariable.id": _NAME,
     "StateVariable.values": "which values are legal; where two lists are, the answers are equal",
+    "StateVariable.kind": "judged by `oracles.small_tasks`; a variable of the other kind has no values",
     "StateVariable.changes": "judged by `oracles.timed_changes`",
     "Resource.setups": "judged by `oracles.setups`",
     "Resource.no_idle": "judged by `oracles.setups`",
@@ -100,10 +101,10 @@ EXCLUDED: Mapping[str, str] = {
     **dict.fromkeys(
         [
             *("Task.couplings", "Task.select"),
-            *(f"Coupling.{f}" for f in ("same", "different", "actions", "if_", "then")),
+            *(f"Coupling.{f}" for f in ("same", "different", "actions", "if", "then")),
             *(f"CoupledAction.{f}" for f in ("action", "use")),
             *(f"ChoiceMade.{f}" for f in ("action", "mode", "modes", "resource", "use")),
-            *(f"Selection.{f}" for f in ("actions", "min", "max", "if_")),
+            *(f"Selection.{f}" for f in ("actions", "min", "max", "if")),
         ],
         "judged by `oracles.small_tasks`",
     ),

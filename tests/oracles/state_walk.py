@@ -351,6 +351,8 @@ class Walk:
             for lasts in range(option.least, option.most + 1):
                 if job.deadline is not None and now + lasts > job.deadline:
                     break
+                if job.earliest_end is not None and now + lasts < job.earliest_end:
+                    continue
                 yield Run(option, lasts, now + lasts)
                 if lasts == 0 and option.ends_freely and self.ranked[i]:
                     yield Run(option, 0, now, drawn_out=True)

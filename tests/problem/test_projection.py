@@ -38,6 +38,7 @@ from irc.problem import (
     PreviousPlace,
     PreviousPlan,
     Problem,
+    Protected,
     Ranks,
     Renewable,
     Requirement,
@@ -109,7 +110,9 @@ MEANING: dict[type, dict[str, str]] = {
         "effects": "part",
         "number_conditions": "part",
         "number_effects": "part",
+        "protects": "part",
     },
+    Protected: {"activity": "activities", "var": "variables", "value": PLAIN},
     Mode: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "cost"), PLAIN),
         **dict.fromkeys(("stock", "conditions", "effects"), "part"),
@@ -155,7 +158,7 @@ MEANING: dict[type, dict[str, str]] = {
             Ranks: ("start", "end", "at_least"),
             Window: ("start", "end", "capacity"),
             Renewable: ("id", "capacity", "origin", "windows", "setups"),
-            Setups: ("table", "initial", "since", "settled", "tight", "now"),
+            Setups: ("table", "initial", "since", "waived_before", "tight", "now"),
             Setup: ("time", "cost"),
             Reservoir: ("id", "initial", "least", "greatest", "origin"),
             NumberVariable: (
@@ -291,6 +294,7 @@ def random_activity(rng: random.Random, i: int, n: int, resources: int, pools: i
             number_effects=tuple(
                 NumberEffect(rng.randrange(3), k, k == 2, k > 1) for k in range(3)
             ),
+            protects=tuple(Protected(rng.randrange(n), rng.randrange(3), k) for k in range(2)),
             reward=i,
         ),
     )
@@ -381,6 +385,7 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
             effects=(),
             number_conditions=(),
             number_effects=(),
+            protects=(),
         )
         return (
             replace(a, uses=(), open_demands=(), details=rest),
@@ -406,6 +411,12 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
                 )
                 for c in parts
                 if (found := refs(kind, [c[0]]))
+            ],
+            [
+                (runs, var, p.value)
+                for p in d.protects
+                if (runs := refs("activities", [p.activity]))
+                and (var := refs("variables", [p.var]))
             ],
         )
 
