@@ -70,7 +70,15 @@ def drawn(schema: dict[str, Any], rng: random.Random) -> Any:
     return plain[kind]
 
 
-RULES = ("resource' or", "one of", "'min'", "time unit", "origin", "number without a unit")
+RULES = (
+    "resource' or",
+    "one of",
+    "'min'",
+    "time unit",
+    "origin",
+    "number without a unit",
+    "belong together",
+)
 """Faults of shape that no schema without conditions can exclude."""
 
 

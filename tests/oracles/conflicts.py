@@ -72,7 +72,10 @@ def only(task: Task, kept: Collection[Pointer]) -> Task:
     """The task that makes only the statements at `kept`."""
     document = copy.deepcopy(task.model_dump(mode="python", by_alias=True))
     for pointer in statements_of(task) - set(kept):
-        _weaken(document, pointer)
+        # (Set-ups, and use without idle time, are between uses one by one.)
+        one_by_one = {(*pointer[:2], "setups"), (*pointer[:2], "no_idle")} & set(kept)
+        if not (one_by_one and pointer[-1] == "capacity"):
+            _weaken(document, pointer)
     document["precedence"] = [
         p for k, p in enumerate(document["precedence"]) if ("precedence", k) in kept
     ]
@@ -94,9 +97,6 @@ def _weaken(document: Any, pointer: Pointer) -> None:
     elif kind == "resources" and name == "no_idle":
         document["resources"][pointer[1]]["no_idle"] = False
     elif kind == "resources":
-        # (Set-ups are between uses one by one.)
-        document["resources"][pointer[1]]["setups"] = None
-        document["resources"][pointer[1]]["no_idle"] = False
         document["resources"][pointer[1]]["capacity"] = _PLENTY
     elif kind == "actions" and name == "duration":
         document["actions"][pointer[1]]["duration"] = {"min": 0, "max": _LONG}

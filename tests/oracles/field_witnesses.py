@@ -79,7 +79,7 @@ EXCLUDED: Mapping[str, str] = {
     "Mode.label": _DESCRIPTIVE,
     "StateVariable.id": _NAME,
     "StateVariable.values": "which values are legal; where two lists are, the answers are equal",
-    "StateVariable.kind": "judged by `oracles.small_tasks`; a variable of the other kind has no values",
+    "StateVariable.kind": "judged by `oracles.small_tasks`; the other kind has no values",
     "StateVariable.changes": "judged by `oracles.timed_changes`",
     "Resource.setups": "judged by `oracles.setups`",
     "Resource.no_idle": "judged by `oracles.setups`",

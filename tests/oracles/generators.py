@@ -815,6 +815,7 @@ _SETUP_TIMES = st.lists(
         {"time": st.integers(0, 9), "cost": st.integers(0, 9)},
         **{"from": _FAMILIES | st.just("*"), "to": _FAMILIES | st.just("*")},
     ),
+    min_size=1,
     max_size=2,
     unique_by=lambda row: (row["from"], row["to"]),
 )
@@ -922,7 +923,7 @@ WHOLE_FEATURES: dict[str, WholeFeature] = {
     "numbers": WholeFeature(_numbers, _put_number),
     "calendars": WholeFeature(_calendars, _put_calendar),
     "set-ups": WholeFeature(
-        lambda _: st.tuples(_object({"initial": _FAMILIES, "times": _SETUP_TIMES}), _FAMILIES),
+        lambda _: st.tuples(_object({"initial": _FAMILIES}, times=_SETUP_TIMES), _FAMILIES),
         _put_setups,
     ),
 }
