@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from irc import model
-from irc.diagnostics import Findings, InputError, Report
+from irc.diagnostics import Diagnostic, Findings, InputError, Report
 from irc.errors import OptionError
 from irc.model import Task as IrTask
 from irc.model.base import Node
@@ -28,6 +28,7 @@ Moment = Length | datetime
 """A point in time: a length after t = 0, a date-time, or a time of day such as "12:00"."""
 
 _TIME_OF_DAY = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?")
+_NUMBERED = re.compile(r"^('\w+') of [a-z ]+ 1:")
 _DAY = timedelta(days=1)
 _UNITS = (("h", 3_600_000_000), ("min", 60_000_000), ("s", 1_000_000), ("us", 1))
 
@@ -139,6 +140,13 @@ def read_part(section: str, raw: Mapping[str, Any]) -> Any:
         whole = read({"actions": (), section: (raw,)}, null_is_absent=False)
         (part,) = getattr(whole, section)
     except InputError as error:
-        own = (replace(d, pointer=d.pointer[2:], fix=()) for d in error.report)
-        raise InputError(Report(tuple(own))) from None
+        raise InputError(Report(tuple(_of_part(d) for d in error.report))) from None
     return part
+
+
+def _of_part(fault: Diagnostic) -> Diagnostic:
+    """A fault of the only entry of a section as a fault of that entry, which has no number."""
+    message = fault.message
+    if len(fault.pointer) == 3:
+        message = _NUMBERED.sub(r"\1:", message)
+    return replace(fault, message=message, pointer=fault.pointer[2:], fix=())

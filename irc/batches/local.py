@@ -124,7 +124,7 @@ class _Pool:
             asker.end()
 
 
-class WorkerDied(Exception):
+class _WorkerDied(Exception):
     """The worker process ended before it answered."""
 
 
@@ -156,7 +156,7 @@ class _Asker(threading.Thread):
         for _ in range(ATTEMPTS):
             try:
                 return self._asked(trial, line)
-            except WorkerDied as death:
+            except _WorkerDied as death:
                 reason = self.overdue or str(death)
                 if self.over or self.overdue:
                     break
@@ -166,14 +166,14 @@ class _Asker(threading.Thread):
         limit = trial.options.time_limit
         with self.lock:
             if self.over:
-                raise WorkerDied("the batch has ended")
+                raise _WorkerDied("the batch has ended")
             self.overdue = None
             worker = self.worker = self.worker or _Worker()
             seconds = None if limit is None else limit * OVERTIME_FACTOR + OVERTIME_SECONDS
             self.patience = Budget(seconds)
         try:
             return worker.ask(line)
-        except WorkerDied:
+        except _WorkerDied:
             with self.lock:
                 worker.end()
                 worker.close()
@@ -218,13 +218,13 @@ class _Worker:
         self.pipe_in, self.pipe_out = self.process.stdin, self.process.stdout
 
     def ask(self, line: bytes) -> Mapping[str, Any]:
-        """The answer to a request. Raises `WorkerDied`."""
+        """The answer to a request. Raises `_WorkerDied` where the process ended before it."""
         try:
             _write_all(self.pipe_in, line)
             answer = _read_line(self.pipe_out)
             return dict(json.loads(answer))
         except (OSError, ValueError):  # (Without its end a line is no JSON.)
-            raise WorkerDied(self._last_words()) from None
+            raise _WorkerDied(self._last_words()) from None
 
     def _last_words(self) -> str:
         with suppress(subprocess.TimeoutExpired):

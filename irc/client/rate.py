@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+from irc.targets import Budget
+
 SECONDS = 60.0
 
 
@@ -43,25 +45,25 @@ class Rate:
     def __init__(self, requests: float | None, tokens: float | None) -> None:
         self._requests = None if requests is None else Bucket(requests)
         self._tokens = None if tokens is None else Bucket(tokens)
+        self._clock = Budget()
         self._until = 0.0
 
     def hold(self, seconds: float) -> None:
         """Lets no request begin for some seconds."""
-        self._until = max(self._until, asyncio.get_running_loop().time() + seconds)
+        self._until = max(self._until, self._clock.elapsed + seconds)
 
     async def take(self, tokens: int) -> None:
         """Waits until a request of about that many tokens may begin."""
-        loop = asyncio.get_running_loop()
-        while (wait := self._missing(tokens, loop.time())) > 0:
+        while (wait := self._missing(tokens, self._clock.elapsed)) > 0:
             await asyncio.sleep(wait)
         for bucket, amount in ((self._requests, 1.0), (self._tokens, float(tokens))):
             if bucket is not None:
-                bucket.take(amount, loop.time())
+                bucket.take(amount, self._clock.elapsed)
 
     def used(self, expected: int, tokens: int) -> None:
         """Corrects the stock of tokens by what a request took in fact."""
         if self._tokens is not None and tokens:
-            self._tokens.take(float(tokens - expected), asyncio.get_running_loop().time())
+            self._tokens.take(float(tokens - expected), self._clock.elapsed)
 
     def _missing(self, tokens: int, now: float) -> float:
         waits = [self._until - now]

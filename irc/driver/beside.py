@@ -3,12 +3,15 @@
 What makes a task of PDDL hard is often to find any plan at all, which is what planners are good
 at; to prove that none is shorter is what they are bad at. So both work at the same time. If the
 usual engine proves its answer, that is the answer, and the planner is ended. Otherwise the better
-of the two answers counts.
+of the two answers counts. Where the usual engine has an answer before the time is over, and can say
+no more, the planner gets as long again and no more: it may be looking for a shorter plan than there
+is, for all the time that there is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import wait
 from dataclasses import replace
 
 from irc.diagnostics import Code, Diagnostic, InputError
@@ -22,6 +25,9 @@ from irc.targets import Budget, Cancellation, EngineFailed
 Solve = Callable[[Budget], Answer]
 """An answer within a budget."""
 
+LEAST_PATIENCE = 2.0
+"""Seconds that the planner gets at least after the usual engine has an answer."""
+
 
 def with_planner(solve: Solve, plan: Solve, budget: Budget, target: str) -> Answer:
     """The better of the answers of `solve` and of `plan`, which run at the same time.
@@ -33,7 +39,8 @@ def with_planner(solve: Solve, plan: Solve, budget: Budget, target: str) -> Answ
         answer = solve(budget)
         if answer.schedule.status in (Status.OPTIMAL, Status.INFEASIBLE):
             return answer
-        found = _result(running)
+        patience = max(LEAST_PATIENCE, budget.elapsed) if answer.schedule.answered else None
+        found = _result(running, patience)
     except (EngineFailed, InputError):
         found = _result(running)
         if found is None or not found.schedule.answered:
@@ -58,7 +65,10 @@ def _planned(plan: Solve, budget: Budget, cancel: Cancellation) -> Answer | None
         return None
 
 
-def _result(running: Running[Answer | None]) -> Answer | None:
+def _result(running: Running[Answer | None], patience: float | None = None) -> Answer | None:
+    """The planner's answer; after `patience`, in seconds, the best that it has by then."""
+    if wait((running.future,), patience).not_done:
+        running.cancellation.cancel()
     return running.future.result()
 
 

@@ -8,9 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from irc.model.parts import ObjectiveName, ObjectiveSum
 from irc.model.quantities import Number, exact
+
+if TYPE_CHECKING:  # (Whoever only shows an answer waits for no pydantic.)
+    from irc.model.parts import ObjectiveName, ObjectiveSum
 
 SHORT_NAMES: Mapping[str, str] = {
     "minimize_makespan": "makespan",

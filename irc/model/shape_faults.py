@@ -338,6 +338,8 @@ def _owner(pointer: Pointer, raw: Any) -> str | None:
     for path in around:
         value = _value_at(path, raw)
         if isinstance(value, Mapping) and isinstance(value.get("id"), (str, int)):
+            if value["id"] == "":
+                return _element(path, raw)
             kind = _kind([part for part in path if isinstance(part, str)][-1])
             return f"{kind} {str(value['id'])!r}"
     return _element(around[0], raw) if around else None
@@ -362,7 +364,7 @@ def _element(pointer: Pointer, raw: Any) -> str:
     value = _value_at(pointer, raw)
     names = [part for part in pointer if isinstance(part, str)]
     kind = _kind(names[-1])
-    if isinstance(value, Mapping) and isinstance(value.get("id"), str):
+    if isinstance(value, Mapping) and isinstance(value.get("id"), str) and value["id"]:
         return f"{kind} {value['id']!r}"
     last = pointer[-1]
     return f"{kind} {last + 1}" if isinstance(last, int) else f"'{last}'"

@@ -38,6 +38,15 @@ def tea() -> irc.Task:
     return task
 
 
+def late() -> irc.Task:
+    """Two brews at one stove, of which one is late."""
+    task = irc.Task("late", objective="minimize_tardiness")
+    stove = task.resource("stove")
+    task.action("boil", 4).uses(stove).due(4, weight=2)
+    task.action("brew", 4).uses(stove).due(4)
+    return task
+
+
 def error_of(call: Any) -> irc.InputError:
     with pytest.raises(irc.InputError) as refused:
         call()
@@ -55,6 +64,7 @@ def values() -> dict[str, Any]:
     rejected = irc.validate(read, irc.Schedule((irc.Entry("x", 0, 1),)))
     infeasible = irc.explain(ROOT / "examples" / "late_dinner.json", time_limit=20)
     program = task.compile("pddl21")
+    batch = list(irc.batch([task, {"actons": []}], processes=1, time_limit=20, schedules=True))
     return {
         "Task": task,
         "Task, from JSON": read,
@@ -86,6 +96,9 @@ def values() -> dict[str, Any]:
         "Violation": rejected.violations[0],
         "Explanation": task.explain(time_limit=20),
         "Explanation, infeasible": infeasible,
+        "Lateness": irc.explain_lateness(late(), "brew", time_limit=20),
+        "BatchResult": batch[0],
+        "BatchResult, of a faulty task": batch[1],
         "Execution": running,
         "ExecutionState": running.state(),
         "Step": step,

@@ -31,7 +31,7 @@ def task_number(k: int) -> dict[str, Any]:
         actions[0]["duratio"] = actions[0].pop("duration")
     if k % 5 == 2:
         actions[0]["due"] = 2
-        document["objective"] = ["minimize_tardiness"]
+        document["objective"] = ["minimize_earliness"]
     if k % 5 == 3:
         document["precedence"] = [["a0", "a1"], ["a1", "a0"]]
     return document

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -26,18 +26,22 @@ LIMIT = 60.0
 """Seconds that no test may wait for: whoever takes them was not ended."""
 
 
-def shop(machines: int = 8, jobs: int = 14) -> Task:
-    """A job shop that no solver proves while a test waits."""
+def shop(machines: int = 15, jobs: int = 20) -> Task:
+    """A job shop that no solver proves while a test waits.
+
+    Every job visits all machines, in an order and with durations drawn at random, as in Taillard
+    (1993), "Benchmarks for basic scheduling problems": 20 jobs on 15 machines are the hard ones.
+    """
+    rng = random.Random(7)
     actions: list[dict[str, Any]] = []
     precedence = []
-    for j, k in itertools.product(range(jobs), range(machines)):
-        machine = (k * (j + 1) + j * j) % machines if k % 2 else (k + 3 * j) % machines
-        length = 1 + (7 * j * j + 13 * k + 5 * j * k) % 97
-        actions.append(
-            {"id": f"{j}-{k}", "duration": length, "uses": [{"resource": f"m{machine}"}]}
-        )
-        if k:
-            precedence.append([f"{j}-{k - 1}", f"{j}-{k}"])
+    for j in range(jobs):
+        route = rng.sample(range(machines), machines)
+        for k, machine in enumerate(route):
+            uses = [{"resource": f"m{machine}"}]
+            actions.append({"id": f"{j}-{k}", "duration": rng.randint(1, 99), "uses": uses})
+            if k:
+                precedence.append([f"{j}-{k - 1}", f"{j}-{k}"])
     return Task.model_validate(
         {
             "name": "shop",

@@ -61,7 +61,7 @@ def lines_of(path: Path) -> list[BatchResult]:
 LATE = {"actions": [{"id": "a", "duration": 5, "deadline": 3}]}
 REFUSED = {
     "actions": [{"id": "a", "duration": 5, "due": 3, "weight": 2}],
-    "objective": ["minimize_tardiness"],
+    "objective": ["minimize_earliness"],
 }
 
 

@@ -29,6 +29,17 @@ KITCHEN: dict[str, Any] = {
 }
 KITCHEN_MAKESPAN = 7
 
+# A list schedule takes the longest tail first, and misses the deadline.
+UNRULY: dict[str, Any] = {
+    "resources": [{"id": "oven"}],
+    "actions": [
+        {"id": "long", "duration": 5, "uses": [{"resource": "oven"}]},
+        {"id": "tail", "duration": 20},
+        {"id": "late", "duration": 2, "deadline": 2, "uses": [{"resource": "oven"}]},
+    ],
+    "precedence": [["long", "tail"]],
+}
+
 # Two weeks' work for one oven in a week: no check says so, a solver proves it.
 OVERFULL: dict[str, Any] = {
     "resources": [{"id": "oven"}],
@@ -202,17 +213,29 @@ def test_an_infeasible_task_is_status_1(tmp_path: Path) -> None:
     assert (result.exit_code, document["status"], document["actions"]) == (1, "infeasible", [])
 
 
-@posix
-def test_no_answer_within_the_limits_is_status_3(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def silent_optic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A planner that finds no plan."""
     silent = tmp_path / "optic"
     silent.write_text("#!/bin/sh\nexit 0\n")
     silent.chmod(0o755)
     monkeypatch.setenv("IRC_OPTIC", str(silent))
-    task = written(tmp_path, KITCHEN)
+
+
+@posix
+@pytest.mark.usefixtures("silent_optic")
+@pytest.mark.parametrize(
+    ("document", "ends"),
+    [(UNRULY, (3, "unknown", "optic")), (KITCHEN, (0, "optimal", "list-schedule"))],
+    ids=["no answer within the limits is status 3", "the compiler's own schedule is an answer"],
+)
+def test_a_planner_that_finds_no_plan(
+    tmp_path: Path, document: dict[str, Any], ends: tuple[int, str, str]
+) -> None:
+    task = written(tmp_path, document)
     result = run_irc("solve", task, "-t", "pddl21", "-e", "optic", "--format", "json")
-    assert (result.exit_code, json.loads(result.stdout)["status"]) == (3, "unknown")
+    shown = json.loads(result.stdout)
+    assert (result.exit_code, shown["status"], shown.get("engine")) == ends
     assert "optic: there is no plan in the text" in result.stderr
 
 

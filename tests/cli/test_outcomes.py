@@ -54,7 +54,7 @@ INFEASIBLE: dict[str, dict[str, Any]] = {
     ),
 }
 REFUSED = {"name": "x", "actions": [{"id": "a0", "duration": 5, "due": 3}]}
-REFUSED["objective"] = ["minimize_tardiness"]
+REFUSED["objective"] = ["minimize_earliness"]
 FAULTY = {"name": "x", "actions": [{"id": "a0", "duratio": 5}]}
 PLAN = {"actions": [{"id": "a0", "start": 0, "end": 5}]}
 

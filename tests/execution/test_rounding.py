@@ -176,7 +176,7 @@ def test_a_time_with_which_no_plan_can_be_made_is_refused_as_it_comes_in(target:
 
 def test_a_feature_that_the_target_lacks_is_refused_as_it_comes_in() -> None:
     run = running(target="pddl21")
-    change = {"op": "set_objective", "objective": "minimize_tardiness"}
+    change = {"op": "set_objective", "objective": "minimize_earliness"}
     with pytest.raises(InputError) as refused:
         run.apply(Event.model_validate({"at": 1, "changes": [change]}))
     assert [d.code.id for d in refused.value.report.errors] == ["IRC501"]

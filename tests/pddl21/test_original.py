@@ -10,6 +10,7 @@ import pytest
 
 import irc
 from irc.diagnostics import Code
+from irc.driver import beside
 from irc.driver.beside import with_planner
 from irc.driver.compile import lower_for
 from irc.driver.judge import Answer
@@ -142,3 +143,19 @@ def test_a_proof_ends_the_planner() -> None:
     proven = answer(4, Status.OPTIMAL)
     assert with_planner(lambda _: proven, waits, Budget(60), "cpsat") is proven
     assert ended == [True]
+
+
+def test_an_answer_that_cannot_be_improved_waits_for_the_planner_for_a_while_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(beside, "LEAST_PATIENCE", 0.05)
+
+    def improves(budget: Budget) -> Answer:
+        while not budget.is_over:
+            pass
+        return answer(3)
+
+    whole = Budget(60)
+    found = with_planner(lambda _: answer(4), improves, whole, "cpsat")
+    assert found.schedule.makespan == 3
+    assert whole.elapsed < 30

@@ -319,9 +319,9 @@ def test_costs_are_minimised_by_the_metric() -> None:
     assert "(:metric minimize (sum_of_cost))" in program.files["problem.pddl"]
 
 
-def test_tardiness_is_refused_and_a_due_date_without_it_is_not() -> None:
-    with pytest.raises(InputError, match="minimize_tardiness"):
-        program_of({"due": 3}, objective=["minimize_tardiness"])
+def test_earliness_is_refused_and_a_due_date_without_it_is_not() -> None:
+    with pytest.raises(InputError, match="minimize_earliness"):
+        program_of({"due": 3}, objective=["minimize_earliness"])
     assert operator_names(program_of({"due": 3}, {})) == {"a", "b"}
 
 
