@@ -78,6 +78,7 @@ RULES = (
     "origin",
     "number without a unit",
     "belong together",
+    "only there",
 )
 """Faults of shape that no schema without conditions can exclude."""
 
