@@ -670,7 +670,7 @@ def test_tasks_reach_every_field_of_the_ir() -> None:
     every -= NOT_DRAWN
     short = settings(whole_ir, derandomize=False, max_examples=40)
     # Several short runs see more kinds of tasks than a long one, which varies what it has seen.
-    for start in range(40):
+    for start in range(30):
         starting_at(start)(short(given(tasks())(note)))()
         if reached == every:
             return
