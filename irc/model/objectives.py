@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from irc.model.quantities import Number, exact
 
-if TYPE_CHECKING:  # (Whoever only shows an answer waits for no pydantic.)
+if TYPE_CHECKING:  # (An answer is shown without pydantic.)
     from irc.model.parts import ObjectiveName, ObjectiveSum
 
 SHORT_NAMES: Mapping[str, str] = {
