@@ -96,3 +96,51 @@ def test_a_replan_has_an_answer_or_a_proof_that_there_is_none(cases: Path, name:
 def test_more_occurrences_than_any_model_holds_are_refused_by_name(cases: Path) -> None:
     report = irc.check(irc.load(cases / "occurs_min_1e9.json"))
     assert [d.code.id for d in report.errors] == ["IRC214"]
+
+
+# --- calendars, set-ups, late work ---------------------------------------------------------------
+
+
+def test_work_goes_on_behind_a_break(cases: Path) -> None:
+    """As it is written, the overhaul waits for the break to end; allowed to pause, it takes 6 h."""
+    whole = irc.load(cases / "break_stretch.irc")
+    assert irc.solve(whole, time_limit=20).makespan == 10
+    text = (
+        (cases / "break_stretch.irc")
+        .read_text("utf-8")
+        .replace("on mechanic", "on mechanic may pause")
+    )
+    assert irc.solve(irc.loads(text), time_limit=20).makespan == 6
+
+
+def test_shifts_repeat(cases: Path) -> None:
+    """What the `for` of the case tries to say: open for an hour, closed for an hour."""
+    assert not irc.check(irc.load(cases / "periodic.irc")).ok
+    text = """\
+unit h
+calendar odd hours every 2 open 0 .. 1
+resource lathe during calendar odd hours
+turn 4 on lathe may pause
+"""
+    assert irc.solve(irc.loads(text), time_limit=20).makespan == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("exp_cal.irc", {"window", "duration", "use", "task_deadline"}),
+        ("explain_calendar.irc", {"window", "duration", "use", "precedence", "deadline"}),
+        ("exp_group.irc", {"capacity", "duration", "use", "group_deadline"}),
+        ("circ.json", {"stock_min", "consumes"}),
+    ],
+)
+def test_what_is_impossible_is_explained(cases: Path, name: str, expected: set[str]) -> None:
+    said = irc.explain(irc.load(cases / name), time_limit=20)
+    assert {statement.kind for statement in said.conflict} == expected
+    assert said.minimal
+
+
+def test_late_work_is_explained(cases: Path) -> None:
+    said = irc.explain_lateness(irc.load(cases / "explain_why_late.irc"), "fine", time_limit=20)
+    assert (said.late, said.possible) == (20, False)
+    assert "'rough' takes 20 min less" in [change.text for change in said.changes]
