@@ -206,6 +206,27 @@ def test_a_goal_that_nothing_present_can_give_is_refuted() -> None:
     assert is_out_of_reach(restrict(problem, set(), {0}))
 
 
+@pytest.mark.parametrize(
+    ("goal", "extra", "expected"),
+    [
+        ({"at_least": 5}, {"occurs": "optional"}, False),
+        ({"at_least": 6}, {"occurs": "optional"}, True),
+        ({"at_most": 1}, {"occurs": "optional"}, False),
+        ({"at_most": 0}, {"occurs": "optional"}, True),
+        ({"at_most": 4}, {}, True),
+        ({"at_least": 9}, {"occurs": {"min": 1, "max": 3}}, False),
+    ],
+)
+def test_a_number_ends_within_what_all_may_add(
+    goal: Document, extra: Document, expected: bool
+) -> None:
+    adds = {"effects": [{"var": "level", "add": 4, "at": "end"}], **extra}
+    takes = {"effects": [{"var": "level", "add": -1, "at": "start"}]}
+    level = {"id": "level", "kind": "number", "initial": 2}
+    problem = problem_of(adds, takes, state=[level], goals=[{"var": "level", **goal}])
+    assert is_out_of_reach(problem) is expected
+
+
 # --- neighbourhoods ------------------------------------------------------------------------------
 
 

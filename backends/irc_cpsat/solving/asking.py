@@ -8,10 +8,25 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
+from irc.problem import Problem
 from irc.targets import Budget
 
 _LOOK_SECONDS = 0.03
 """Between two looks of the waiting thread at its budget."""
+
+
+def solver_for(problem: Problem, seed: int) -> cp_model.CpSolver:
+    """A solver for models of a problem.
+
+    Where activities have calendars or pause, its presolve looks for no symmetry, nor then for
+    equal columns: on some of these models the check `VarToConstraints(var).empty()` of CP-SAT 9.15
+    fails in that step, which ends the whole process.
+    """
+    solver = cp_model.CpSolver()
+    solver.parameters.random_seed = seed
+    if problem.has_work:
+        solver.parameters.symmetry_level = 0
+    return solver
 
 
 def asked(

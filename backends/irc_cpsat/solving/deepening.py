@@ -17,7 +17,7 @@ from irc.schedule import Status
 from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
-from irc_cpsat.solving.asking import asked
+from irc_cpsat.solving.asking import asked, solver_for
 from irc_cpsat.solving.depth import (
     GREATEST_DEPTH,
     SLOTS_LIMIT,
@@ -159,9 +159,8 @@ class DeepeningSearch:
     def _solve(
         self, built: Model, objective: str, earlier: Sequence[LevelResult], budget: Budget
     ) -> tuple[Any, cp_model.CpSolver]:
-        solver = cp_model.CpSolver()
+        solver = solver_for(self.problem, self.options.seed)
         parameters, options = solver.parameters, self.options
-        parameters.random_seed = options.seed
         if options.memory_limit is not None:
             parameters.max_memory_in_mb = options.memory_limit
         if options.workers is not None:

@@ -21,7 +21,7 @@ from irc.targets import Budget, EngineFailed
 from irc.targets.refuter import Assumptions
 from irc_cpsat.encoding.builder import Builder
 from irc_cpsat.encoding.encode import write_model
-from irc_cpsat.solving.asking import asked
+from irc_cpsat.solving.asking import asked, solver_for
 from irc_cpsat.solving.solution import schedule_from
 
 _DECISION_WORK = 20.0
@@ -46,7 +46,7 @@ class CpSatRefuter:
         """
         builder = _AssumptionBuilder(assumptions)
         model = builder.assumed()
-        solver = _solver(_CORE_WORK)
+        solver = _solver(assumptions.problem, _CORE_WORK)
         if asked(solver, model, budget.at_least(_LEAST_SECONDS)) != cp_model.INFEASIBLE:
             return None
         found = solver.sufficient_assumptions_for_infeasibility()
@@ -57,7 +57,7 @@ class CpSatRefuter:
         """Solves for any schedule, and re-times the one that is found."""
         builder = Builder(problem, bounds=False, hints=False, horizon=horizon)
         built = write_model(builder, objective=False)
-        solver = _solver(_DECISION_WORK)
+        solver = _solver(problem, _DECISION_WORK)
         status = asked(solver, built.model, budget.at_least(_LEAST_SECONDS))
         if status == cp_model.INFEASIBLE:
             return Status.INFEASIBLE
@@ -70,10 +70,9 @@ class CpSatRefuter:
         return Status.UNKNOWN
 
 
-def _solver(work: float) -> cp_model.CpSolver:
-    solver = cp_model.CpSolver()
+def _solver(problem: Problem, work: float) -> cp_model.CpSolver:
+    solver = solver_for(problem, seed=0)
     solver.parameters.num_workers = 1
-    solver.parameters.random_seed = 0
     solver.parameters.max_deterministic_time = work
     return solver
 

@@ -2,21 +2,32 @@
 
 No metric of a planner says what a late end costs. But all ends in time is a task with deadlines,
 which planners solve. The lateness that precedence alone forces is a bound; a plan under deadlines
-that allow no more proves the best answer. Where there is none, ends that are late are given
-deadlines a tick earlier, one after another, while no other end gets later.
+that allow no more proves the best answer. Where there is none, the planner is asked to follow the
+list schedule of least lateness that a search finds; then ends that are late are given deadlines a
+tick earlier, one after another, while no other end gets later.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import random
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from irc.problem import Problem
+from irc.problem.decisions import Decision
 from irc.problem.objective_values import schedule_values
 from irc.schedule import Schedule
 from irc_pddl21.search.choice_search import Choice, ChoiceSearch, Option, narrowed
-from irc_pddl21.search.makespan import shorten
-from irc_pddl21.search.planner_session import PlannerSession
+from irc_pddl21.search.list_schedules import Value, best_list_schedule
+from irc_pddl21.search.makespan import (
+    HINT_SECONDS,
+    HINT_SHARE,
+    STEP_SECONDS,
+    STEP_SHARE,
+    shorten,
+)
+from irc_pddl21.search.neighbourhood import near
+from irc_pddl21.search.planner_session import PlannerSession, with_deadline
 from irc_pddl21.search.selection import is_refuted
 from irc_pddl21.search.selection_search import plan_of
 
@@ -43,7 +54,7 @@ class Due(NamedTuple):
 def dues_of(problem: Problem) -> list[Due]:
     """The due dates of actions and groups that have a weight."""
     found = [
-        Due((i,), d.due, d.weight, not d.optional and d.repeats is None)
+        Due((i,), d.due, d.weight, _is_certain(problem, i))
         for i, activity in enumerate(problem.activities)
         for d in (activity.details,)
         if d.due is not None and d.weight
@@ -71,6 +82,29 @@ def in_time(problem: Problem, latest: Mapping[Due, int]) -> Option:
     return Option(
         (0,), deadlines=tuple((i, max(-1, at)) for due, at in latest.items() for i in due.members)
     )
+
+
+def with_common_deadline(problem: Problem) -> Problem:
+    """The problem with a deadline for the whole, where the last ends have deadlines of their own.
+
+    Bounds by resources compare the makespan with the deadline of the whole.
+    """
+    activities = problem.activities
+    followed = {
+        arc.before
+        for arc in problem.arcs
+        if arc.from_end and arc.min_lag >= 0 and _is_certain(problem, arc.after)
+    }
+    last = [activities[i].deadline for i in range(len(activities)) if i not in followed]
+    known = [at for at in last if at is not None]
+    if not known or len(known) < len(last):
+        return problem
+    return with_deadline(problem, max(known))
+
+
+def _is_certain(problem: Problem, i: int) -> bool:
+    details = problem.activities[i].details
+    return not details.optional and details.repeats is None
 
 
 def _fewest(session: PlannerSession, problem: Problem, dues: list[Due]) -> dict[str, int]:
@@ -125,6 +159,10 @@ class _LatenessSearch:
             due.weight * (at - due.due) for due, at in self.forced.items() if due.is_certain
         )
 
+    def _late(self, ends: Mapping[Due, int]) -> int:
+        """The lateness of ends (in ticks), with their weights."""
+        return self._combined(due.weight * max(0, end - due.due) for due, end in ends.items())
+
     def _combined(self, late: Iterator[int]) -> int:
         return sum(late) if self.name == "tardiness" else max(late, default=0)
 
@@ -144,7 +182,12 @@ class _LatenessSearch:
 
     def run(self) -> None:
         """Looks for a plan at the bound, for any plan, and for better ones."""
-        self._ask(self.forced)
+        if self._is_refuted(self.forced):
+            self.bound = max(self.bound, self._next_bound())
+        else:
+            self._ask(self.forced)
+        if not self.is_over and self.session.tactics.hint:
+            self._follow_list_schedule()
         if self.value() is None:
             self.session.ask(self.problem, FIRST_SHARE * self.session.left, enough=0)
         if self.value() is None:
@@ -157,10 +200,49 @@ class _LatenessSearch:
 
     def _ask(self, latest: Mapping[Due, int]) -> bool:
         """Whether a plan is found that keeps these ends."""
-        problem = narrowed(self.problem, [in_time(self.problem, latest)])
+        problem = self._within(latest)
         if problem is None or is_refuted(problem, thoroughly=True) or self.session.is_over:
             return False
         return plan_of(self.session, problem) is not None
+
+    def _within(self, latest: Mapping[Due, int]) -> Problem | None:
+        """The problem with these ends as deadlines; None where its times contradict each other."""
+        problem = narrowed(self.problem, [in_time(self.problem, latest)])
+        return None if problem is None else with_common_deadline(problem)
+
+    def _is_refuted(self, latest: Mapping[Due, int]) -> bool:
+        return is_refuted(self._within(latest), thoroughly=True)
+
+    def _next_bound(self) -> int:
+        """The least value where some end is later than precedence alone forces, by a tick."""
+        if self.name == "tardiness":
+            return self.bound + min((due.weight for due in self.dues), default=0)
+        return min((d.weight * (at - d.due + 1) for d, at in self.forced.items()), default=0)
+
+    def _follow_list_schedule(self) -> None:
+        """Asks for the plan that follows the list schedule of least lateness."""
+
+        def ends_in(decisions: Sequence[Decision]) -> dict[Due, int]:
+            return {d: max(int(decisions[i].end) for i in d.members) for d in self.dues}
+
+        def judge(decisions: Sequence[Decision]) -> Value:
+            return self._late(ends_in(decisions)), max((int(d.end) for d in decisions), default=0)
+
+        session, problem = self.session, self.problem
+        enough = (self.bound, problem.bounds.makespan.value)
+        budget = session.budget.share(HINT_SHARE).at_most(HINT_SECONDS)
+        known = best_list_schedule(
+            problem, judge, enough, budget, random.Random(session.options.seed)
+        )
+        if known is None:
+            return
+        ends = ends_in([known[i][0] for i in range(len(known))])
+        value = self.value()
+        if value is None or self._late(ends) < value:
+            latest = {due: max(due.due, end) for due, end in ends.items()}
+            asked = narrowed(near(problem, known, frozenset()), [in_time(problem, latest)])
+            if asked is not None:
+                session.ask(asked, max(STEP_SECONDS, STEP_SHARE * session.left), enough=0)
 
     def _bisect(self) -> None:
         """Halves the interval in which the greatest tardiness may be."""
@@ -171,7 +253,7 @@ class _LatenessSearch:
                 return
             tried = (low + value - 1) // 2
             latest = {due: due.due + tried // due.weight for due in self.dues}
-            problem = narrowed(self.problem, [in_time(self.problem, latest)])
+            problem = self._within(latest)
             if problem is None or is_refuted(problem, thoroughly=True):
                 self.bound = max(self.bound, tried + 1)
                 low = tried + 1

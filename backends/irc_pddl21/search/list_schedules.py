@@ -1,4 +1,4 @@
-"""Short list schedules for a planner to follow, by a search over priorities.
+"""Good list schedules for a planner to follow, by a search over priorities.
 
 Serial list schedules contain an optimal one wherever nothing has to wait on purpose (Kolisch,
 EJOR 90, 1996), so a search over priorities comes close to it in little time. It is a hint and no
@@ -8,9 +8,10 @@ answer: a planner is asked to follow its order, and only the planner's own plan 
 from __future__ import annotations
 
 import random
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from irc.passes.serial_sgs import Choice, list_schedule
+from irc.passes.serial_sgs import Found, list_schedule
 from irc.problem import Activity, Problem
 from irc.problem.decisions import Decision
 from irc.targets import Budget
@@ -23,6 +24,13 @@ STALE_LIMIT = 800
 """After this number without a shorter one the search begins anew."""
 
 
+Value = tuple[int, ...]
+"""What makes a list schedule good, first things first; less is better."""
+
+Judge = Callable[[Sequence[Decision]], Value]
+"""The value of a list schedule by its starts and ends."""
+
+
 def short_list_schedule(
     problem: Problem, enough: int, budget: Budget, rng: random.Random
 ) -> Places | None:
@@ -30,29 +38,39 @@ def short_list_schedule(
 
     None for problems with more than resources and lags, and where the rule finds none.
     """
+    return best_list_schedule(problem, _makespan, (enough,), budget, rng)
+
+
+def best_list_schedule(
+    problem: Problem, judge: Judge, enough: Value, budget: Budget, rng: random.Random
+) -> Places | None:
+    """The list schedule of the least value found; one of value `enough` ends the search.
+
+    None for problems with more than resources and lags, and where the rule finds none.
+    """
     if not problem.is_plain:
         return None
-    search = _PrioritySearch(replace(problem, deadline=None), rng)
-    best, shortest = search.found, search.makespan
+    search = _PrioritySearch(replace(problem, deadline=None), judge, rng)
+    best, least = search.found, search.value
     for _ in range(ROUNDS):
-        if (shortest is not None and shortest <= enough) or budget.is_over:
+        if (least is not None and least <= enough) or budget.is_over:
             break
         search.step()
-        if search.makespan is not None and (shortest is None or search.makespan < shortest):
-            best, shortest = search.found, search.makespan
+        if search.value is not None and (least is None or search.value < least):
+            best, least = search.found, search.value
         if search.stale > STALE_LIMIT:
-            search = _PrioritySearch(search.problem, rng)
+            search = _PrioritySearch(search.problem, judge, rng)
     return None if best is None else dict(enumerate(zip(*best, strict=True)))
 
 
 class _PrioritySearch:
     """A walk over priorities and over which resource is looked at first."""
 
-    def __init__(self, problem: Problem, rng: random.Random) -> None:
-        self.problem, self.rng = problem, rng
+    def __init__(self, problem: Problem, judge: Judge, rng: random.Random) -> None:
+        self.problem, self.judge, self.rng = problem, judge, rng
         self.variant = problem
         self.found = list_schedule(problem)
-        self.makespan = _makespan(self.found)
+        self.value = self._value_of(self.found)
         self.stale = 0
         spans = zip(problem.bounds.tails, problem.activities, strict=True)
         self._spread = 1 + max((tail + a.duration_min for tail, a in spans), default=0)
@@ -62,17 +80,20 @@ class _PrioritySearch:
             if any(len(demand.alternatives) > 1 for demand in a.open_demands)
         ]
 
+    def _value_of(self, found: Found | None) -> Value | None:
+        return None if found is None else self.judge(found[0])
+
     def step(self) -> None:
-        """Makes one more list schedule; the search goes on from it unless it is longer."""
+        """Makes one more list schedule; the search goes on from it unless it is worse."""
         self.stale += 1
         variant = self._varied()
         found = list_schedule(variant)
-        makespan = _makespan(found)
-        if makespan is None or (self.makespan is not None and makespan > self.makespan):
+        value = self._value_of(found)
+        if value is None or (self.value is not None and value > self.value):
             return
-        if self.makespan is None or makespan < self.makespan:
+        if self.value is None or value < self.value:
             self.stale = 0
-        self.variant, self.found, self.makespan = variant, found, makespan
+        self.variant, self.found, self.value = variant, found, value
 
     def _varied(self) -> Problem:
         rng = self.rng
@@ -99,5 +120,5 @@ class _PrioritySearch:
         return replace(activity, open_demands=tuple(demands))
 
 
-def _makespan(found: tuple[list[Decision], list[Choice]] | None) -> int | None:
-    return None if found is None else max((int(d.end) for d in found[0]), default=0)
+def _makespan(decisions: Sequence[Decision]) -> Value:
+    return (max((int(d.end) for d in decisions), default=0),)

@@ -64,7 +64,7 @@ def solve_with(
     if first:
         bounds = _by_selection(session, fixed, first, "makespan" in rest)
     elif rest[0] in DATED:
-        bounds = by_dates(session, fixed, rest[0])
+        bounds = {"makespan": fixed.bounds.makespan.value, **by_dates(session, fixed, rest[0])}
     else:
         bounds = _by_makespan(session, problem, fixed, rest[1:])
     return _outcome(session, bounds)
