@@ -25,7 +25,7 @@ STALE_LIMIT = 800
 
 
 Value = tuple[int, ...]
-"""What makes a list schedule good, first things first; less is better."""
+"""Numbers that rank list schedules, the first one first; less is better."""
 
 Judge = Callable[[Sequence[Decision]], Value]
 """The value of a list schedule by its starts and ends."""

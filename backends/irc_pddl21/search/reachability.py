@@ -79,7 +79,7 @@ def _ends_beyond(problem: Problem, n: int) -> bool:
 
 
 def _nets(activity: Activity, n: int) -> list[int] | None:
-    """What an activity may add to a number in all; None where it sets it, or may do so again."""
+    """The sums that an activity may add to a number; None where it sets it, or may repeat."""
     effects = [[e for e in way.number_effects if e.number == n] for way in activity.details.ways]
     if any(e.sets or activity.details.repeats is not None for way in effects for e in way):
         return None
