@@ -89,7 +89,7 @@ def _modes(
         for mode in range(1, count + 1):
             row = lines.take_numbers(f"job {job}, mode {mode}", len(columns) + 2 + (mode == 1))
             if mode == 1:
-                row.take("the number of the job", job, job)
+                row.take("the number of the job", 1)
             row.take("the number of the mode", mode, mode)
             duration = row.take("the duration")
             ways.append(Mode(duration, row.take_many("a request", len(columns))))
