@@ -55,7 +55,8 @@ def misplaced(reading: DslReading) -> list[tuple[Pointer, Any, str]]:
         field = next(part for part in reversed(pointer) if isinstance(part, str))
         if (
             (field,) in UNSAID
-            or field in ("at", "objective", "one_of", "status", "value")
+            or field
+            in ("at", "objective", "one_of", "status", "value", "days", "breaks", "no_idle")
             or "occurs" in pointer
             or "lapsed" in pointer
         ):
