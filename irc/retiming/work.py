@@ -68,7 +68,7 @@ def earliest_with_work(
     found = earliest(network, floors)
     if found.cycles or not parts:
         return found
-    floors[:] = _settled(network, found.t, parts, _order(decisions, points))
+    floors[:] = _at_earliest(network, found.t, parts, _order(decisions, points))
     return earliest(network, floors)
 
 
@@ -81,7 +81,7 @@ def _order(decisions: Sequence[Decision], points: PointMap) -> list[Fraction | i
     return order
 
 
-def _settled(
+def _at_earliest(
     network: Network, t: list[int], parts: Sequence[_Timed], order: Sequence[Fraction | int]
 ) -> list[int]:
     """The least times from `t` on that keep a network and all open times."""

@@ -58,7 +58,7 @@ def misplaced(reading: DslReading) -> list[tuple[Pointer, Any, str]]:
             or field
             in ("at", "objective", "one_of", "status", "value", "days", "breaks", "no_idle")
             or "occurs" in pointer
-            or "lapsed" in pointer
+            or not {"lapsed", "couplings", "select", "objective", "add"}.isdisjoint(pointer)
         ):
             continue  # Said in other words, by a default, by the name of a pool, or as JSON.
         text = text_at(reading, pointer).replace("- ", "-")
