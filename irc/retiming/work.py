@@ -68,7 +68,10 @@ def earliest_with_work(
     found = earliest(network, floors)
     if found.cycles or not parts:
         return found
-    floors[:] = _at_earliest(network, found.t, parts, _order(decisions, points))
+    # (A network may have points beside those of the activities, for the order of stock.)
+    order = _order(decisions, points)
+    order += [0] * (len(found.t) - len(order))
+    floors[:] = _at_earliest(network, found.t, parts, order)
     return earliest(network, floors)
 
 

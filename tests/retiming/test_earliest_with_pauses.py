@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+import irc
 from irc.driver.solve import solve_task
 from irc.lowering.lower import lower
 from irc.model import Task
@@ -74,3 +75,18 @@ def test_an_answer_moves_to_an_earlier_day(
     tick = problem.to_units(1)
     (placed,) = retime(problem, [Decision(*(int(time / tick) for time in place))])
     assert (problem.to_units(placed.start), problem.to_units(placed.end)) == expected
+
+
+def test_stock_beside_a_calendar_has_points_of_its_own() -> None:
+    """What is taken at an instant comes behind what is given then, at the first open time."""
+    schedule = irc.solve(
+        {
+            "resources": [{"id": "s", "kind": "reservoir"}],
+            "calendars": [{"id": "shift", "every": 2, "open": [{"from": 1, "to": 0}]}],
+            "actions": [
+                {"id": "take", "duration": 0, "consumes": [{"resource": "s"}]},
+                {"id": "give", "duration": 0, "produces": [{"resource": "s"}], "calendar": "shift"},
+            ],
+        }
+    )
+    assert (schedule.status, schedule.makespan) == ("optimal", 1)
