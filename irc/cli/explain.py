@@ -31,22 +31,21 @@ def hint_for(file: str) -> str:
 
 def put_explanation(explanation: Explanation, format: Format) -> None:
     """Prints an explanation, and exits with the status for what it found."""
-    if format is Format.json:
-        put_json(explanation.to_dict())
-    else:
-        put("\n".join(_lines(explanation)))
-    if not explanation.outcome.answered:
-        sys.exit(explanation.outcome.exit)
+    _put(explanation, _lines(explanation), format)
 
 
 def put_lateness(lateness: Lateness, format: Format) -> None:
     """Prints why something is late, and exits with the status for what it found."""
+    _put(lateness, _of_lateness(lateness), format)
+
+
+def _put(found: Explanation | Lateness, lines: Iterable[str], format: Format) -> None:
     if format is Format.json:
-        put_json(lateness.to_dict())
+        put_json(found.to_dict())
     else:
-        put("\n".join(_of_lateness(lateness)))
-    if not lateness.outcome.answered:
-        sys.exit(lateness.outcome.exit)
+        put("\n".join(lines))
+    if not found.outcome.answered:
+        sys.exit(found.outcome.exit)
 
 
 def _lines(explanation: Explanation) -> Iterator[str]:

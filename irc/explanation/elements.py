@@ -34,7 +34,7 @@ class Element:
     kind: str
     pointer: Pointer
     text: str
-    replacement: str | int | tuple[tuple[str, int | str], ...] | None = None
+    replacement: str | float | tuple[tuple[str, int | str], ...] | None = None
     of: str = ""
     relaxes: bool = True
 
@@ -165,7 +165,7 @@ def _of_resource(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterat
 
 def _of_windows(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterator[Element]:
     """The windows of a resource; without one it has its greatest capacity then."""
-    windows = next(r for r in task.resources if r.id == resource["id"]).availability
+    windows = task.resources[int(at[1])].availability
     usual = max(resource.get("capacity", 1), *(w.capacity for w in windows), 0)
     for k, window in enumerate(resource.get("availability", ())):
         capacity = window["capacity"]
@@ -184,7 +184,7 @@ def _of_variable(task: Task, variable: Mapping[str, Any], at: Pointer) -> Iterat
             text = f"{of!r} begins with {initial} and is never {words} {variable[field]}"
             yield Element(f"number_{field}", (*at, field), text, of=of)
     for k, change in enumerate(variable.get("changes", ())):
-        when = _at(task, next(v for v in task.state if v.id == variable["id"]).changes[k].at)
+        when = _at(task, task.state[int(at[1])].changes[k].at)
         text = f"{variable['id']!r} becomes {change['value']!r} at {when}"
         yield Element(
             "timed_change", (*at, "changes", k), text, of=str(variable["id"]), relaxes=False

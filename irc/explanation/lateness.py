@@ -7,7 +7,7 @@ change at a time, each verified by solving the changed task.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
@@ -17,6 +17,7 @@ from irc.diagnostics.source import Pointer, Source, pointer_text
 from irc.driver.judge import Answer
 from irc.driver.solve import solve_task
 from irc.explanation.chain import critical_chain
+from irc.explanation.elements import Element, without
 from irc.explanation.explain import TARGET, explain_within, steps_of
 from irc.explanation.result import ChainStep, RenderedStatement, located
 from irc.model import Action, DurationRange, Group, Task
@@ -228,7 +229,9 @@ def _chain(task: Task, target: _Target, answer: Answer) -> tuple[ChainStep, ...]
 
 def _possibility(task: Task, target: _Target, found: Lateness, budget: Budget) -> Lateness:
     """Whether it could be on time, and what stands against it."""
-    on_time = _changed(written_task(task), target, {"deadline": _written(task, target.due)})
+    assert target.due is not None
+    latest = target.due if target.deadline is None else min(target.deadline, target.due)
+    on_time = _edited(task, (*target.pointer, "deadline"), json_number(latest))
     if on_time is None:
         return found
     answer = solve_task(on_time, _OPTIONS, budget.share(0.5))
@@ -282,51 +285,37 @@ def _late(target: _Target, schedule: Schedule) -> Number:
 
 def _changes(task: Task, target: _Target, found: Lateness, budget: Budget) -> Iterator[Change]:
     """The changes that help, the cheapest first."""
-    late = found.late
-    candidates = sorted(_candidates(task, target, found, late), key=lambda change: change.size)
-    helping = []
-    for k, change in enumerate(candidates[:MOST_CHANGES]):
+    candidates = sorted(_candidates(task, target, found), key=lambda change: change.size)
+    candidates = candidates[:MOST_CHANGES]
+    for k, change in enumerate(candidates):
         if budget.is_over:
             break
-        changed = _with(written_task(task), change)
+        changed = _edited(task, change.pointer, change.value)
         if changed is None:
             continue
-        part = budget.share(1 / (min(len(candidates), MOST_CHANGES) - k))
+        part = budget.share(1 / (len(candidates) - k))
         schedule = solve_task(changed, _OPTIONS, part).schedule
         after = _target(changed, target.name)
         end = after.end(schedule) if schedule.answered else None
         if end is not None and not _late(after, schedule):
-            helping.append(replace(change, ends=end))
-    yield from helping
+            yield replace(change, ends=end)
 
 
-def _candidates(task: Task, target: _Target, found: Lateness, late: Number) -> Iterator[Change]:
+def _candidates(task: Task, target: _Target, found: Lateness) -> Iterator[Change]:
     """Changes of what makes it late: of its chain and its conflict; and of its due date."""
-    unit = task.time_unit
-    statements = [*found.conflict, *(step.statement for step in found.chain or ())]
-    document = written_task(task)
-    seen: set[Pointer] = set()
-    for statement in statements:
-        pointer = statement.pointer
-        if pointer in seen:
-            continue
-        seen.add(pointer)
-        yield from _of_statement(task, document, statement, late)
+    late = found.late
+    first: dict[Pointer, RenderedStatement] = {}
+    for statement in (*found.conflict, *(step.statement for step in found.chain or ())):
+        first.setdefault(statement.pointer, statement)
+    for statement in first.values():
+        yield from _of_statement(task, statement, late)
     due = target.due or 0
-    text = f"let {target.name!r} be due {format_number(late)} {unit} later"
-    whole = due or late
-    yield Change(
-        text,
-        (*target.pointer, "due"),
-        _written(task, due + late),
-        Fraction(late) / Fraction(whole) if whole else Fraction(1),
-        0,
-    )
+    text = f"let {target.name!r} be due {format_number(late)} {task.time_unit} later"
+    later = json_number(due + late)
+    yield Change(text, (*target.pointer, "due"), later, _part(late, max(due, -due)), 0)
 
 
-def _of_statement(
-    task: Task, document: Mapping[str, Any], statement: RenderedStatement, late: Number
-) -> Iterator[Change]:
+def _of_statement(task: Task, statement: RenderedStatement, late: Number) -> Iterator[Change]:
     pointer, unit = statement.pointer, task.time_unit
     amount = f"{format_number(late)} {unit}"
     if pointer[-1:] == ("duration",) and pointer[0] == "actions":
@@ -340,21 +329,20 @@ def _of_statement(
             return
         taken = task.number(length)
         if taken >= late:
-            less = _written(task, taken - late)
+            less = json_number(taken - late)
             yield Change(f"{name} takes {amount} less", pointer, less, _part(late, taken), 0)
     elif statement.kind in ("capacity", "hand_over", "order"):
         k = int(pointer[1])
         resource = task.resources[k]
         if resource.kind == "renewable":
             text = f"one more of {resource.id!r}"
-            more = Change(text, pointer, resource.capacity + 1, Fraction(1, resource.capacity), 0)
-            yield more
+            yield Change(text, pointer, resource.capacity + 1, Fraction(1, resource.capacity), 0)
     elif statement.kind == "release":
         action = task.actions[int(pointer[1])]
         release = task.number(action.release)
         if release >= late:
             text = f"{action.id!r} is released {amount} earlier"
-            yield Change(text, pointer, _written(task, release - late), _part(late, release), 0)
+            yield Change(text, pointer, json_number(release - late), _part(late, release), 0)
     elif statement.kind in ("window", "precedence", "calendar", "condition"):
         yield Change(f"without this: {statement.text}", pointer, None, Fraction(1), 0)
 
@@ -363,31 +351,7 @@ def _part(amount: Number, whole: Number) -> Fraction:
     return Fraction(amount) / Fraction(whole) if whole else Fraction(1)
 
 
-def _written(task: Task, value: Number | None) -> Any:
-    """A time as it stands in a document."""
-    return None if value is None else json_number(value)
-
-
-def _changed(document: dict[str, Any], target: _Target, fields: Mapping[str, Any]) -> Task | None:
-    """The task in which some fields of the work in question have other values."""
-    owner = document[str(target.pointer[0])][int(target.pointer[1])]
-    for name, value in fields.items():
-        if name == "deadline" and target.deadline is not None and target.due is not None:
-            value = json_number(min(target.deadline, target.due))
-        owner[name] = value
-    return to_task({**document, "events": []}, Findings())
-
-
-def _with(document: dict[str, Any], change: Change) -> Task | None:
-    """The task with a change; None if it cannot be."""
-    *path, last = change.pointer
-    owner: Any = document
-    for part in path:
-        owner = owner[part]
-    if change.value is not None:
-        owner[last] = change.value
-    elif isinstance(owner, list):
-        owner.pop(int(last))
-    else:
-        owner.pop(last, None)
-    return to_task({**document, "events": []}, Findings())
+def _edited(task: Task, pointer: Pointer, value: Any) -> Task | None:
+    """The task with another value at a place, or without it (None); None if it cannot be."""
+    edit = Element("", pointer, "", value)
+    return to_task({**without(written_task(task), [edit]), "events": []}, Findings())

@@ -29,8 +29,7 @@ def task_conflict(
     """A minimal conflict among the elements of a task that has no schedule.
 
     None if the elements alone do not show that there is none. `problem` is the lowered task, and
-    `target` has the solver. If the
-    budget ends during the search, the conflict may not be minimal.
+    `target` has the solver. If the budget ends during the search, the conflict may not be minimal.
     """
     return _Search(task, problem, target, budget).conflict()
 
@@ -43,9 +42,6 @@ class _Search:
     budget: Budget
     known: dict[frozenset[Element], Trial[Element]] = field(default_factory=dict)
 
-    others: frozenset[Element] = frozenset()
-    """The elements that may also help; they are left out only at the end, one by one."""
-
     def __post_init__(self) -> None:
         longest = 2 * self.problem.to_units(safe_horizon(self.problem))
         self.document = document_of(self.task)
@@ -54,10 +50,12 @@ class _Search:
             for element in elements_of(self.task, self.document, f"{longest}")
             if to_task(without(self.document, [element]), Findings()) is not None
         ]
+        # What may also help is left out only at the end, one by one.
+        self.relaxing = [element for element in self.all if element.relaxes]
+        self.others = frozenset(self.all) - frozenset(self.relaxing)
 
     def conflict(self) -> Conflict[Element] | None:
-        relaxing = [element for element in self.all if element.relaxes]
-        self.others = frozenset(self.all) - frozenset(relaxing)
+        relaxing = self.relaxing
         if self.attempt(frozenset(relaxing)).result is not Possibility.IMPOSSIBLE:
             return None
         families = self._families(relaxing)

@@ -180,10 +180,9 @@ def _read_one(file: str, source: str, beside: Beside, on_report: OnReport) -> Ta
     if source == SCHEDULE_SPEC:
         return _read_schedule_spec(file, beside)
     if source == TABLES:
-        from irc.frontends.tables.files import read_sheets
-        from irc.frontends.tables.reader import task_of_sheets
+        from irc.frontends.tables.reader import read_tables
 
-        return task_of_sheets(read_sheets(file), file)
+        return read_tables(file)
     if source == MS_PROJECT:
         from irc.frontends.ms_project.reader import read_ms_project
 

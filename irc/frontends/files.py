@@ -59,10 +59,9 @@ def read_task(path: str | Path, problem: str | None = None) -> Reading:
     """
     format = format_of(path)
     if format == TABLES:
-        from irc.frontends.tables.files import read_sheets
-        from irc.frontends.tables.reader import task_of_sheets
+        from irc.frontends.tables.reader import read_tables
 
-        return Reading(task_of_sheets(read_sheets(str(path)), str(path)), ())
+        return Reading(read_tables(str(path)), ())
     text, name = read_text(path)
     if format == MS_PROJECT:
         from irc.frontends.ms_project.reader import read_ms_project

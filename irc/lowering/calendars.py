@@ -16,6 +16,7 @@ from irc.model.quantities import DAY, Number, TimeError, exact
 from irc.model.time_text import day_seconds
 from irc.model.times import Clock, in_utc, rounded
 from irc.model.zones import zone
+from irc.problem.intervals import intersection
 
 Interval = tuple[Number, Number]
 """A half-open interval [start, end), in the task's unit."""
@@ -217,19 +218,6 @@ def without(
             at += 1
         if start < end and start < until:
             yield start, end
-
-
-def intersection(one: list[Interval], other: list[Interval]) -> Iterator[Interval]:
-    """The times in both; both are in order."""
-    i = j = 0
-    while i < len(one) and j < len(other):
-        start, end = max(one[i][0], other[j][0]), min(one[i][1], other[j][1])
-        if start < end:
-            yield start, end
-        if one[i][1] <= other[j][1]:
-            i += 1
-        else:
-            j += 1
 
 
 def calendars_by_id(task: Task) -> dict[str, Calendar]:

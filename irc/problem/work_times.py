@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from itertools import accumulate
 from typing import NamedTuple
 
+from irc.problem.intervals import intersection
 from irc.problem.problem import Activity, Problem
 
 FOREVER = 1 << 62
@@ -127,20 +128,8 @@ class WorkTimesOf:
         for r in sorted(resources):
             times = self.problem.resources[r].open_times(1)
             opened = [(start, FOREVER if end is None else end) for start, end in times]
-            found = list(_both(found, opened))
+            found = list(intersection(found, opened))
         return WorkTimes(found)
-
-
-def _both(one: list[Interval], other: list[Interval]) -> Iterator[Interval]:
-    i = j = 0
-    while i < len(one) and j < len(other):
-        start, end = max(one[i][0], other[j][0]), min(one[i][1], other[j][1])
-        if start < end:
-            yield start, end
-        if one[i][1] <= other[j][1]:
-            i += 1
-        else:
-            j += 1
 
 
 def work_range(activity: Activity, mode: int | None) -> tuple[int, int]:

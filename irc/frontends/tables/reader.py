@@ -11,6 +11,7 @@ from typing import Any
 from irc.diagnostics import Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer
 from irc.frontends.tables.cells import Faults, Row, Sheet, rows_of
+from irc.frontends.tables.files import read_sheets
 from irc.frontends.tables.layout import SHEETS, plain
 from irc.model import Task
 from irc.model.from_document import to_task
@@ -20,6 +21,14 @@ _TASK_FIELDS = (
     *("name", "description", "time_unit", "days_per_month", "resolution", "origin", "deadline"),
     "objective",
 )
+
+
+def read_tables(file: str) -> Task:
+    """The task of a workbook, a CSV file or a folder of CSV files.
+
+    Raises `InputError` with every fault and its cell, or `LibraryMissing` without openpyxl.
+    """
+    return task_of_sheets(read_sheets(file), file)
 
 
 def task_of_sheets(sheets: Sequence[Sheet], file: str) -> Task:

@@ -18,7 +18,7 @@ from irc.frontends.importers.scheduling_files.number_lines import (
     Numbers,
 )
 from irc.frontends.importers.scheduling_files.projects import stem_of
-from irc.frontends.importers.scheduling_files.shops import Shop, shop_task
+from irc.frontends.importers.scheduling_files.shops import SetupTimes, Shop, shop_task, take_setups
 from irc.model import Task
 
 _EXPECTED = (
@@ -79,18 +79,10 @@ def _counted_from_0(
     return [[[(m - 1, time) for m, time in ways] for ways in chain] for chain in chains]
 
 
-def _setups(lines: NumberLines, operations: int, machines: int) -> list[list[list[int]]]:
+def _setups(lines: NumberLines, operations: int, machines: int) -> SetupTimes:
     """The matrices of set-up times; none if the file ends behind the jobs."""
     if not lines:
         return []
     if machines * operations**2 > _MOST_SETUPS:
         lines.refuse(f"more than {_MOST_SETUPS:,} set-up times", lines.next.offsets[0])
-    return [
-        [
-            lines.take_numbers(
-                f"the set-up times of machine {machine}, row {row}", operations
-            ).take_many("a set-up time", operations)
-            for row in range(1, operations + 1)
-        ]
-        for machine in range(1, machines + 1)
-    ]
+    return take_setups(lines, machines, operations)

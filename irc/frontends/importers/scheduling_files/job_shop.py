@@ -16,7 +16,13 @@ from collections.abc import Iterator
 
 from irc.frontends.importers.scheduling_files.number_lines import MOST_ELEMENTS, NumberLines
 from irc.frontends.importers.scheduling_files.projects import stem_of
-from irc.frontends.importers.scheduling_files.shops import Alternatives, Shop, shop_task
+from irc.frontends.importers.scheduling_files.shops import (
+    Alternatives,
+    SetupTimes,
+    Shop,
+    shop_task,
+    take_setups,
+)
 from irc.model import Task
 
 _EXPECTED = (
@@ -114,18 +120,10 @@ def _taillard(lines: NumberLines, jobs: int, machines: int) -> list[Job]:
     return chains
 
 
-def _setups(lines: NumberLines, jobs: int, machines: int) -> list[list[list[int]]]:
+def _setups(lines: NumberLines, jobs: int, machines: int) -> SetupTimes:
     """The matrices of set-up times behind a job shop; none if there are none."""
     following = lines.lines[lines.position : lines.position + jobs * machines]
     fitting = [line.is_numbers and len(line.words) == jobs for line in following]
     if len(fitting) < jobs * machines or not all(fitting):
         return []
-    return [
-        [
-            lines.take_numbers(f"the set-up times of machine {machine}, row {row}", jobs).take_many(
-                "a set-up time", jobs
-            )
-            for row in range(1, jobs + 1)
-        ]
-        for machine in range(1, machines + 1)
-    ]
+    return take_setups(lines, machines, jobs)

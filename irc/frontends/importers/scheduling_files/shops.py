@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from irc.diagnostics.source import Source
+from irc.frontends.importers.scheduling_files.number_lines import NumberLines
 from irc.frontends.importers.scheduling_files.projects import task_of
 from irc.model import Task
 
@@ -44,6 +45,19 @@ class Shop:
     def has_setups(self, machine: int) -> bool:
         """Whether some set-up of a machine takes time."""
         return bool(self.setups) and any(map(any, self.setups[machine]))
+
+
+def take_setups(lines: NumberLines, machines: int, size: int) -> SetupTimes:
+    """The next lines as a matrix of set-up times for each machine, with `size` rows and columns."""
+    return [
+        [
+            lines.take_numbers(f"the set-up times of machine {machine}, row {row}", size).take_many(
+                "a set-up time", size
+            )
+            for row in range(1, size + 1)
+        ]
+        for machine in range(1, machines + 1)
+    ]
 
 
 def shop_task(shop: Shop, name: str, source: Source) -> Task:
