@@ -71,7 +71,7 @@ class _Deletion(Generic[S]):
     def leave_out(self, statements: frozenset[S]) -> Possibility:
         """Leaves statements out for good if the others still cannot hold together."""
         rest = self.kept - statements
-        trial = self.attempt(rest) if rest else Trial(Possibility.POSSIBLE)
+        trial = self.attempt(rest)
         if trial.result is Possibility.IMPOSSIBLE:
             self.kept = rest if trial.core is None else rest & trial.core
         elif trial.result is Possibility.POSSIBLE and len(statements) == 1:

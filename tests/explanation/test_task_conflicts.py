@@ -96,6 +96,27 @@ CASES: dict[str, tuple[Document, set[str]]] = {
             "'read' needs 'light' = true throughout",
         },
     ),
+    "effects alone": (
+        {
+            "state": [{"id": "lit"}],
+            "actions": [
+                {
+                    "id": "switch",
+                    "duration": 2,
+                    "effects": [
+                        {"at": "start", "var": "lit", "value": True},
+                        {"at": "start", "var": "lit", "value": False},
+                    ],
+                },
+                {"id": "rest", "duration": 1},
+            ],
+            "precedence": [["switch", "rest"]],
+        },
+        {
+            "'switch' makes 'lit' = true at its start",
+            "'switch' makes 'lit' = false at its start",
+        },
+    ),
     "numbers": (
         {
             "state": [{"id": "fuel", "kind": "number", "initial": 3, "min": 0}],
