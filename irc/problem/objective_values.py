@@ -111,23 +111,41 @@ class _DatedValues:
 
 def _setups(problem: Problem, schedule: Schedule, activities: Mapping[str, Activity]) -> Setup:
     """The set-ups of a schedule together."""
-    return total_setup(link for link, _ in _links(problem, schedule, activities))
+    return total_setup(link for link, _, _ in _links(problem, schedule, activities))
 
 
 def setups_shown(problem: Problem, schedule: Schedule) -> Iterator[tuple[int, Number, int]]:
     """(resource, start of the use after it, time) of each set-up that takes time, in ticks."""
     activities = {a.id: a for a in reversed(problem.activities)}
-    for link, decisions in _links(problem, schedule, activities):
+    for link, decisions, _ in _links(problem, schedule, activities):
         if link.setup.time:
             yield link.resource, decisions[link.after].start, link.setup.time
 
 
+def setups_done(
+    problem: Problem, schedule: Schedule
+) -> Iterator[tuple[str, Entry | None, Entry, Number, int]]:
+    """(resource, entries before and after, time in the task's unit, cost) of each set-up that
+    takes time or costs; before the first use nothing is before.
+    """
+    activities = {a.id: a for a in reversed(problem.activities)}
+    for link, _, entries in _links(problem, schedule, activities):
+        if link.setup.time or link.setup.cost:
+            before = None if link.before is None else entries[link.before]
+            time = problem.to_units(link.setup.time)
+            name = problem.resources[link.resource].id
+            yield name, before, entries[link.after], time, link.setup.cost
+
+
 def _links(
     problem: Problem, schedule: Schedule, activities: Mapping[str, Activity]
-) -> Iterator[tuple[SetupLink, list[Decision]]]:
-    """The set-ups of a schedule, with decisions by the numbers that they have in them."""
+) -> Iterator[tuple[SetupLink, list[Decision], list[Entry]]]:
+    """The set-ups of a schedule, with decisions and entries by the numbers that they have in
+    them.
+    """
     used: list[Activity] = []
     decisions: list[Decision] = []
+    entries: list[Entry] = []
     for entry in schedule.entries:
         try:
             decision = decision_of(problem, activities[entry.id], entry)
@@ -136,9 +154,10 @@ def _links(
         if decision.chosen:
             used.append(activities[entry.id])
             decisions.append(decision)
+            entries.append(entry)
     chosen = [d.chosen for d in decisions]
     for link in setup_links(problem.resources, used, decisions, chosen):
-        yield link, decisions
+        yield link, decisions, entries
 
 
 def _cost_of_mode(details: Details, entry: Entry) -> int:
