@@ -33,6 +33,7 @@ ORDER = (
     "frontends",
     "explanation",
     "execution",
+    "reporting",
     "service",
     "lsp",
     "testing",

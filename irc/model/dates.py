@@ -18,7 +18,7 @@ _MICROSECOND = timedelta(microseconds=1)
 
 @dataclass(frozen=True, slots=True)
 class Dates:
-    """What turns times of one task into date-times, to the microsecond.
+    """Turns times of one task into date-times, to the microsecond.
 
     `unit` are the seconds in the task's time unit. Date-times are in `zone`; where it is None they
     have no zone, because neither the `origin` nor a calendar names one.

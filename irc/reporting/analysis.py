@@ -43,7 +43,7 @@ from irc.schedule import Entry, Schedule
 
 @dataclass(frozen=True)
 class Analysis:
-    """What is to be seen of a schedule; all times are in the task's time unit.
+    """All that there is to see of a schedule; times are in the task's time unit.
 
     `span` is the makespan, to which closed times, loads and resources are followed. `dates` turns
     times into date-times, where the task has an origin and its dates reach the makespan. `critical`

@@ -106,7 +106,7 @@ def chain_to(last: Key, why: Mapping[Key, tuple[Reason, ...]]) -> tuple[Key, ...
 
 
 def _waits(key: Key, why: Mapping[Key, tuple[Reason, ...]]) -> Iterator[Key]:
-    """What an occurrence waits for; a maximum lag leads on in time, and not back."""
+    """The occurrences that one waits for; a maximum lag leads on in time, and not back."""
     for reason in why.get(key, ()):
         if reason.after is not None and reason.kind != "max_lag":
             yield reason.after
