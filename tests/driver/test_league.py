@@ -24,10 +24,9 @@ def test_the_generator_of_job_shops_gives_taillards_first_instance() -> None:
 
 
 def test_a_generated_project_has_no_implied_precedence_and_is_read_as_it_was_meant() -> None:
+    from irc.frontends.formats import load_importer
     from racing.gather import instance_of
     from racing.generate import project
-
-    from irc.frontends.formats import load_importer
 
     ((stem, task),) = load_importer("psplib")(project(30, 1.8, 0.5, 0.2, 7), "p.sm")
     instance = instance_of(stem, task)
