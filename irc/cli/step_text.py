@@ -8,7 +8,6 @@ from dataclasses import replace
 from rich.console import Console
 from rich.text import Text
 
-from irc.cli.event_text import changes_in_words, listed
 from irc.cli.page import Page, grouped, print_lines, time_in_words, with_unit
 from irc.cli.table import (
     Column,
@@ -19,6 +18,7 @@ from irc.cli.table import (
     rank_text,
     table_lines,
 )
+from irc.events.wording import changes_in_words, listed
 from irc.execution.simulation import Simulation
 from irc.execution.step import Step
 from irc.model.quantities import Number
