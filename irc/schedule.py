@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from enum import StrEnum
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
@@ -17,6 +17,9 @@ from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
 from irc.outcome import INTERRUPTED, Outcome
+
+if TYPE_CHECKING:
+    from irc.display.svg import Bar
 
 SCHEDULE_VERSION = "1"
 
@@ -204,8 +207,9 @@ class Schedule:
         return f"{head}, makespan {format_number(self.makespan)}{self._unit}"
 
     def _repr_html_(self) -> str:
-        """The schedule as a table, for notebooks."""
+        """The schedule as a picture and a table, for notebooks."""
         from irc.display.html import heading, table
+        from irc.display.svg import bars_svg
 
         unit = f" ({self.time_unit})" if self.time_unit else ""
         columns = ("action", "occurrence", f"start{unit}", f"end{unit}", "mode", "resources", "")
@@ -221,7 +225,32 @@ class Schedule:
             )
             for e in self
         ]
-        return heading(self._headline()) + (table(columns, rows) if rows else "")
+        if not rows:
+            return heading(self._headline())
+        picture = bars_svg(self.bars(), self.time_unit or "", self._headline())
+        return heading(self._headline()) + picture + table(columns, rows)
+
+    def bars(self, marked: Container[str] = ()) -> list[Bar]:
+        """A bar for each resource of each entry, to be drawn; those in `marked` stand out."""
+        from irc.display.svg import Bar
+
+        names = sorted({name for entry in self.entries for name in entry.resources})
+        colours = {name: k for k, name in enumerate(names)}
+        rows = [(e, row) for e in self for row in sorted(e.resources) or [""]]
+        rows.sort(key=lambda pair: (pair[1] == "", pair[1]))
+        unit = self._unit
+        return [
+            Bar(
+                row,
+                float(e.start),
+                float(e.end),
+                e.id,
+                f"{e.id}: {format_number(e.start)} – {format_number(e.end)}{unit}",
+                colours.get(row, len(names)),
+                e.id in marked,
+            )
+            for e, row in rows
+        ]
 
     def to_rows(self) -> list[dict[str, Any]]:
         """A dictionary for each entry, in order of time, with exact times in the task's unit."""
