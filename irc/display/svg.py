@@ -14,7 +14,7 @@ from html import escape
 _COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a89c00", "#7a7a7a")
 
 MOST_LINES, MOST_BARS = 24, 120
-"""A picture has at most so many lines and bars; what is left out is counted below it."""
+"""Limits on the lines and bars of a picture; what is left out is counted below it."""
 
 _LINE, _NAME, _TOP, _SIGN = 22, 128, 22, 6.6
 """Heights and widths in pixels: a line, the names beside it, the axis, a letter (about)."""

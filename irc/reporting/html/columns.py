@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 
@@ -28,113 +29,123 @@ class Table:
     note: str = ""
 
 
-def _columns(*columns: tuple[str, str] | tuple[str, str, int]) -> tuple[Column, ...]:
-    return tuple(Column(c[0], c[1], c[2] if len(c) == 3 else k) for k, c in enumerate(columns))
+_Columns = tuple[tuple[str, str] | tuple[str, str, int], ...]
 
+# (In a title, % stands for the time unit. The chart reads the columns of actions by their places:
+# see model.js.)
+_COLUMNS: Mapping[str, _Columns] = MappingProxyType(
+    {
+        "orders": (
+            ("order", "text"),
+            ("due", "time", 4),
+            ("ends", "time", 6),
+            ("on time", "text"),
+            ("due (%)", "number"),
+            ("start (%)", "number"),
+            ("end (%)", "number"),
+            ("lateness (%)", "number"),
+            ("weight", "number"),
+            ("actions", "number"),
+            ("its end waits for", "text"),
+        ),
+        "changes": (
+            ("action", "text"),
+            ("occurrence", "number"),
+            ("change", "text"),
+            ("started", "time", 5),
+            ("starts", "time", 6),
+            ("start before (%)", "number"),
+            ("start now (%)", "number"),
+            ("resources before", "text"),
+            ("resources now", "text"),
+        ),
+        "resources": (
+            ("resource", "text"),
+            ("capacity", "number"),
+            ("actions", "number"),
+            ("use in percent", "number"),
+            ("busy (%)", "number"),
+            ("set-up (%)", "number"),
+            ("idle (%)", "number"),
+            ("closed (%)", "number"),
+            ("set-ups", "number"),
+            ("set-up cost", "number"),
+        ),
+        "actions": (
+            ("action", "text"),
+            ("occurrence", "number"),
+            ("starts", "time", 4),
+            ("ends", "time", 5),
+            ("start (%)", "number"),
+            ("end (%)", "number"),
+            ("duration (%)", "number"),
+            ("mode", "text"),
+            ("resources", "text"),
+            ("order", "text"),
+            ("due (%)", "number"),
+            ("lateness (%)", "number"),
+            ("slack (%)", "number"),
+            ("status", "text"),
+            ("why it starts then", "text"),
+        ),
+        "setups": (
+            ("resource", "text"),
+            ("starts", "time", 3),
+            ("ends", "time", 4),
+            ("start (%)", "number"),
+            ("end (%)", "number"),
+            ("after", "text"),
+            ("for", "text"),
+            ("cost", "number"),
+        ),
+        "levels": (
+            ("stock or variable", "text"),
+            ("from", "time", 2),
+            ("from (%)", "number"),
+            ("level or value", "text"),
+        ),
+        "days": (
+            ("day", "text"),
+            ("starts", "number"),
+            ("ends", "number"),
+            ("due", "number"),
+            ("of these late", "number"),
+        ),
+    }
+)
 
-def tables_for(unit: str) -> Mapping[str, Table]:
-    """The tables of a report on a task with this time unit, in their order."""
-    return {
-        "orders": Table(
+_TITLES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "orders": (
             "Due dates and orders",
-            _columns(
-                ("order", "text"),
-                ("due", "time", 4),
-                ("ends", "time", 6),
-                ("on time", "text"),
-                (f"due ({unit})", "number"),
-                (f"start ({unit})", "number"),
-                (f"end ({unit})", "number"),
-                (f"lateness ({unit})", "number"),
-                ("weight", "number"),
-                ("actions", "number"),
-                ("its end waits for", "text"),
-            ),
             "Lateness is the end less the due date: below 0 the order is early.",
         ),
-        "changes": Table(
-            "Changes against the previous plan",
-            _columns(
-                ("action", "text"),
-                ("occurrence", "number"),
-                ("change", "text"),
-                ("started", "time", 5),
-                ("starts", "time", 6),
-                (f"start before ({unit})", "number"),
-                (f"start now ({unit})", "number"),
-                ("resources before", "text"),
-                ("resources now", "text"),
-            ),
-        ),
-        "resources": Table(
+        "changes": ("Changes against the previous plan", ""),
+        "resources": (
             "Resources",
-            _columns(
-                ("resource", "text"),
-                ("capacity", "number"),
-                ("actions", "number"),
-                ("use (%)", "number"),
-                (f"busy ({unit})", "number"),
-                (f"set-up ({unit})", "number"),
-                (f"idle ({unit})", "number"),
-                (f"closed ({unit})", "number"),
-                ("set-ups", "number"),
-                ("set-up cost", "number"),
-            ),
             "From t = 0 to the last end. Use is the part of the open capacity that is held.",
         ),
-        "actions": Table("Actions", action_columns(unit)),
-        "setups": Table(
-            "Set-ups",
-            _columns(
-                ("resource", "text"),
-                ("starts", "time", 3),
-                ("ends", "time", 4),
-                (f"start ({unit})", "number"),
-                (f"end ({unit})", "number"),
-                ("after", "text"),
-                ("for", "text"),
-                ("cost", "number"),
-            ),
-        ),
-        "levels": Table(
-            "Stock and state over time",
-            _columns(
-                ("stock or variable", "text"),
-                ("from", "time", 2),
-                (f"from ({unit})", "number"),
-                ("level or value", "text"),
-            ),
-        ),
-        "days": Table(
+        "actions": ("Actions", ""),
+        "setups": ("Set-ups", ""),
+        "levels": ("Stock and state over time", ""),
+        "days": (
             "Days",
-            _columns(
-                ("day", "text"),
-                ("starts", "number"),
-                ("ends", "number"),
-                ("due", "number"),
-                ("of these late", "number"),
-            ),
             "The numbers of actions that start and end, and of orders that are due, on each day.",
         ),
     }
+)
 
 
-def action_columns(unit: str) -> tuple[Column, ...]:
-    """The columns of the actions; the chart reads them by their places (see model.js)."""
-    return _columns(
-        ("action", "text"),
-        ("occurrence", "number"),
-        ("starts", "time", 4),
-        ("ends", "time", 5),
-        (f"start ({unit})", "number"),
-        (f"end ({unit})", "number"),
-        (f"duration ({unit})", "number"),
-        ("mode", "text"),
-        ("resources", "text"),
-        ("order", "text"),
-        (f"due ({unit})", "number"),
-        (f"lateness ({unit})", "number"),
-        (f"slack ({unit})", "number"),
-        ("status", "text"),
-        ("why it starts then", "text"),
+def tables_for(unit: str) -> dict[str, Table]:
+    """The tables of a report on a task with this time unit, in their order."""
+    return {
+        name: Table(title, _columns(_COLUMNS[name], unit), note)
+        for name, (title, note) in _TITLES.items()
+    }
+
+
+def _columns(columns: _Columns, unit: str) -> tuple[Column, ...]:
+    return tuple(
+        Column(c[0].replace("%", unit), c[1], c[2] if len(c) == 3 else k)
+        for k, c in enumerate(columns)
     )

@@ -33,7 +33,7 @@ def _key_text(key: Key) -> str:
 
 
 def action_cells(analysis: Analysis, row: ActionRow, names: Mapping[str, str]) -> Cells:
-    """The cells of an action, in the columns of `action_columns`."""
+    """The cells of an action, in its columns."""
     return (
         row.action,
         "" if row.occurrence == 1 else str(row.occurrence),
