@@ -159,3 +159,65 @@ def test_an_answer_that_cannot_be_improved_waits_for_the_planner_for_a_while_onl
     found = with_planner(lambda _: answer(4), improves, whole, "cpsat")
     assert found.schedule.makespan == 3
     assert whole.elapsed < 30
+
+
+class Asked:
+    """A session whose planner takes a given time for each kind of search, and finds given plans."""
+
+    def __init__(self, task: Task, plans: dict[str, int], ends: dict[str, float]) -> None:
+        backend = get_backend("pddl21")
+        self.problem = lower_for(task, backend)
+        self.program = Program(backend, task, self.problem)
+        self.planner = KairosPlanner()
+        self.left = 100.0
+        self.best: irc.Schedule | None = None
+        self.plans, self.ends = plans, ends
+        self.asked: list[str] = []
+
+    def ask(self, _: object, seconds: float, **how: object) -> irc.Schedule | None:
+        search = str(how["search"])
+        self.asked.append(search)
+        needed = self.ends.get(search, 1000.0)
+        self.left -= min(seconds, needed)
+        if search not in self.plans or needed > seconds:
+            return None
+        found = irc.Schedule((irc.Entry("a", 0, self.plans[search]),))
+        if self.best is None or found.makespan < self.best.makespan:
+            self.best = found
+        return found
+
+
+def all_asked(plans: dict[str, int], ends: dict[str, float]) -> Asked:
+    session = Asked(example("matchcellar"), plans, ends)
+    plan_original(session)  # type: ignore[arg-type]
+    return session
+
+
+SEARCHES = list(KairosPlanner.lifted_searches)
+
+
+def test_each_kind_of_search_gets_a_little_time_and_then_more() -> None:
+    session = all_asked({}, {})
+    assert session.asked == 2 * SEARCHES
+    assert session.left > 20
+
+
+def test_a_search_that_has_ended_without_a_plan_is_not_asked_again() -> None:
+    assert all_asked({}, {SEARCHES[0]: 0.1}).asked == [*SEARCHES, *SEARCHES[1:]]
+
+
+def test_the_best_plan_of_the_first_round_with_one_counts() -> None:
+    session = all_asked({SEARCHES[1]: 90, SEARCHES[3]: 80}, dict.fromkeys(SEARCHES, 1.0))
+    assert session.asked == SEARCHES
+    assert session.best is not None
+    assert session.best.makespan == 80
+
+
+def test_a_plan_at_the_bound_ends_the_round() -> None:
+    assert all_asked({SEARCHES[1]: 0}, {SEARCHES[1]: 1.0}).asked == SEARCHES[:2]
+
+
+def test_a_plan_that_only_the_second_round_has_time_for_is_found() -> None:
+    session = all_asked({SEARCHES[2]: 70}, {SEARCHES[2]: 10.0})
+    assert session.best is not None
+    assert session.asked == 2 * SEARCHES

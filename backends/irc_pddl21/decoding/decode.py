@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from irc.passes.unroll import unroll
-from irc.problem import Problem
+from irc.problem import Activity, Problem
 from irc.problem.decisions import ABSENT, AnswerError, Decision
+from irc.problem.projection import restricted
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
@@ -90,6 +91,7 @@ def _schedule(
 ) -> Schedule:
     scale = names["planner_units_per_tick"]
     happened = _occurrences(problem, names, block)
+    problem = _without_absent(problem, happened)
     depth = max((len(steps) for steps in happened.values()), default=0)
     unrolled = unroll(problem, depth)
     decisions: list[Decision] = []
@@ -110,6 +112,29 @@ def _schedule(
     if names.get("shortened"):
         return schedule_of(unrolled, retime(unrolled, rounded(unrolled, decisions)))
     return schedule_of(unrolled, retime(unrolled, decisions, tolerance / scale))
+
+
+def _without_absent(problem: Problem, happened: Collection[str]) -> Problem:
+    """The problem without the activities that nothing asks for and that did not happen.
+
+    (Of thousands of actions that may be repeated a plan has a few.)
+    """
+    if problem.groups or problem.selections or problem.couplings or problem.previous.places:
+        return problem
+    asked = set(problem.required)
+    kept = [
+        i
+        for i, activity in enumerate(problem.activities)
+        if activity.id in happened or i in asked or not _may_be_absent(activity)
+    ]
+    if len(kept) == len(problem.activities):
+        return problem
+    return restricted(problem, activities=kept)[0]
+
+
+def _may_be_absent(activity: Activity) -> bool:
+    repeats = activity.details.repeats
+    return activity.details.optional if repeats is None else repeats[0] == 0
 
 
 def _occurrences(

@@ -20,6 +20,7 @@ class KairosPlanner(Planner):
 
     name: ClassVar[str] = "kairos"
     searches: ClassVar[tuple[str, ...]] = ("novelty", "")
+    lifted_searches: ClassVar[tuple[str, ...]] = ("goals", "", "lama-novelty", "novelty")
 
     def missing(self) -> str | None:
         """The reason why kairos cannot be imported, or None if it can."""

@@ -76,6 +76,9 @@ class Planner(ABC):
     searches: ClassVar[tuple[str, ...]] = ("",)
     """The kinds of search to try in turn where one plan is wanted."""
 
+    lifted_searches: ClassVar[tuple[str, ...]] = ("",)
+    """Those for PDDL that somebody wrote, the greediest first."""
+
     @abstractmethod
     def missing(self) -> str | None:
         """The reason why the planner cannot run here and how to get it, or None if it can."""

@@ -69,7 +69,7 @@ def run_planner(
         given = PlannerInput(request, program, names, *files, options, left)
         watcher = _OutputWatcher(given, planner.name, budget)
         result = _run(planner, given, watcher, Path(folder))
-    return _outcome(planner.name, given, watcher.best, result, budget.elapsed)
+    return _outcome(planner.name, given, watcher, result, budget.elapsed)
 
 
 def _texts(
@@ -123,6 +123,11 @@ class _OutputWatcher:
             return False
         block, self.lines = "\n".join(self.lines) + "\n", []
         return self._take(block)
+
+    @property
+    def pending(self) -> str:
+        """The lines of the plan that has not ended yet."""
+        return "".join(f"{line}\n" for line in self.lines)
 
     def _take(self, block: str) -> bool:
         problem = self.given.program.problem
@@ -185,19 +190,20 @@ def _is_better(program: Program, new: Schedule, old: Schedule | None) -> bool:
 def _outcome(
     engine: str,
     given: PlannerInput,
-    seen: Schedule | None,
+    watcher: _OutputWatcher,
     result: ProcessResult,
     seconds: float,
 ) -> Outcome:
-    """The best schedule seen while the planner ran, or in its whole output.
+    """The best schedule seen while the planner ran, or in what it printed last of all.
 
-    (The last plan may have been cut short, and so not seen. A call that was cancelled does without
-    it: to read the whole output again takes too long.)
+    (The last plan may have been cut short, and so not seen; where no plan could be used, the whole
+    output is read again, for the reason. A call that was cancelled does without it.)
     """
+    seen = watcher.best
     if seen is not None and result.ended is Ended.CANCELLED:
         return Outcome(Status.FEASIBLE, engine, seen, 0, seconds)
-    log = _read(given, result.stdout)
-    notes = _damage_notes(engine, log)
+    log = _read(given, result.stdout if seen is None else watcher.pending)
+    notes = _damage_notes(engine, log if seen is None else read_plans(result.stdout))
     schedule, reason = seen, ""
     try:
         problem = given.program.problem

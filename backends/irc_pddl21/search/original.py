@@ -4,29 +4,54 @@ A planner reads its lifted actions, and makes of them what it needs by itself; o
 task is ground, and has facts for each occurrence. So the original is often solved at once where the
 ground text is not. The plan is judged like any other: it is re-timed, and
 the validator must accept it as a schedule of the task.
+
+Which kind of search succeeds differs from domain to domain, and the one that does mostly succeeds
+within a second. So each gets a little time in turn, and then each gets more.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from irc_pddl21.search.planner_session import PlannerSession
 
-ORIGINAL_SHARES = (0.5, 0.7)
-"""Of the time left, for the original in one kind of search after the other."""
+ROUNDS = (0.05, 0.14)
+"""Of the time left at first: what each kind of search gets in each round."""
+
+EXHAUSTED = 0.5
+"""A search that ends without a plan before this part of its time is not asked again."""
 
 
 def plan_original(session: PlannerSession) -> None:
-    """Asks for a plan of the original, if the program is of a task as it was made of PDDL.
+    """Asks for plans of the original, if the program is of a task as it was made of PDDL.
 
-    The plan is the session's best then, and the answer names the original with the planner.
+    The best plan of the first round that has one is the session's best then, and the answer names
+    the original with the planner.
     """
     program = session.program
     if program.task.original is None or program.judge is not None or program.task.events:
         return
+    searches: Iterable[str] = session.planner.lifted_searches
+    whole = session.left
+    for share in ROUNDS:
+        searches = _round(session, searches, share * whole)
+        if session.best is not None:
+            return
+
+
+def _round(session: PlannerSession, searches: Iterable[str], seconds: float) -> list[str]:
+    """Asks with each kind of search for some seconds; the kinds that may still have a plan.
+
+    The round ends with the first plan that meets the bound on the makespan.
+    """
     problem = session.problem
     least = problem.bounds.makespan.value
-    searches = reversed(session.planner.searches)
-    for search, share in zip(searches, ORIGINAL_SHARES, strict=False):
-        seconds = share * session.left
+    waiting = []
+    for search in searches:
+        before = session.left
         plan = session.ask(problem, seconds, enough=least, search=search, original=True)
-        if plan is not None:
+        if plan is not None and problem.whole_ticks(plan.makespan) <= least:
             break
+        if plan is None and before - session.left >= EXHAUSTED * seconds:
+            waiting.append(search)
+    return waiting
