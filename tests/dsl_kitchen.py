@@ -12,6 +12,7 @@ resource grill, board capacity 2 label "the board"
 resource press no idle setup initial clean setup from red -> blue = 20 min cost 5
 resource saw setup from * -> red = 30
 resource bench during calendar day shift
+resource oven takes loads capacity 10
 stock flour initial 3 within 0 .. 10
 pool robots = r1, r2
 state chicken = raw, grilled initial raw
@@ -27,6 +28,12 @@ stir 3 needs heat >= 1 <= 8, heat == 2 at end sets heat += 1, heat -= 2 at start
 taste 1 min starts by 35 ends from 3 when broken restart
 polish 5 min during calendar cycle may pause at most 2 h
 grill chicken -> start of rest
+same resource print use 0, polish
+different mode stir, taste
+if print mode fast or slow then polish on press use 1
+select 1 .. 2 of stir, taste if polish
+consecutive print, polish on press
+same order on press, saw jobs [print, polish], [stir, taste]
 goal chicken = grilled, heat <= 4
 deadline 40
 minimize makespan, cost

@@ -193,6 +193,10 @@ class Resource(Element[IrResource]):
         """Leaves no gap between its first and its last use but set-ups."""
         return self._set(no_idle=True)
 
+    def takes_loads(self) -> Self:
+        """Lets it take loads: what is in it at once starts and ends together, of one family."""
+        return self._set(kind="batch")
+
     def initial_family(self, family: str) -> Self:
         """Sets the family that the resource is set up for at t = 0."""
         return self._set(setups={**(self._raw.get("setups") or {}), "initial": family})

@@ -102,6 +102,7 @@ class Task:
         events: Iterable[Event | Object] = (),
         couplings: Iterable[Object] = (),
         select: Iterable[Object] = (),
+        sequences: Iterable[Object] = (),
         lapsed: Iterable[Object] = (),
         irc: Literal["1"] | None = None,
         **unknown: Never,
@@ -119,6 +120,7 @@ class Task:
             "objective": objective,
             "couplings": list(couplings) or None,
             "select": list(select) or None,
+            "sequences": list(sequences) or None,
             "lapsed": list(lapsed) or None,
         }
         given: dict[str, list[Any]] = {

@@ -362,11 +362,15 @@ def _add_resources(walk: _Walk, change: AddResources, at: Pointer) -> None:
 
 def _require_one_at_a_time(walk: _Walk, resource: Resource, capacity: int, at: Pointer) -> None:
     """Reports a capacity that a resource with set-ups cannot have."""
-    if resource.setups is None and not resource.no_idle:
-        return
-    from irc.checks.setups import check_capacity_with_setups
+    wrong = None
+    if resource.setups is not None or resource.no_idle:
+        from irc.checks.setups import check_capacity_with_setups
 
-    wrong = check_capacity_with_setups(resource, capacity)
+        wrong = check_capacity_with_setups(resource, capacity)
+    elif walk.task.sequences:
+        from irc.checks.sequences import check_capacity_in_order
+
+        wrong = check_capacity_in_order(walk.task, resource, capacity)
     if wrong is not None:
         hint = "set it to 0 or 1, or add another resource"
         walk.report(Code.UNSUITED_CHANGE, wrong, (*at, "capacity"), hint)

@@ -1,13 +1,13 @@
-"""Checks of set-ups: rows that contradict each other, families that no row names, capacities."""
+"""Checks of set-ups and loads: rows that contradict each other, families, capacities."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Findings, did_you_mean
 from irc.diagnostics.source import Pointer
-from irc.model import Resource, Task, Use
+from irc.model import Action, Resource, Task, Use
 from irc.model.base import write_time
 
 if TYPE_CHECKING:
@@ -22,7 +22,9 @@ _MOST_NAMED = 6
 def check_setups(task: Task, names: DeclaredNames, times: TimeChecks, findings: Findings) -> None:
     """Adds the faults of set-ups and of the families of uses."""
     for i, resource in enumerate(task.resources):
-        if (resource.setups is not None or resource.no_idle) and resource.kind == "renewable":
+        if resource.kind == "batch":
+            _check_batch(task, resource, ("resources", i), findings)
+        elif (resource.setups is not None or resource.no_idle) and resource.kind == "renewable":
             _check_resource(resource, ("resources", i), times, findings)
     for i, action in enumerate(task.actions):
         if action.is_simple:
@@ -32,6 +34,43 @@ def check_setups(task: Task, names: DeclaredNames, times: TimeChecks, findings: 
         for k, mode in enumerate(action.modes):
             at: Pointer = ("actions", i, "modes", k, "uses")
             _check_uses(mode.uses, at, owner, names, findings, beside=action.uses)
+
+
+def _check_batch(task: Task, resource: Resource, at: Pointer, findings: Findings) -> None:
+    """Reports what loads do not have, and uses without a family beside uses with one."""
+    for field in ("setups", "no_idle"):
+        if getattr(resource, field):
+            what = "set-ups" if field == "setups" else "idle time to avoid"
+            findings.add(
+                Code.SETUPS,
+                f"{resource.id!r} takes loads: a batch resource has no {what}",
+                (*at, field),
+                at_key=True,
+                hint='remove it, or make it a renewable resource: "kind": "renewable"',
+            )
+    uses = [found for i, a in enumerate(task.actions) for found in _uses_of(a, i, resource.id)]
+    if not any(use.family is not None for _, _, use in uses):
+        return
+    for name, place, use in uses:
+        if use.family is None:
+            findings.add(
+                Code.FAMILY,
+                f"action {name!r} names no family for {resource.id!r}, unlike others: it is never "
+                "in one load with these",
+                place,
+                hint='add its "family", or one for all of them',
+            )
+
+
+def _uses_of(action: Action, index: int, resource: str) -> Iterator[tuple[str, Pointer, Use]]:
+    """The name of an action, the place and the entry of each of its uses of a resource."""
+    at: Pointer = ("actions", index)
+    parts = [(action.uses, (*at, "uses"))]
+    parts += [(mode.uses, (*at, "modes", m, "uses")) for m, mode in enumerate(action.modes)]
+    for uses, place in parts:
+        for k, use in enumerate(uses):
+            if resource in use.alternatives:
+                yield action.id, (*place, k), use
 
 
 def check_capacity_with_setups(resource: Resource, capacity: int) -> str | None:
@@ -125,9 +164,10 @@ def _check_uses(
     for k, use in enumerate(uses):
         resources = [names.resources[r] for r in use.alternatives if r in names.resources]
         with_setups = [r for r in resources if r.setups is not None]
-        if use.family is not None:
+        batches = [r for r in resources if r.kind == "batch"]
+        if use.family is not None and (not batches or use.family == ANY):
             _check_family(use.family, with_setups, (*at, k, "family"), owner, findings)
-        for resource in with_setups:
+        for resource in (*with_setups, *batches):
             if held.setdefault(resource.id, use.family) != use.family:
                 findings.add(
                     Code.SETUPS,
@@ -155,7 +195,7 @@ def _check_family(
     elif not with_setups:
         findings.add(
             Code.WITHOUT_EFFECT,
-            f"the family of {owner} has no meaning: what it uses has no set-ups",
+            f"the family of {owner} has no meaning: what it uses has no set-ups and takes no loads",
             at,
             at_key=True,
             hint='add "setups" to the resource, or remove the family',

@@ -140,6 +140,10 @@ def check_structure(task: Task, findings: Findings) -> tuple[DeclaredNames, Time
         from irc.checks.together import check_together
 
         check_together(task, names)
+    if task.sequences:
+        from irc.checks.sequences import check_sequences
+
+        check_sequences(task, names)
     _check_groups(task, names, times, findings)
     for i, goal in enumerate(task.goals):
         if isinstance(goal, str):
@@ -160,9 +164,8 @@ def _check_families(
     """Checks set-ups and families; loads these checks only for tasks that have them."""
     uses = (u for a in task.actions if not a.is_simple for u in a.uses)
     modes = (u for a in task.actions if not a.is_simple for m in a.modes for u in m.uses)
-    if any(r.setups is not None or r.no_idle for r in task.resources) or any(
-        use.family is not None for use in (*uses, *modes)
-    ):
+    named = (r for r in task.resources if r.setups is not None or r.no_idle or r.kind == "batch")
+    if any(named) or any(use.family is not None for use in (*uses, *modes)):
         from irc.checks.setups import check_setups
 
         check_setups(task, names, times, findings)
@@ -279,6 +282,7 @@ class TimeChecks:
 
 _OTHER_KIND = {
     "renewable": 'remove it, or write "kind": "reservoir"',
+    "batch": 'remove it, or write "kind": "reservoir"',
     "reservoir": 'remove it; a reservoir has "initial", "min" and "max"',
 }
 
@@ -562,9 +566,13 @@ def require_kind(
     resource: Resource, kind: str, field: str, pointer: Pointer, names: DeclaredNames
 ) -> None:
     """Reports a resource that is not of the `kind` that `field` needs."""
-    if resource.kind != kind:
+    if (resource.kind == "reservoir") != (kind == "reservoir"):
         other = "'consumes' and 'produces'" if resource.kind == "reservoir" else "'uses'"
-        called = {"renewable": "a renewable resource", "reservoir": "a reservoir"}
+        called = {
+            "renewable": "a renewable resource",
+            "batch": "a batch resource",
+            "reservoir": "a reservoir",
+        }
         names.findings.add(
             Code.WRONG_KIND,
             f"'{field}' needs {called[kind]}, but {resource.id!r} is {called[resource.kind]}",

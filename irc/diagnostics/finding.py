@@ -96,7 +96,8 @@ class Code(Enum):
     OVERLAP = ("IRC213", Severity.ERROR, "windows that overlap")
     TOO_MANY = ("IRC214", Severity.ERROR, "more occurrences than irc can plan")
     SETUPS = ("IRC217", Severity.ERROR, "set-ups that contradict each other or their resource")
-    FAMILY = ("IRC218", Severity.WARNING, "a family that no set-up names")
+    FAMILY = ("IRC218", Severity.WARNING, "a family that no set-up names, or that a load lacks")
+    SEQUENCE = ("IRC219", Severity.ERROR, "an order of uses without sense, or that cannot hold")
 
     CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
     WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")

@@ -159,12 +159,13 @@ class _TaskEditor:
             "events": self.task.events if event is None else _without(self.task.events, event),
             **self.whole,
         }
-        if self.task.couplings or self.task.select:
-            from irc.events.together import couplings_left, selections_left
+        if self.task.couplings or self.task.select or self.task.sequences:
+            from irc.events.together import couplings_left, selections_left, sequences_left
 
             left = {a for a in self.actions if a not in self.lapsed}
             fields["couplings"] = couplings_left(self.task.couplings, left)
             fields["select"] = selections_left(self.task.select, left | set(self.groups))
+            fields["sequences"] = sequences_left(self.task.sequences, left)
         changed = {k: v for k, v in fields.items() if v != getattr(self.task, k)}
         # The places of its elements in the text are no longer valid.
         return self.task.model_copy(update=changed).with_source(None)

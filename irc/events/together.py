@@ -1,10 +1,10 @@
-"""Couplings and selections of what is left when actions are cancelled."""
+"""Couplings, selections and sequences of what is left when actions are cancelled."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 
-from irc.model.details import Coupling, Selection
+from irc.model.details import Coupling, Selection, UseOrder
 
 
 def couplings_left(
@@ -39,4 +39,22 @@ def selections_left(
         elif there:
             least = min(selection.min, len(there))
             left.append(selection.model_copy(update={"actions": there, "min": least}))
+    return tuple(left)
+
+
+def sequences_left(
+    sequences: tuple[UseOrder, ...], actions: Collection[str]
+) -> tuple[UseOrder, ...]:
+    """The orders of uses among these actions."""
+    left = []
+    for order in sequences:
+        if order.consecutive is not None:
+            if all(name in actions for name in order.consecutive):
+                left.append(order)
+            continue
+        jobs = tuple(row for row in order.jobs if all(name in actions for name in row))
+        if len(jobs) == len(order.jobs):
+            left.append(order)
+        elif jobs:
+            left.append(order.model_copy(update={"jobs": jobs}))
     return tuple(left)

@@ -44,7 +44,7 @@ ORDER = (
     *("sequence", "coupling", "setups", "no_idle", "timed_change", "calendar", "window"),
     *("release", "earliest_end", "deadline", "latest_start", "start", "max_pause"),
     *("selection", "stock_min", "stock_max", "number_min", "number_max", "goal"),
-    *("group_deadline", "task_deadline", "capacity"),
+    *("group_deadline", "task_deadline", "batch", "capacity"),
 )
 """The order of leaving out: what an author sets once for all is kept longest."""
 
@@ -109,8 +109,9 @@ def _of_task(task: Task, document: Mapping[str, Any], longest: str) -> Iterator[
         yield Element(
             "task_deadline", ("deadline",), f"everything ends by {_at(task, task.deadline)}"
         )
+    ordered = _ordered(task)
     for k, resource in enumerate(document.get("resources", ())):
-        yield from _of_resource(task, resource, ("resources", k))
+        yield from _of_resource(task, resource, ("resources", k), resource["id"] in ordered)
     for k, variable in enumerate(document.get("state", ())):
         yield from _of_variable(task, variable, ("state", k))
     for k, action in enumerate(document["actions"]):
@@ -134,7 +135,27 @@ def _of_task(task: Task, document: Mapping[str, Any], longest: str) -> Iterator[
             yield Element(kind, (field, k), _said(kind, one))
 
 
-def _of_resource(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterator[Element]:
+def _ordered(task: Task) -> frozenset[str]:
+    """The resources with orders of uses, which cannot have another capacity than 1."""
+    named: set[str] = set()
+    for order in task.sequences:
+        named.update(order.same_order or ())
+        if order.resource is not None:
+            named.add(order.resource)
+        elif order.consecutive is not None:
+            named.update(
+                name
+                for action in task.actions
+                if action.id in order.consecutive
+                for use in (*action.uses, *(u for mode in action.modes for u in mode.uses))
+                for name in use.alternatives
+            )
+    return frozenset(named)
+
+
+def _of_resource(
+    task: Task, resource: Mapping[str, Any], at: Pointer, ordered: bool
+) -> Iterator[Element]:
     name = repr(resource["id"])
     of = str(resource["id"])
     if resource.get("kind") == "reservoir":
@@ -147,7 +168,10 @@ def _of_resource(task: Task, resource: Mapping[str, Any], at: Pointer) -> Iterat
             yield Element("stock_max", (*at, "max"), text, of=of)
         return
     special = [f for f in ("setups", "no_idle") if resource.get(f)]
-    if not special and resource.get("kind") != "batch":
+    if resource.get("kind") == "batch":
+        text = f"what is in {name} at once starts and ends together, and is of one family"
+        yield Element("batch", (*at, "kind"), text, "renewable", of)
+    if not special and not ordered:
         capacity = resource.get("capacity", 1)
         text = f"{name} has a capacity of {capacity}"
         yield Element("capacity", (*at, "capacity"), text, _MUCH, of)
@@ -305,6 +329,12 @@ def _goal(goal: Any) -> str:
 
 def _said(kind: str, one: Mapping[str, Any]) -> str:
     """A selection, coupling or sequence as its fields say it."""
+    if "consecutive" in one:
+        first, second = one["consecutive"]
+        where = f" of {one['resource']!r}" if "resource" in one else ""
+        return f"{second!r} is the next use{where} after {first!r}"
+    if "same_order" in one:
+        return f"jobs have one order on {' and '.join(map(repr, one['same_order']))}"
     parts = [f"{key} {_listed(value)}" for key, value in one.items()]
     return f"the {kind} of {', '.join(parts)}"
 

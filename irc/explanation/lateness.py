@@ -334,7 +334,7 @@ def _of_statement(task: Task, statement: RenderedStatement, late: Number) -> Ite
     elif statement.kind in ("capacity", "hand_over", "order"):
         k = int(pointer[1])
         resource = task.resources[k]
-        if resource.kind == "renewable":
+        if resource.kind != "reservoir":
             text = f"one more of {resource.id!r}"
             yield Change(text, pointer, resource.capacity + 1, Fraction(1, resource.capacity), 0)
     elif statement.kind == "release":

@@ -182,7 +182,7 @@ def _end_of_work(times: list[Interval], k: int, begin: Number, length: Number) -
 
 def needs_of(task: Task, clock: Clock) -> Iterator[tuple[Action, list[Need]]]:
     """For each action, the open times that it may need: one for each way to carry it out."""
-    by_resource = {r.id: r.calendar for r in task.resources if r.kind == "renewable"}
+    by_resource = {r.id: r.calendar for r in task.resources if r.kind != "reservoir"}
     for action in task.actions:
         yield action, list(dict.fromkeys(_needs(action, by_resource, clock)))
 

@@ -48,7 +48,7 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
     ids = sorted(actions, key=natural_order)
     index = {name: k for k, name in enumerate(ids)}
     resources = {r.id: i for i, r in reversed(list(enumerate(task.resources)))}
-    renewable = (r for r in resources if task.resources[resources[r]].kind == "renewable")
+    renewable = (r for r in resources if task.resources[resources[r]].kind != "reservoir")
     resource_ids = sorted(renewable, key=natural_order)
     resource_index = {name: k for k, name in enumerate(resource_ids)}
     family_names = _families(task)
@@ -78,6 +78,10 @@ def lower(task: Task, instants: Iterable[Number] = ()) -> Problem:
         from irc.lowering.choices import add_choices
 
         problem = add_choices(problem, task, index, to_ticks)
+    if task.sequences:
+        from irc.lowering.sequences import add_sequences
+
+        problem = add_sequences(problem, task, index)
     if calendars is not None or any(a.breaks != "avoid" for a in task.actions):
         from irc.lowering.work import add_work
 
@@ -112,8 +116,8 @@ def _is_rich_action(action: Action) -> bool:
 
 
 def _families(task: Task) -> tuple[str, ...]:
-    """The families of a task with set-ups, in order."""
-    if not any(resource.setups is not None for resource in task.resources):
+    """The families of a task with set-ups or loads, in order."""
+    if not any(r.setups is not None or r.kind == "batch" for r in task.resources):
         return ()
     from irc.lowering.setups import families_of
 
@@ -124,18 +128,19 @@ def _renewable(task: Task, index: int, to_ticks: ToTicks, families: Mapping[str,
     resource = task.resources[index]
     at: Pointer = ("resources", index)
     setups: Setups | None = None
-    if resource.setups is not None or resource.no_idle:
+    if resource.kind != "batch" and (resource.setups is not None or resource.no_idle):
         from irc.lowering.setups import lowered_setups
 
         setups = lowered_setups(resource, families, to_ticks)
+    batch = resource.kind == "batch"
     if not resource.availability:
-        return Renewable(resource.id, resource.capacity, at, setups=setups)
+        return Renewable(resource.id, resource.capacity, at, setups=setups, batch=batch)
     windows = set()
     for window in resource.availability:
         start, end = ticks_or_none(window.from_, to_ticks), ticks_or_none(window.to, to_ticks)
         if start is not None and end is not None and start < end:
             windows.add(Window(start, end, window.capacity))
-    return Renewable(resource.id, resource.capacity, at, tuple(sorted(windows)), setups)
+    return Renewable(resource.id, resource.capacity, at, tuple(sorted(windows)), setups, batch)
 
 
 def _has_sense(action: Action, clock: Clock) -> bool:

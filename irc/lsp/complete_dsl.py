@@ -16,6 +16,7 @@ from irc.frontends.dsl.lexer import (
     CHANGE_PHRASES,
     CLAUSE_WORDS,
     PHRASES,
+    RULES,
     STATEMENT_WORDS,
     Lexeme,
     classified,
@@ -32,6 +33,7 @@ from irc.model.quantities import UNIT_SECONDS
 KEYWORDS = {
     **{word.upper(): word for word in STATEMENT_WORDS | CLAUSE_WORDS | {"in"}},
     **{kind: " ".join(phrase) for phrase, kind in PHRASES.items()},
+    **{kind: " ".join(phrase) for phrase, kind in RULES.items()},
     **{kind: " ".join(phrase) for phrase, kind in CHANGE_PHRASES.items()},
 }
 """Every word of the grammar, by the kind of its token."""

@@ -175,6 +175,8 @@ class Descriptions:
         for window in resource.availability:
             ends = f"{self._time(window.from_)} to {self._time(window.to)}"
             yield f"capacity {window.capacity} from {ends}"
+        if resource.kind == "batch":
+            yield "takes loads: what is in it at once starts and ends together"
         if resource.no_idle:
             yield "no idle time between its uses"
         if resource.setups is not None:

@@ -22,7 +22,7 @@ from irc.model.times import Clock, json_number
 _SETS = frozenset(
     [
         *("actions", "calendars", "resources", "state", "groups", "precedence", "goals", "lapsed"),
-        *("couplings", "select"),
+        *("couplings", "select", "sequences"),
     ]
 )
 """Arrays whose order does not matter and where a repetition counts once."""
@@ -30,7 +30,7 @@ _SETS = frozenset(
 _BAGS = frozenset(
     [
         *("uses", "one_of", "modes", "consumes", "produces", "conditions", "effects", "values"),
-        *("availability", "timed_changes", "times", "open", "closed", "days"),
+        *("availability", "timed_changes", "times", "open", "closed", "days", "jobs"),
     ]
 )
 """Arrays whose order does not matter but where a repetition counts again."""

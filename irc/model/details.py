@@ -361,6 +361,35 @@ class Selection(Node):
     if_: Name | None = Field(default=None, alias="if")
 
 
+class UseOrder(Node):
+    """An order of uses of resources, among present actions.
+
+    With `consecutive` the second action holds the `resource` (None: each that both hold) next after
+    the first. With `same_order` the jobs hold all of these resources in one order. A job of `jobs`
+    is a row with an action for each of the resources; without `jobs`, a group is one, and so is an
+    action in no group.
+    """
+
+    consecutive: Annotated[tuple[Name, ...], Field(min_length=2, max_length=2)] | None = None
+    resource: Name | None = None
+    same_order: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
+    jobs: tuple[tuple[Name, ...], ...] = ()
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> UseOrder:
+        if (self.consecutive is None) == (self.same_order is None):
+            raise ValueError("needs either 'consecutive' or 'same_order'")
+        if self.resource is not None and self.consecutive is None:
+            raise ValueError("'resource' belongs to 'consecutive'")
+        if self.jobs and self.same_order is None:
+            raise ValueError("'jobs' belongs to 'same_order'")
+        if self.same_order is not None:
+            for row in self.jobs:
+                if len(row) != len(self.same_order):
+                    raise ValueError("each of 'jobs' needs one action for each resource")
+        return self
+
+
 class Lapsed(Node):
     """Order, groups and goal of a cancelled action, for its repetition by a `retry_action`.
 
@@ -406,6 +435,7 @@ Lapses = tuple[Lapsed, ...]
 Modes = tuple[Mode, ...]
 ResourceSetups = Setups | None
 Selections = tuple[Selection, ...]
+Sequences = tuple[UseOrder, ...]
 State = tuple[StateVariable, ...]
 StockChanges = tuple[StockChange, ...]
 Windows = tuple[Window, ...]

@@ -47,6 +47,7 @@ class Feature(Enum):
     ACTION_CALENDARS = "calendars of actions"
     PAUSES = "work that pauses"
     NO_IDLE = "resources without idle time"
+    BATCHES = "batch resources"
     RESERVOIRS = "reservoirs"
     STATE = "state variables"
     NUMBERS = "number variables"
@@ -59,6 +60,7 @@ class Feature(Enum):
     GROUPS = "groups"
     COUPLINGS = "coupled choices"
     SELECTIONS = "selections"
+    SEQUENCES = "orders of uses (sequences)"
     REWARD = "rewards"
     COST = "costs"
     TARDINESS = "the objective minimize_tardiness"
@@ -107,6 +109,8 @@ def features_of(task: Task) -> Iterator[FeatureUse]:
         yield FeatureUse(Feature.COUPLINGS, ("couplings", i), f"coupling {i + 1}")
     for i, _ in enumerate(task.select):
         yield FeatureUse(Feature.SELECTIONS, ("select", i), f"selection {i + 1}")
+    for i, _ in enumerate(task.sequences):
+        yield FeatureUse(Feature.SEQUENCES, ("sequences", i), f"sequence {i + 1}")
     yield from _of_goals(task)
     yield from _of_objective(task)
 
@@ -117,6 +121,8 @@ def _of_resource(resource: Resource, at: Pointer) -> Iterator[FeatureUse]:
         yield FeatureUse(Feature.RESERVOIRS, at, name)
     else:
         yield FeatureUse(Feature.RESOURCES, at, name)
+    if resource.kind == "batch":
+        yield FeatureUse(Feature.BATCHES, (*at, "kind"), name)
     if resource.availability:
         yield FeatureUse(Feature.CALENDARS, (*at, "availability"), name)
     if resource.setups is not None:

@@ -75,6 +75,7 @@ if TYPE_CHECKING:
         Occurs,
         ResourceSetups,
         Selections,
+        Sequences,
         State,
         StockChanges,
         Windows,
@@ -93,6 +94,7 @@ else:
     Occurs = Annotated[Any, Lazy("details", "Occurs", ("once", "optional"))]
     ResourceSetups = Annotated[Any, Lazy("details", "ResourceSetups", (None,))]
     Selections = Annotated[Any, Lazy("details", "Selections")]
+    Sequences = Annotated[Any, Lazy("details", "Sequences")]
     State = Annotated[Any, Lazy("details", "State")]
     StockChanges = Annotated[Any, Lazy("details", "StockChanges")]
     Windows = Annotated[Any, Lazy("details", "Windows")]
@@ -112,6 +114,7 @@ __all__ = [
     "PartError",
     "ResourceSetups",
     "Selections",
+    "Sequences",
     "State",
     "StockChanges",
     "Windows",

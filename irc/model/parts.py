@@ -49,10 +49,12 @@ Duration = Annotated[
 
 
 class Resource(Node):
-    """A station, a robot, a crew (renewable), or a stock (reservoir)."""
+    """A station, a robot, a crew (renewable), an oven that takes loads (batch), or a stock
+    (reservoir).
+    """
 
     id: Name
-    kind: Literal["renewable", "reservoir"] = "renewable"
+    kind: Literal["renewable", "batch", "reservoir"] = "renewable"
     label: Text | None = None
     description: Text | None = None
     capacity: Count = 1
@@ -68,7 +70,7 @@ class Resource(Node):
 class Use(Node):
     """Holds `amount` units of one resource over [start, end): a named one, or one of several.
 
-    Set-ups of the resource depend on the `family`.
+    Set-ups and loads of the resource depend on the `family`.
     """
 
     resource: Name | None = None

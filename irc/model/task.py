@@ -18,6 +18,7 @@ from irc.model.lazy import (
     Groups,
     Lapses,
     Selections,
+    Sequences,
     State,
 )
 from irc.model.original import Original
@@ -62,6 +63,7 @@ class Task(Node):
     groups: Groups = ()
     couplings: Couplings = ()
     select: Selections = ()
+    sequences: Sequences = ()
     goals: Goals = ()
     objective: Annotated[tuple[Objective, ...], Field(min_length=1)] = ("minimize_makespan",)
     events: Events = ()

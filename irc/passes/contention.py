@@ -14,13 +14,13 @@ def merge_pools(problem: Problem, apart: Collection[int] = ()) -> Problem:
     """Makes one resource of each pool whose members are only asked for as "one of these".
 
     Resources `apart` join no pool: more of them is in use than their capacity, which must not
-    affect the others. Nor do those with set-ups: each has its own.
+    affect the others. Nor do those with set-ups or loads: each has its own.
 
     Where every open demand on any member is for one unit of the same set, the members are
     interchangeable units: any schedule that keeps the summed capacity can be split among them again
     (interval graphs are perfect: greedy colouring by start time needs no more units than overlap).
     """
-    apart = {*apart, *(r for r, resource in enumerate(problem.resources) if resource.setups)}
+    apart = {*apart, *(r for r, of in enumerate(problem.resources) if of.is_ordered)}
     apart |= {
         r for i in problem.coupled for u in problem.activities[i].uses for r in u.alternatives
     }
@@ -71,18 +71,18 @@ def _with_pools(problem: Problem, merged: list[tuple[int, ...]]) -> Problem:
 def drop_uncontended(problem: Problem) -> Problem:
     """Drops open demands on resources that always suffice, even if all activities ran at once.
 
-    Where a resource has set-ups, its uses stay open: their order matters, and one that could be
-    elsewhere may save a set-up. Coupled choices stay open, too.
+    Where a resource has set-ups or loads, its uses stay open: their order matters, and
+    one that could be elsewhere may save a set-up. Coupled choices stay open, too.
     (Occurrences of one action never overlap: they count once, as do its modes together. But where
     ranks order the happenings of an instant, the next one may start before the last one ends.)
 
     A choice that includes such a resource takes it. Repeated until nothing changes, since a
     choice that is fixed relieves the other alternatives.
     """
-    with_setups = {
+    ordered = {
         k
         for k, pool in enumerate(problem.contention.pools)
-        if any(problem.resources[r].setups for r in pool.members)
+        if any(problem.resources[r].is_ordered for r in pool.members)
     }
     activities = list(problem.activities)
     fixed = dict(problem.contention.fixed_choices)
@@ -96,14 +96,14 @@ def drop_uncontended(problem: Problem) -> Problem:
         enough = {
             r
             for r, amount in load.items()
-            if amount <= problem.contention.pools[r].least_capacity and r not in with_setups
+            if amount <= problem.contention.pools[r].least_capacity and r not in ordered
         }
         if not enough:
             break
         before = list(activities)
         for i, activity in enumerate(activities):
             if activity.open_demands:
-                activities[i] = _without_ample(problem, i, activity, enough, fixed, with_setups)
+                activities[i] = _without_ample(problem, i, activity, enough, fixed, ordered)
         if activities == before:
             break
     return replace(
@@ -119,12 +119,12 @@ def _without_ample(
     activity: Activity,
     enough: set[int],
     fixed: dict[tuple[int, int], int],
-    with_setups: Collection[int],
+    ordered: Collection[int],
 ) -> Activity:
     still_open = []
     old = problem.previous.places[index] if problem.previous.places else None
     for demand in activity.open_demands:
-        free = not any(r in with_setups for r in demand.alternatives)
+        free = not any(r in ordered for r in demand.alternatives)
         chosen = next((r for r in demand.alternatives if r in enough and free), None)
         if len(demand.alternatives) > 1 and index in problem.coupled:
             chosen = None  # What it takes matters to others.

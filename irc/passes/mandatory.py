@@ -13,9 +13,10 @@ def mandatory_part(problem: Problem) -> Projected:
     """A relaxation with plain activities only: its bounds hold for every valid schedule.
 
     Optional activities, state, stock, modes (their shortest and longest duration remain), windows
-    (their greatest capacity remains), calendars and pauses are left out. The problem itself where
-    it has none of them. Activities keep their order. The least number of occurrences of repeated
-    activities stays, one after the other. The way back leads to the first occurrence of each.
+    (their greatest capacity remains), calendars, pauses, loads and orders of uses are left out. The
+    problem itself where it has none of them. Activities keep their order. The least number of
+    occurrences of repeated activities stays, one after the other. The way back leads to the first
+    occurrence of each.
     """
     if problem.is_plain and not problem.has_calendars:
         return problem, Projection.identity(problem)
@@ -26,6 +27,7 @@ def mandatory_part(problem: Problem) -> Projected:
         required=(),
         couplings=(),
         selections=(),
+        sequences=(),
         state_precedences=(),
         previous=PreviousPlan(stability=problem.previous.stability),
     )
@@ -41,7 +43,8 @@ def mandatory_part(problem: Problem) -> Projected:
             a if a.details is PLAIN else replace(a, details=PLAIN) for a in core.activities
         ),
         resources=tuple(
-            replace(r, capacity=r.greatest_capacity(), windows=()) for r in core.resources
+            replace(r, capacity=r.greatest_capacity(), windows=(), batch=False)
+            for r in core.resources
         ),
         contention=Contention(
             tuple(replace(p, base=None, windows=()) for p in core.contention.pools)

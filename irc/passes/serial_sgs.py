@@ -37,8 +37,8 @@ def list_schedule(
     by default fixed activities, and then the most urgent. No activity starts before its floor. None
     where the rule finds no schedule that keeps every window and lag.
     """
-    if problem.has_setups:
-        return None  # `irc.passes.setup_schedule` has the rule for these.
+    if problem.has_setups or problem.has_batches:
+        return None  # `irc.passes.setup_schedule` has the rule for set-ups.
     if priorities is None:
         priorities = [
             -(a.duration_min + tail) if a.start is None else a.start - UNREACHABLE_TIME

@@ -58,10 +58,11 @@ def search_of(problem: Problem) -> SetupSearch | None:
 
     It knows modes and `one_of`, and no state, stock, pauses, nor activities that may be absent.
     """
-    if any(r.setups is not None and r.setups.tight for r in problem.resources):
+    if problem.sequences or any(r.setups is not None and r.setups.tight for r in problem.resources):
         return None
     if (
         problem.has_state
+        or problem.has_batches
         or problem.has_work
         or problem.reservoirs
         or not all(g.required for g in problem.groups)

@@ -441,7 +441,8 @@ _ANY_ROW = (ANY_FAMILY, ANY_FAMILY)
 class Renewable:
     """A resource of which `capacity` units can be held at once, save in its windows.
 
-    `windows` are in order and do not overlap. Only a capacity of 1 has `setups`.
+    `windows` are in order and do not overlap. Only a capacity of 1 has `setups`. Uses of a `batch`
+    resource that overlap are one load: one start, one end, one family.
     """
 
     id: str
@@ -449,6 +450,12 @@ class Renewable:
     origin: Pointer = ()
     windows: tuple[Window, ...] = ()
     setups: Setups | None = None
+    batch: bool = False
+
+    @property
+    def is_ordered(self) -> bool:
+        """Whether more than amounts decides which uses go together: set-ups, orders, loads."""
+        return self.setups is not None or self.batch
 
     def greatest_capacity(self, since: int | None = None) -> int:
         """The greatest capacity that there ever is, or from a time on."""
@@ -602,6 +609,26 @@ class Selection(NamedTuple):
     origin: int = 0
 
 
+NOBODY = -1
+"""In a row of a sequence: no activity of the job holds that resource."""
+
+
+class UseOrder(NamedTuple):
+    """An order of uses of resources of capacity 1, which all have `setups`, perhaps empty ones.
+
+    `kind` is "consecutive" (the one row has two activities, of which the second holds each of the
+    `resources` next after the first, if both hold it) or "same_order" (a row for each job, with its
+    activity on each resource, or `NOBODY`). Nothing is demanded of the pairs of rows (indexes) that
+    are `waived`: while a task runs, their order is history.
+    """
+
+    kind: str
+    resources: tuple[int, ...]
+    rows: tuple[tuple[int, ...], ...]
+    origin: int = 0
+    waived: tuple[tuple[int, int], ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class ContendedPool:
     """A contended pool, as encoders see it: one resource, or several interchangeable ones.
@@ -752,6 +779,7 @@ class Problem:
     groups: tuple[Group, ...] = ()
     couplings: tuple[Coupling, ...] = ()
     selections: tuple[Selection, ...] = ()
+    sequences: tuple[UseOrder, ...] = ()
     deadline: int | None = None
     goals: tuple[tuple[int, int], ...] = ()
     number_goals: tuple[NumberGoal, ...] = ()
@@ -819,9 +847,17 @@ class Problem:
 
     @property
     def is_plain(self) -> bool:
-        """Whether every schedule has each activity once, in one way, and no state or stock."""
+        """Whether every schedule has each activity once, in one way, and there are no state, stock,
+        loads or orders of uses.
+        """
         return not (
-            self.couplings or self.selections or self.groups or self.has_state or self.reservoirs
+            self.couplings
+            or self.selections
+            or self.sequences
+            or self.groups
+            or self.has_state
+            or self.reservoirs
+            or self.has_batches
         ) and all(a.details is PLAIN or not _decides(a.details) for a in self.activities)
 
     @property
@@ -859,6 +895,11 @@ class Problem:
     def has_setups(self) -> bool:
         """Whether some resource has set-ups."""
         return any(resource.setups is not None for resource in self.resources)
+
+    @property
+    def has_batches(self) -> bool:
+        """Whether some resource takes loads."""
+        return any(resource.batch for resource in self.resources)
 
     @property
     def has_contention(self) -> bool:

@@ -16,6 +16,7 @@ from typing import TypeVar
 
 from irc.problem.decisions import ABSENT_PLACE, Decision, Placed
 from irc.problem.problem import (
+    NOBODY,
     PLAIN,
     Activity,
     Arc,
@@ -35,6 +36,7 @@ from irc.problem.problem import (
     Protected,
     Selection,
     StockChange,
+    UseOrder,
 )
 
 T = TypeVar("T")
@@ -252,6 +254,7 @@ def _project(problem: Problem, way: Projection) -> Problem:
         groups=tuple(_group(g, own) for g in way.groups.of_each(problem.groups)),
         couplings=tuple(_couplings(problem, way)),
         selections=tuple(_selections(problem, own)),
+        sequences=tuple(_sequences(problem, way)),
         goals=tuple(
             (way.variables.new[v], value) for v, value in problem.goals if v in way.variables.new
         ),
@@ -324,6 +327,29 @@ def _selections(problem: Problem, activities: Kept) -> Iterator[Selection]:
         yield selection._replace(
             items=tuple(activities.moved(item) for item in selection.items),
             condition=None if condition is None else activities.moved(condition),
+        )
+
+
+def _sequences(problem: Problem, way: Projection) -> Iterator[UseOrder]:
+    """The orders of uses of the activities and resources that stay."""
+    if way.activities.is_all and way.resources.is_all:
+        yield from problem.sequences
+        return
+    activities, resources = way.activities.new, way.resources.new
+    for order in problem.sequences:
+        of = [k for k, r in enumerate(order.resources) if r in resources]
+        columns = range(2) if order.kind == "consecutive" else of
+        rows = [tuple(activities.get(row[k], NOBODY) for k in columns) for row in order.rows]
+        kept = [k for k, row in enumerate(rows) if sum(i != NOBODY for i in row) > 1]
+        if not (of and kept):
+            continue
+        place = {old: new for new, old in enumerate(kept)}
+        yield order._replace(
+            resources=tuple(resources[order.resources[k]] for k in of),
+            rows=tuple(rows[k] for k in kept),
+            waived=tuple(
+                (place[a], place[b]) for a, b in order.waived if a in place and b in place
+            ),
         )
 
 

@@ -105,6 +105,9 @@ class Relaxation:
     def _limited(self, r: int, resource: Renewable) -> Renewable:
         """A resource whose capacity is stated; its set-ups are those between uses one by one."""
         setups = resource.setups
+        if resource.batch:
+            # (Loads are no statements of their own: only the capacity binds.)
+            return replace(resource, batch=False)
         if setups is None:
             return resource
         if r not in self.with_setups:

@@ -15,6 +15,7 @@ from irc.problem.decisions import AnswerError, Decision, Placed, as_decision
 from irc.problem.temporal_network import Network, earliest
 from irc.problem.time_points import PointMap, timing_network
 from irc.retiming.calendar import raise_floors
+from irc.retiming.loads import add_loads
 from irc.retiming.numbers import number_orders
 from irc.retiming.ranks import with_ranks
 from irc.retiming.resources import (
@@ -84,6 +85,7 @@ def _retime_once(
     _keep_lengths(problem, decisions, points, network, tolerance)
     _keep_orders(orders, points, network)
     add_setups(problem, moments, chosen, points, network, floors, tolerance)
+    add_loads(problem, moments, chosen, points, network, tolerance)
     batches = keep_stock(problem, decisions, points, network, floors)
     raise_floors(problem, decisions, chosen, points.start, floors, tolerance)
     if problem.has_work:

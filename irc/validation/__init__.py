@@ -15,10 +15,12 @@ from irc.validation.bound_schedule import InexactTimeError, UncheckedTaskError, 
 from irc.validation.breaks import check_breaks
 from irc.validation.choices import check_choices
 from irc.validation.couplings import check_choices_together
+from irc.validation.loads import check_loads
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.open_times import UnreadableCalendarError
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
+from irc.validation.sequences import check_sequences
 from irc.validation.setups import check_idle, check_setups
 from irc.validation.state import check_goals, check_state
 from irc.validation.stock import check_reservoirs
@@ -45,6 +47,8 @@ _CHECKS = (
     check_capacity,
     check_setups,
     check_idle,
+    check_sequences,
+    check_loads,
     check_reservoirs,
     check_state,
     check_goals,

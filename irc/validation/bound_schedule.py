@@ -331,7 +331,7 @@ def _closed_times(
     found = [] if action.calendar is None else [calendars.closed(action.calendar)]
     if action.breaks == "pause" and entry.start < entry.end:
         held = (resources[name] for name, n in entry.resources.items() if n and name in resources)
-        found += [calendars.without_capacity(r) for r in held if r.kind == "renewable"]
+        found += [calendars.without_capacity(r) for r in held if r.kind != "reservoir"]
     return found
 
 
@@ -388,7 +388,7 @@ def _check_references(
     variables: dict[str, StateVariable],
 ) -> None:
     repeatable = {action.id for action in actions.values() if action.may_repeat}
-    renewable = {r.id for r in resources.values() if r.kind == "renewable"}
+    renewable = {r.id for r in resources.values() if r.kind != "reservoir"}
     stocks = {r.id for r in resources.values() if r.kind == "reservoir"}
     for action in actions.values():
         _check_action(action, renewable, stocks, variables)

@@ -29,6 +29,7 @@ from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.happenings import Edge, Edges, Timelines, timing_edges
 from irc.validation.level_clusters import LevelCluster, level_clusters
 from irc.validation.levels import NumberChange, Value, changed, meets
+from irc.validation.loads import load_edges
 from irc.validation.past_first import past_first_pairs
 from irc.validation.rank_graph import (
     OutOfSteps,
@@ -55,7 +56,8 @@ def find_ranks(
     constraints = rank_constraints(bound, timelines, violations)
     count, past_first = _past_first_edges(bound, timelines)
     needed, levels = level_clusters(bound, timelines)
-    edges = [*timing_edges(bound, timelines), *past_first, *needed, *constraints.edges]
+    count, loads = load_edges(bound, timelines, count)
+    edges = [*loads, *timing_edges(bound, timelines), *past_first, *needed, *constraints.edges]
     components = strong_components(count, edges)
     cycles = strict_cycles(components, edges)
     if cycles:

@@ -60,7 +60,7 @@ def check_capacity(
     capacities = {
         resource.id: capacity_changes(bound, resource)
         for resource in bound.resources.values()
-        if resource.kind == "renewable"
+        if resource.kind != "reservoir"
     }
     moments = _Moments(
         chain(
@@ -178,7 +178,7 @@ class ContendedInstant(NamedTuple):
 def hand_overs(bound: BoundSchedule) -> Iterator[ContendedInstant]:
     """The instants at which the order of ranks decides whether a resource suffices."""
     for resource in bound.resources.values():
-        if resource.kind == "renewable":
+        if resource.kind != "reservoir":
             yield from _hand_overs(bound, resource)
 
 

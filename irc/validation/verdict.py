@@ -40,6 +40,8 @@ RULES: Mapping[str, int | None] = MappingProxyType(
         "capacity": 4,
         "setup": 4,
         "idle": 4,
+        "sequence": 4,
+        "load": 4,
         "reservoir": 5,
         "rank": 6,
         "interference": 6,

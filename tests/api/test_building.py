@@ -33,6 +33,12 @@ def test_a_task_is_built_solved_and_read() -> None:
     assert schedule["eat"].start >= schedule["rolls"].end
 
 
+SEQUENCES = [
+    {"consecutive": ["mix", "grill"], "resource": "board"},
+    {"same_order": ["board", "bench"], "jobs": [["mix", "grill"]]},
+]
+
+
 def whole() -> irc.Task:
     """Every element and every field of the IR."""
     task = irc.Task(
@@ -47,6 +53,7 @@ def whole() -> irc.Task:
         metadata={"ticket": 1},
         couplings=[{"different": "resource", "actions": ["lay", "grill"]}],
         select=[{"actions": ["nap"], "min": 0}],
+        sequences=SEQUENCES,
         lapsed=[{"action": "nap", "deadline": 5}],
     )
     board = task.resource("board", capacity=2, label="Board", description="big")
@@ -109,6 +116,7 @@ def test_every_element_can_be_said_as_the_document_says_it() -> None:
             {"different": "resource", "actions": [{"action": "lay"}, {"action": "grill"}]}
         ],
         "select": [{"actions": ["nap"], "min": 0}],
+        "sequences": SEQUENCES,
         "lapsed": [{"action": "nap", "deadline": 5}],
         "calendars": [
             {

@@ -12,6 +12,7 @@ from irc.frontends.dsl.lexer import (
     CHANGE_PHRASES,
     CLAUSE_WORDS,
     PHRASES,
+    RULES,
     STATEMENT_WORDS,
     needs_quotes,
 )
@@ -38,7 +39,8 @@ def test_the_page_has_tasks() -> None:
 def test_the_words_with_a_meaning_are_all_listed() -> None:
     table = PAGE.split("<!-- words -->")[1]
     rows = [set(re.findall(r"`([^`]+)`", line)) for line in table.splitlines() if "` `" in line]
-    assert rows == [set(CLAUSE_WORDS), set(STATEMENT_WORDS), {" ".join(p) for p in PHRASES}]
+    phrases = [{" ".join(p) for p in of} for of in (PHRASES, RULES)]
+    assert rows == [set(CLAUSE_WORDS), set(STATEMENT_WORDS), *phrases]
 
 
 @pytest.mark.parametrize("word", sorted(CLAUSE_WORDS | STATEMENT_WORDS))

@@ -15,6 +15,8 @@ from irc.frontends.dsl.lexer import (
     CHANGE_PHRASES,
     CLAUSE_WORDS,
     PHRASES,
+    RULE_WORDS,
+    RULES,
     STATEMENT_WORDS,
     Lexeme,
     classified,
@@ -138,6 +140,7 @@ def test_every_keyword_of_the_lark_grammar_is_one_of_these() -> None:
     general |= {"PLUS", "MINUS", "ARROW", "DOTS", "OPEN", "CLOSE", "CLOCK"}
     general |= set(CALENDAR_WORDS.values())
     words = {w.upper() for w in STATEMENT_WORDS | CLAUSE_WORDS | {"in"}}
+    words |= {w.upper() for w in RULE_WORDS} | {*RULES.values()}
     assert declared - general == words | {*PHRASES.values(), *CHANGE_PHRASES.values()}
 
 

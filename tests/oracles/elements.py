@@ -7,7 +7,13 @@ from collections.abc import Callable, Mapping
 from element_laws import Best
 from irc.model import Task
 from oracles.mode_generators import mode_task
-from oracles.small_generators import coupling_task, objective_task, selection_task
+from oracles.small_generators import (
+    batch_task,
+    coupling_task,
+    objective_task,
+    selection_task,
+    sequence_task,
+)
 from oracles.small_tasks import best_of
 from oracles.state_brute_force import TooLargeError, optimum
 from oracles.state_generators import number_task
@@ -50,11 +56,23 @@ def _selections(seed: int) -> tuple[Task, Best]:
     return Task.model_validate(document), best_of(document)
 
 
+def _sequences(seed: int) -> tuple[Task, Best]:
+    document = sequence_task(seed)
+    return Task.model_validate(document), best_of(document)
+
+
+def _batches(seed: int) -> tuple[Task, Best]:
+    document = batch_task(seed)
+    return Task.model_validate(document), best_of(document)
+
+
 KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "modes": _modes,
     "numbers": _numbers,
     "objectives": _objectives,
     "couplings": _couplings,
     "selections": _selections,
+    "sequences": _sequences,
+    "batches": _batches,
 }
 """For each kind a task by its seed, with the best values of its objectives."""

@@ -45,6 +45,7 @@ EVERYTHING: dict[str, Any] = {
             },
         },
         {"id": "r2"},
+        {"id": "kiln", "kind": "batch", "capacity": 10},
     ],
     "state": [
         {"id": "lit", "initial": True, "changes": [{"at": 7, "value": False}]},
@@ -133,6 +134,12 @@ EVERYTHING: dict[str, Any] = {
         },
     ],
     "select": [{"actions": ["cool", "order 1"], "min": 1, "max": 2, "if": "bake"}],
+    "sequences": [
+        {"consecutive": ["bake", "cool"], "resource": "r1"},
+        {"consecutive": ["cool", "bake"]},
+        {"same_order": ["r1", "r2"]},
+        {"same_order": ["r1", "r2"], "jobs": [["bake", "cool"], ["cool", "bake"]]},
+    ],
     "goals": [
         "cool",
         {"var": "dough", "value": True},

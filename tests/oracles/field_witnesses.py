@@ -105,6 +105,8 @@ EXCLUDED: Mapping[str, str] = {
             *(f"CoupledAction.{f}" for f in ("action", "use")),
             *(f"ChoiceMade.{f}" for f in ("action", "mode", "modes", "resource", "use")),
             *(f"Selection.{f}" for f in ("actions", "min", "max", "if")),
+            "Task.sequences",
+            *(f"UseOrder.{f}" for f in ("consecutive", "resource", "same_order", "jobs")),
         ],
         "judged by `oracles.small_tasks`",
     ),

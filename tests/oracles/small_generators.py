@@ -166,3 +166,114 @@ def selection_task(seed: int) -> Document:
         ("minimize_makespan", ["minimize_cost", "minimize_makespan"], ["maximize_reward"])
     )
     return document
+
+
+def sequence_task(seed: int) -> Document:
+    """A task with orders of uses: one next after another, or the same on two resources."""
+    rng = random.Random(f"sequences {seed}")
+    document = _base(rng, rng.randint(3, 4))
+    actions = document["actions"]
+    machines = ["m1", "m2"]
+    for action in actions:
+        parts = action.get("modes") or [action]
+        for part in parts:
+            if rng.random() < 0.85:
+                part["duration"] = rng.randint(1, 3)
+        action["uses"] = [{"resource": rng.choice(machines)}]
+        if rng.random() < 0.3:
+            action["uses"] = [{"one_of": machines}]
+        elif rng.random() < 0.3:
+            action["uses"] = [{"resource": name} for name in machines]
+        for mode in action.get("modes", ()):
+            mode.pop("uses", None)
+            if rng.random() < 0.4:
+                mode["uses"] = [{"resource": "m3"}]
+        if rng.random() < 0.3:
+            action["due"] = rng.randint(1, 8)
+    if rng.random() < 0.5:
+        _flow_shop(rng, document)
+    names = [action["id"] for action in document["actions"]]
+    document["sequences"] = document.get("sequences", [])
+    for _ in range(rng.randint(0 if document["sequences"] else 1, 2)):
+        rule: Document = {"consecutive": rng.sample(names, 2)}
+        if rng.random() < 0.7:
+            rule["resource"] = rng.choice(machines)
+        document["sequences"].append(rule)
+    if not any("resource" in rule or "same_order" in rule for rule in document["sequences"]):
+        document["resources"][2]["capacity"] = 1
+    document["objective"] = rng.choice(
+        ("minimize_makespan", ["minimize_tardiness", "minimize_makespan"], ["maximize_reward"])
+    )
+    for rule in document["sequences"]:
+        if "consecutive" in rule and "resource" not in rule:
+            document["resources"][2]["capacity"] = 1
+    return document
+
+
+def _flow_shop(rng: random.Random, document: Document) -> None:
+    """Two or three jobs on two machines, which have the same order there."""
+    jobs = [f"j{k}" for k in range(rng.randint(2, 3))]
+    document["actions"] = document["actions"][: 4 - len(jobs)]
+    kept = {action["id"] for action in document["actions"]}
+    document["precedence"] = [
+        e for e in document["precedence"] if {e["before"], e["after"]} <= kept
+    ]
+    document.pop("groups", None)
+    rows = []
+    for job in jobs:
+        row = [f"{job} first", f"{job} second"]
+        for name, machine in zip(row, ("m1", "m2"), strict=True):
+            document["actions"].append(
+                {"id": name, "duration": rng.randint(1, 3), "uses": [{"resource": machine}]}
+            )
+        if rng.random() < 0.2:
+            document["actions"][-1] |= {"occurs": "optional", "reward": rng.randint(0, 3)}
+        if rng.random() < 0.8:
+            document["precedence"].append({"before": row[0], "after": row[1]})
+        rows.append(row)
+    rule: Document = {"same_order": ["m1", "m2"]}
+    if rng.random() < 0.5 and not any("occurs" in a for a in document["actions"]):
+        document["groups"] = [
+            {"id": job, "actions": row} for job, row in zip(jobs, rows, strict=True)
+        ]
+    else:
+        rule["jobs"] = rows
+    document["sequences"] = [rule]
+
+
+def batch_task(seed: int) -> Document:
+    """A task with a resource that takes loads."""
+    rng = random.Random(f"batches {seed}")
+    document = _base(rng, rng.randint(3, 4))
+    document["resources"] = [
+        {"id": "m1"},
+        {"id": "m2", "kind": "batch", "capacity": rng.randint(1, 4)},
+        {"id": "m3", "kind": "batch", "capacity": 2},
+    ]
+    families: list[str | None] = [None, "red", "blue"][: rng.randint(1, 3)]
+    usual = rng.randint(1, 3)
+    for action in document["actions"]:
+        parts = action.get("modes") or [action]
+        for part in parts:
+            part["duration"] = usual if rng.random() < 0.5 else rng.randint(0, 3)
+            if rng.random() < 0.25:
+                least = rng.randint(0, 2)
+                part["duration"] = {"min": least, "max": least + rng.randint(0, 2)}
+            for use in part.get("uses", ()):
+                use["family"] = "red"
+        if rng.random() < 0.85:
+            use = {"resource": "m2"} if rng.random() < 0.6 else {"one_of": ["m2", "m3"]}
+            use["amount"] = rng.choice((1, 1, 1, 2))
+            action["uses"] = [use]
+        for use in action.get("uses", ()):
+            family = rng.choice(families)
+            if family is not None:
+                use["family"] = family
+        for mode in action.get("modes", ()):
+            mode["uses"] = [{"resource": "m1"}] if rng.random() < 0.3 else []
+        if rng.random() < 0.3:
+            action["due"] = rng.randint(1, 8)
+    document["objective"] = rng.choice(
+        ("minimize_makespan", ["minimize_tardiness", "minimize_makespan"], ["maximize_reward"])
+    )
+    return document

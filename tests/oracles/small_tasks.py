@@ -3,7 +3,8 @@
 Known here: actions of fixed durations, modes with fixed durations and uses, resources of constant
 capacity, `one_of`, amounts, finish-start precedence with lags, releases, deadlines, optional
 actions, groups, due dates, weights, rewards, costs, all objectives but `minimize_changes`,
-couplings and selections. Whatever else a document says is refused with `ValueError`.
+couplings, selections, orders of uses and batch resources, and durations in a range. Whatever else
+a document says is refused with `ValueError`.
 
 Whole ticks suffice, since all times are whole numbers. Some best schedule ends by the latest date
 and all durations and lags behind it.
@@ -11,9 +12,9 @@ and all durations and lags behind it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 
 Document = dict[str, Any]
@@ -28,6 +29,7 @@ _TASK = {
     "couplings",
     "select",
     "deadline",
+    "sequences",
 }
 _ACTION = {
     *("id", "duration", "modes", "uses", "release", "deadline", "occurs", "due", "weight"),
@@ -46,6 +48,12 @@ class Choice:
     duration: int
     held: tuple[tuple[tuple[str, int], str, int], ...]
     cost: int
+    families: tuple[str | None, ...] = ()
+
+    def family(self, resource: str) -> str | None:
+        """The family of the use that holds a resource."""
+        uses = zip(self.held, self.families, strict=True)
+        return next(family for (_, r, _), family in uses if r == resource)
 
     def resource_of(self, use: tuple[str, int]) -> str | None:
         """The resource that a use holds."""
@@ -111,8 +119,18 @@ def _options(document: Document, action: Document) -> list[Choice | None]:
                 for (place, use), r in zip(uses, taken, strict=True)
             )
             cost = action.get("cost", 0) + way.get("cost", 0)
-            found.append(Choice(way["id"], way["duration"], held, cost))
+            families = tuple(use.get("family") for _, use in uses)
+            found += [
+                Choice(way["id"], duration, held, cost, families)
+                for duration in _durations(way["duration"])
+            ]
     return found
+
+
+def _durations(duration: Any) -> Iterable[int]:
+    if isinstance(duration, dict):
+        return range(duration["min"], duration["max"] + 1)
+    return [duration]
 
 
 def _groups_hold(document: Document, chosen: Mapping[str, Choice]) -> bool:
@@ -172,6 +190,12 @@ def _is_as(choice: Choice, said: Document) -> bool:
     return any(r == said["resource"] for _, r, _ in choice.held)
 
 
+def _all_resources(action: Document) -> set[str]:
+    parts = (action, *action.get("modes", ()))
+    uses = [use for part in parts for use in part.get("uses", ())]
+    return {r for use in uses for r in use.get("one_of", [use.get("resource")])}
+
+
 @dataclass
 class _Placement:
     """Places the chosen actions one after another, at every start."""
@@ -188,6 +212,7 @@ class _Placement:
         self.actions = {a["id"]: a for a in document["actions"] if a["id"] in self.chosen}
         self.levels = _objectives(document)
         self.capacity = {r["id"]: r.get("capacity", 1) for r in document.get("resources", ())}
+        self.batches = [r["id"] for r in document.get("resources", ()) if r.get("kind") == "batch"]
         edges = document.get("precedence", ())
         self.edges = [e for e in edges if e["before"] in self.chosen and e["after"] in self.chosen]
         dates = [a.get("release", 0) for a in self.actions.values()]
@@ -206,7 +231,8 @@ class _Placement:
         if self.best is not None and vector >= self.best:
             return
         if not left:
-            self.best = self.found = vector
+            if self._orders_hold():
+                self.best = self.found = vector
             return
         name, *rest = left
         action, choice = self.actions[name], self.chosen[name]
@@ -238,7 +264,67 @@ class _Placement:
                         held[r] = held.get(r, 0) + amount
             if any(amount > self.capacity[r] for r, amount in held.items()):
                 return False
+        return all(self._one_load(name, r) for r in self.batches)
+
+    def _one_load(self, name: str, resource: str) -> bool:
+        """Whether what overlaps an action in a batch resource has its times and its family."""
+        own = self.chosen[name]
+        begin, end = self.starts[name], self._end(name)
+        if begin == end or all(r != resource for _, r, _ in own.held):
+            return True
+        for other, start in self.starts.items():
+            choice, last = self.chosen[other], self._end(other)
+            if other == name or all(r != resource for _, r, _ in choice.held):
+                continue
+            if start < end and begin < last and start < last:
+                alike = choice.family(resource) == own.family(resource)
+                if (start, last) != (begin, end) or not alike:
+                    return False
         return True
+
+    def _orders_hold(self) -> bool:
+        for rule in self.document.get("sequences", ()):
+            if "consecutive" in rule:
+                named = [rule["resource"]] if "resource" in rule else list(self.capacity)
+                for resource in named:
+                    users = self._users(resource)
+                    first, second = rule["consecutive"]
+                    if first in users and second in users:
+                        after = users.index(first) + 1
+                        if after == len(users) or users[after] != second:
+                            return False
+                continue
+            for one, other in combinations(range(len(rule["same_order"])), 2):
+                a, b = self._users(rule["same_order"][one]), self._users(rule["same_order"][other])
+                rows = [r for r in self._rows(rule) if r[one] in a and r[other] in b]
+                by_first = [a.index(r[one]) for r in rows]
+                by_other = [b.index(r[other]) for r in rows]
+                for j, k in combinations(range(len(rows)), 2):
+                    if (by_first[j] - by_first[k]) * (by_other[j] - by_other[k]) < 0:
+                        return False
+        return True
+
+    def _users(self, resource: str) -> list[str]:
+        """The actions that hold a resource for some time, in order."""
+        held = {
+            n
+            for n, choice in self.chosen.items()
+            if choice.duration and any(r == resource for _, r, _ in choice.held)
+        }
+        return sorted(held, key=lambda n: self.starts[n])
+
+    def _rows(self, rule: Document) -> list[list[str | None]]:
+        """For each job of a same order the action that may hold each of its resources."""
+        if "jobs" in rule:
+            return [list(row) for row in rule["jobs"]]
+        groups = [g["actions"] for g in self.document.get("groups", ())]
+        alone = {a["id"] for a in self.document["actions"]} - {n for g in groups for n in g}
+        names = [*groups, *([n] for n in sorted(alone))]
+        may = {a["id"]: _all_resources(a) for a in self.document["actions"]}
+        return [
+            [next((n for n in job if r in may[n]), None) for r in rule["same_order"]]
+            for job in names
+        ]
 
     def _vector(self) -> Vector:
         """The values of what is placed: no level gets better when more is."""

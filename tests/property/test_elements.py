@@ -15,6 +15,8 @@ SEEDS = {
     "objectives": range(24),
     "couplings": range(24),
     "selections": range(24),
+    "sequences": range(24),
+    "batches": range(40),
 }
 PLANNED = {"modes": range(100, 106), "numbers": range(100, 112), "objectives": range(100, 108)}
 

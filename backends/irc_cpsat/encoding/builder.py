@@ -65,6 +65,13 @@ class Taker:
     literal: Literal | None
 
 
+@dataclass(frozen=True)
+class LoadTaker(Taker):
+    """A use of a batch resource, with its amount."""
+
+    amount: int
+
+
 @dataclass
 class Model:
     """A CP-SAT model and the variables that carry its answer.
@@ -132,6 +139,8 @@ class Builder:
         self.uses_in_moments = [ResourceUses() for _ in problem.contention.pools]
         self.takers: dict[int, list[Taker]] = {}
         self.sequences: list[Any] = []
+        self.loads: dict[int, list[LoadTaker]] = {}
+        self.batches: list[Any] = []
         self.starts: list[cp_model.IntVar] = []
         self.ends: list[cp_model.IntVar | None] = []
         self.sizes: dict[int, cp_model.IntVar] = {}

@@ -14,6 +14,7 @@ from typing import Any
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc_cpsat.encoding.activities import add_activities
+from irc_cpsat.encoding.batches import add_batches, add_load_work
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.couplings import add_couplings, add_selections
 from irc_cpsat.encoding.happenings import Happenings
@@ -27,6 +28,7 @@ from irc_cpsat.encoding.precedence import add_precedence
 from irc_cpsat.encoding.presence import add_presence
 from irc_cpsat.encoding.reservoirs import add_reservoirs, order_count
 from irc_cpsat.encoding.resources import add_resources
+from irc_cpsat.encoding.sequences import add_sequences
 from irc_cpsat.encoding.setups import add_setup_work, add_setups
 from irc_cpsat.encoding.state import add_state
 from irc_cpsat.encoding.work import add_work
@@ -61,6 +63,9 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
     add_work(builder, literals)
     if builder.takers:
         add_setups(builder)
+    add_sequences(builder)
+    if builder.loads:
+        add_batches(builder)
     add_couplings(builder, literals)
     add_selections(builder)
     if builder.bounds:
@@ -75,6 +80,8 @@ def write_model(builder: Builder, *, objective: bool = True) -> Model:
         add_energy(builder, makespan)
         if builder.sequences:
             add_setup_work(builder, makespan)
+        if builder.batches:
+            add_load_work(builder, makespan)
     built = Model(
         model=builder.model,
         problem=builder.problem,

@@ -9,6 +9,7 @@ from irc_cpsat.encoding.builder import (
     Builder,
     DemandLiterals,
     Literal,
+    LoadTaker,
     ResourceUses,
     Taker,
     name_of,
@@ -90,8 +91,11 @@ def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal |
     (The first follows from the second, but says more about time.)
     """
     members = builder.problem.contention.pools[r].members
-    if builder.problem.resources[members[0]].setups is not None:
-        family = builder.problem.activities[i].uses[demand.use].family
+    resource = builder.problem.resources[members[0]]
+    family = builder.problem.activities[i].uses[demand.use].family
+    if resource.batch:
+        builder.loads.setdefault(r, []).append(LoadTaker(i, family, taken, demand.amount))
+    elif resource.setups is not None:
         builder.takers.setdefault(r, []).append(Taker(i, family, taken))
     pauses = builder.problem.activities[i].details.keeps_units
     builder.uses[r].add(interval_of(builder, i, taken), demand.amount, pauses)

@@ -14,12 +14,12 @@ redundant constraints, which say at once what arcs say only together:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, permutations
 from typing import Any
 
-from irc.problem import Setup, Setups
+from irc.problem import Problem, Setup, Setups
 from irc.problem.setups import setups_from_now
 from irc_cpsat.encoding.builder import Builder, Literal, Taker, name_of
 
@@ -49,12 +49,27 @@ class SetupSequence:
 
 def add_setups(builder: Builder) -> None:
     """Adds the set-ups of all resources, once all demands have been added."""
-    before = _certain_order(builder)
+    before = certain_order(builder, (t.activity for of in builder.takers.values() for t in of))
     for r, takers in sorted(builder.takers.items()):
         resource = builder.problem.contention.pools[r].members[0]
         setups, past = setups_from_now(builder.problem, resource)
-        sequence = _Circuit(builder, resource, setups, takers, before).add(past)
-        builder.sequences.append(sequence)
+        circuit = _Circuit(builder, resource, setups, takers, before)
+        needed = _needs_circuit(builder.problem, resource)
+        builder.sequences.append(circuit.add(past) if needed else circuit.add_orders(past))
+
+
+def _needs_circuit(problem: Problem, resource: int) -> bool:
+    """Whether it counts which use is next; else only the order of each two does."""
+    setups = problem.resources[resource].setups
+    assert setups is not None
+    return (
+        bool(setups.table)
+        or setups.tight
+        or any(
+            order.kind == "consecutive" and resource in order.resources
+            for order in problem.sequences
+        )
+    )
 
 
 def setup_values(builder: Builder, name: str) -> Any:
@@ -85,13 +100,13 @@ def _setup(setups: Setups, takers: Sequence[Taker], before: int, after: int) -> 
     return setups.between(takers[before].family, takers[after].family)
 
 
-def _certain_order(builder: Builder) -> frozenset[tuple[int, int]]:
+def certain_order(builder: Builder, among: Iterable[int]) -> frozenset[tuple[int, int]]:
     """The pairs of activities of which the second starts after the end of the first, by arcs."""
     following: list[list[int]] = [[] for _ in builder.problem.activities]
     for arc in builder.problem.arcs:
         if arc.from_end and not arc.to_end and arc.min_lag >= 0:
             following[arc.before].append(arc.after)
-    wanted = {t.activity for takers in builder.takers.values() for t in takers}
+    wanted = {*among}
     found: set[tuple[int, int]] = set()
     for i in wanted:
         reached, ahead = {i}, [i]
@@ -152,6 +167,10 @@ class _Circuit:
         self._add_entries(arcs)
         self._add_longer_uses()
         return SetupSequence(self.resource, takers, arcs, orders, empty, past)
+
+    def add_orders(self, past: Setup) -> SetupSequence:
+        """Adds only a literal for each two uses."""
+        return SetupSequence(self.resource, self.takers, {}, self._orders(), None, past)
 
     def _link(self, arc: Literal, k: int, after: int) -> None:
         """Where an arc is taken, the set-up passes between its uses."""

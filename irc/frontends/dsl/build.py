@@ -510,6 +510,10 @@ class Builder:
         (token,) = clause.children
         self.put_field(element, "no_idle", Placed(True, *span(token)), at, token)
 
+    def _takes_loads(self, element: Element, clause: Any, at: Pointer) -> None:
+        (token,) = clause.children
+        self.put_field(element, "kind", Placed("batch", *span(token)), at, token)
+
     def _setups(self, element: Element, clause: Any, at: Pointer) -> Element:
         found: Element = element.setdefault("setups", {})
         self.mark_node((*at, "setups"), clause, clause.children[0])
@@ -757,6 +761,7 @@ def _word(field: str) -> str:
         "max_pause": "at most",
         "time_zone": "zone",
         "no_idle": "no idle",
+        "kind": "takes loads",
     }.get(field, field)
 
 
@@ -796,6 +801,7 @@ _RESOURCE_CLAUSES: dict[str, _Clause] = {
     "setup": Builder._setup,
     "setup_initial": Builder._setup_initial,
     "no_idle": Builder._no_idle,
+    "takes_loads": Builder._takes_loads,
     "label": Builder._text,
     "describe": Builder._text,
 }

@@ -98,6 +98,23 @@ STATEMENT_WORDS = frozenset(
 CALENDAR_WORDS = {"zone": "ZONE", "every": "EVERY", "open": "OPENS", "closed": "CLOSED"}
 """Words with a meaning of their own in a `calendar` statement only, and their kinds."""
 
+RULES = {
+    ("same", "resource"): "SAME_RESOURCE",
+    ("same", "mode"): "SAME_MODE",
+    ("different", "resource"): "DIFFERENT_RESOURCE",
+    ("different", "mode"): "DIFFERENT_MODE",
+    ("same", "order", "on"): "SAME_ORDER",
+    ("consecutive",): "CONSECUTIVE",
+    ("select",): "SELECT",
+    ("if",): "IF",
+}
+"""How a statement about choices or orders begins."""
+
+RULE_WORDS = frozenset(["use", "of", "if", "then", "jobs"])
+"""Words with a meaning of their own in such a statement only; their kinds are their capitals."""
+
+RULE_STARTS = frozenset(phrase[0] for phrase in RULES)
+
 PHRASES = {
     ("start", "of"): "START_OF",
     ("end", "of"): "END_OF",
@@ -118,6 +135,7 @@ PHRASES = {
     ("when", "broken"): "WHEN_BROKEN",
     ("already", "done"): "ALREADY_DONE",
     ("no", "idle"): "NO_IDLE",
+    ("takes", "loads"): "TAKES_LOADS",
     ("setup", "from"): "SETUP_FROM",
     ("setup", "initial"): "SETUP_INITIAL",
     ("of", "family"): "OF_FAMILY",
@@ -249,8 +267,13 @@ def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
         elif first.value in STATEMENT_WORDS and not _names_an_action(tokens):
             found.append(_as(first, first.value.upper()))
             at = 1
+        elif first.value in RULE_STARTS and (phrase := rule_phrase(tokens)):
+            at = len(phrase)
+            found.append(_joined(RULES[phrase], tokens[:at]))
     words = CLAUSE_WORDS | {"in"} if found and found[0].type == "FOR" else CLAUSE_WORDS
     own = CALENDAR_WORDS if found and found[0].type == "CALENDAR" else {}
+    if found and found[0].type in _RULE_KINDS:
+        own = {word: word.upper() for word in RULE_WORDS}
     while at < len(tokens):
         token = tokens[at]
         at += 1
@@ -265,6 +288,34 @@ def classified(tokens: list[Lexeme], *, change: bool = False) -> list[Lexeme]:
                 token = _as(token, token.value.upper())
         found.append(token)
     return found
+
+
+def rule_phrase(tokens: Sequence[Lexeme]) -> tuple[str, ...] | None:
+    """How a statement about choices or orders begins; None for any other statement.
+
+    An action may have a name that begins so: what such a statement cannot do without decides.
+    """
+    phrase = _phrase(tokens, 0, RULES)
+    if phrase is None or any(token.type == "ARROW" for token in tokens):
+        return None
+    words = {token.value for token in tokens if token.type == "WORD"}
+    rest = tokens[len(phrase) :]
+    if phrase == ("select",):
+        counts = len(rest) > 1 and rest[0].type in ("INT", "DOTS")
+        return phrase if counts and "of" in words else None
+    if phrase == ("if",):
+        return phrase if "then" in words and not words.isdisjoint(("mode", "on")) else None
+    if phrase[-1] == "on":
+        return phrase
+    for token in rest:
+        if token.type == "COMMA":
+            return phrase
+        if token.type == "WORD" and token.value in CLAUSE_WORDS:
+            break
+    return None
+
+
+_RULE_KINDS = frozenset(RULES.values())
 
 
 def _names_an_action(tokens: list[Lexeme]) -> bool:
@@ -287,7 +338,7 @@ def _joined(kind: str, tokens: list[Lexeme]) -> Lexeme:
 
 
 def _phrase(
-    tokens: list[Lexeme], at: int, phrases: dict[tuple[str, ...], str]
+    tokens: Sequence[Lexeme], at: int, phrases: dict[tuple[str, ...], str]
 ) -> tuple[str, ...] | None:
     """The longest phrase that begins at a token."""
     ahead: list[str] = []

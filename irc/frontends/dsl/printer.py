@@ -12,6 +12,7 @@ from irc.frontends.dsl.formatter import format_dsl
 from irc.frontends.dsl.lexer import quoted
 from irc.frontends.dsl.order_text import after_clauses, arrows, by_action
 from irc.frontends.dsl.pools import Choice, pools
+from irc.frontends.dsl.rule_text import rules
 from irc.model import Action, ClosedTime, DurationRange, Precedence, Resource, Task, Use
 from irc.model.parts import ObjectiveName, ObjectiveSum
 from irc.model.times import Instant
@@ -42,7 +43,7 @@ def print_task(task: Task) -> str:
         ],
         arrows(task.precedence) if inline is None else [],
         [_group(group) for group in task.groups],
-        [f"choices {written.free_form(_choices(task))}"] if task.couplings or task.select else [],
+        rules(task),
         [f"goal {_goal(goal)}" for goal in task.goals],
         [] if task.objective == _DEFAULT_OBJECTIVE else [_objective(task.objective)],
         [f"metadata {written.free_form(task.metadata)}"] if task.metadata else [],
@@ -51,13 +52,6 @@ def print_task(task: Task) -> str:
     ]
     text = "\n\n".join("\n".join(lines) for lines in sections if lines)
     return format_dsl(f"{text or 'irc 1'}\n")
-
-
-def _choices(task: Task) -> dict[str, Any]:
-    from irc.model.canonical import written_task
-
-    document = written_task(task)
-    return {name: document[name] for name in ("couplings", "select") if name in document}
 
 
 def _lapsed(task: Task) -> list[Any]:
@@ -358,6 +352,8 @@ def _resource_clauses(resource: Resource) -> list[str]:
     clauses += [
         f"capacity {w.capacity} during {written.span(w.from_, w.to)}" for w in resource.availability
     ]
+    if resource.kind == "batch":
+        clauses.append("takes loads")
     if resource.no_idle:
         clauses.append("no idle")
     if resource.setups is not None:

@@ -7,14 +7,14 @@ document of all sound statements together with every fault.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from irc.diagnostics import Code, Diagnostic, Report
 from irc.diagnostics.source import Pointer, Range, Source
-from irc.frontends.dsl import changes, nodes
+from irc.frontends.dsl import changes, nodes, rules
 from irc.frontends.dsl.build import Builder, repeated_clause
 from irc.frontends.dsl.document_parts import ExpansionLimit, Places, Sink
 from irc.frontends.dsl.faults import Fault
@@ -25,6 +25,8 @@ from irc.frontends.dsl.lexer import (
     CALENDAR_WORDS,
     CLAUSE_WORDS,
     PHRASE_STARTS,
+    RULE_STARTS,
+    RULE_WORDS,
     STATEMENT_WORDS,
     Lexeme,
     LexFault,
@@ -41,7 +43,10 @@ from irc.frontends.dsl.templates import Value, filled
 MAX_FAULTS = 1000
 """Limit on faults; the rest of the text is not read, because it is probably another language."""
 
-ARRAYS = ("calendars", "resources", "state", "actions", "precedence", "groups", "goals", "events")
+ARRAYS = (
+    *("calendars", "resources", "state", "actions", "precedence", "groups"),
+    *("couplings", "select", "sequences", "goals", "events"),
+)
 
 Values = Mapping[str, Value]
 
@@ -277,7 +282,11 @@ class _Reader:
                     raise unlexed(token, self.text)
                 if token.type != "COMMENT":
                     found.append(token)
-            own = CALENDAR_WORDS if found and found[0].value == "calendar" else ()
+            own: Collection[str] = ()
+            if found and found[0].value == "calendar":
+                own = CALENDAR_WORDS
+            elif found and found[0].value in RULE_STARTS:
+                own = RULE_WORDS
             if (
                 0 < first < len(found)
                 and _of_name(found, first - 1)
@@ -318,16 +327,25 @@ class _Reader:
                 "it is about the whole task",
             )
         found = json_after(word, self.text, statement.start + len(word), statement.end)
-        names = ("couplings", "select") if word == "choices" else (word,)
+        names = ("couplings", "select", "sequences") if word == "choices" else (word,)
         if any(name in self.fields for name in names):
             raise repeated_clause(f"`{word}`", statement.start, statement.end)
         if word == "choices":
-            self.fields |= found.value
-            for name in found.value:
-                self.builder.mark((name,), found.start, found.end, statement.start)
+            self._choices(found, statement)
             return
         self.fields[word] = found.value if word == "metadata" else found.value.get("of")
         self.builder.mark((word,), found.start, found.end, statement.start)
+
+    def _choices(self, found: nodes.Placed, statement: Statement) -> None:
+        """Takes over couplings, selections and sequences that are written as JSON."""
+        for name, entries in found.value.items():
+            self.builder.mark((name,), found.start, found.end, statement.start)
+            if name not in ARRAYS or not isinstance(entries, list):
+                self.fields[name] = entries
+                continue
+            for entry in entries:
+                self.builder.mark(self.sink.next(name), found.start, found.end)
+                self.sink.put(name, entry)
 
     # --- include ---
 
@@ -597,4 +615,9 @@ _ELEMENTS: dict[str, Callable[[Builder, Any, Sink], None]] = {
     "state": Builder.state,
     "group": Builder.group,
     "goal": Builder.goal,
+    "tie": rules.tie,
+    "implied": rules.implied,
+    "selection": rules.selection,
+    "consecutive": rules.consecutive,
+    "same_order": rules.same_order,
 }
