@@ -11,7 +11,7 @@ from irc.model import Action, DurationRange, Resource, Task
 from irc.model.details import UseOrder
 
 _Next = dict[str, dict[str, tuple[str, Pointer]]]
-"""By resource and action: the action that holds it next, and where that is said."""
+"""By resource and action: the action that holds it next, and the place of that demand."""
 
 
 def check_sequences(task: Task, names: DeclaredNames) -> None:
@@ -110,13 +110,13 @@ def _check_circles(task: Task, following: _Next, names: DeclaredNames) -> None:
     for edge in task.precedence:
         if edge.type == "finish-start" and task.number(edge.min_lag) >= 0:
             ahead.setdefault(edge.before, []).append((edge.after, None))
-    told: set[str] = set()
+    seen: set[str] = set()
     for nexts in following.values():
         for first, (second, place) in sorted(nexts.items(), key=lambda item: item[1][1]):
             way = _way(second, first, ahead)
-            if way is None or first in told:
+            if way is None or first in seen:
                 continue
-            told |= {first, *way}
+            seen |= {first, *way}
             names.findings.add(
                 Code.SEQUENCE,
                 f"the order of uses leads back to {first!r}: "

@@ -378,11 +378,11 @@ class UseOrder(Node):
     @model_validator(mode="after")
     def _one_kind(self) -> UseOrder:
         if (self.consecutive is None) == (self.same_order is None):
-            raise ValueError("needs either 'consecutive' or 'same_order'")
+            raise ValueError("needs one of 'consecutive' and 'same_order'")
         if self.resource is not None and self.consecutive is None:
-            raise ValueError("'resource' belongs to 'consecutive'")
+            raise ValueError("takes 'resource' with 'consecutive', and only there")
         if self.jobs and self.same_order is None:
-            raise ValueError("'jobs' belongs to 'same_order'")
+            raise ValueError("takes 'jobs' with 'same_order', and only there")
         if self.same_order is not None:
             for row in self.jobs:
                 if len(row) != len(self.same_order):

@@ -58,7 +58,7 @@ def test_an_order_with_an_optional_action_may_be_without_it() -> None:
 
 def test_the_shape_is_checked() -> None:
     document = {"actions": ACTIONS, "resources": RESOURCES, "sequences": [{"resource": "m"}]}
-    assert "needs either 'consecutive' or 'same_order'" in str(irc.check(document))
+    assert "needs one of 'consecutive' and 'same_order'" in str(irc.check(document))
     document["sequences"] = [{"same_order": ["m", "n"], "jobs": [["a"]]}]
     assert "needs one action for each resource" in str(irc.check(document))
 

@@ -79,6 +79,7 @@ RULES = (
     "number without a unit",
     "belong together",
     "only there",
+    "for each resource",
 )
 """Faults of shape that no schema without conditions can exclude."""
 
