@@ -693,6 +693,15 @@ STRUCTURE = [
         hint="did you mean `red`?",
     ),
     case(
+        actions(
+            ',\n "resources": [{"id": "r"}],\n "sequences": [{"consecutive": ["a", ‸"a"]}]',
+            uses='[{"resource": "r"}]',
+        ),
+        "IRC219 /sequences/0/consecutive/1",
+        says="action 'a' cannot come after itself",
+        hint="name two actions",
+    ),
+    case(
         '{"actions": [{"id": "a", "duration": 1, "occurs": {"min": 3000}},\n'
         '{"id": "b", "duration": 1, "occurs": ‸{"min": 3001}}]}',
         "IRC214 /actions/1/occurs",
