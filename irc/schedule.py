@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from datetime import datetime
 from decimal import Decimal
 from enum import StrEnum
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_you_mean
 from irc.diagnostics.source import Pointer, Source
-from irc.errors import NameNotFound
+from irc.display.views import view
+from irc.errors import NameNotFound, OptionError
+from irc.model.dates import Dates
 from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
@@ -20,6 +24,7 @@ from irc.outcome import INTERRUPTED, Outcome
 
 if TYPE_CHECKING:
     from irc.display.svg import Bar
+    from irc.model.task import Task
 
 SCHEDULE_VERSION = "1"
 
@@ -59,6 +64,21 @@ class Entry:
     status: str | None = None
     paused: Number = field(default=0, compare=False)
     """The closed time between its start and its end, in which its work pauses."""
+    dates: Dates | None = field(default=None, compare=False, repr=False)
+    """The dates of its task, where this has an origin."""
+
+    @property
+    def start_at(self) -> datetime | None:
+        """Its start as a date-time, in the zone of the task's dates; None without an origin.
+
+        Raises `irc.TimeError` beyond the years 1 to 9999.
+        """
+        return None if self.dates is None else self.dates.at(self.start)
+
+    @property
+    def end_at(self) -> datetime | None:
+        """Its end as a date-time; see `start_at`."""
+        return None if self.dates is None else self.dates.at(self.end)
 
     @property
     def last_rank(self) -> int:
@@ -120,9 +140,29 @@ class Schedule:
     reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
     left_out: tuple[LeftOut, ...] = ()
     """The required actions and goals that a running task goes on without."""
+    dates: Dates | None = field(default=None, repr=False, compare=False)
+    """The dates of its task, where this has an origin; its entries have them, too."""
+    made_for: Task | None = field(default=None, repr=False, compare=False)
+    """The task that it answers, where irc has made it in this process."""
     _index: dict[tuple[str, int], Entry] | None = field(
         default=None, init=False, repr=False, compare=False
     )
+
+    def __post_init__(self) -> None:
+        dates = self.dates
+        if dates is not None and any(entry.dates is not dates for entry in self.entries):
+            dated = tuple(replace(entry, dates=dates) for entry in self.entries)
+            object.__setattr__(self, "entries", dated)
+
+    def of(self, task: Task) -> Schedule:
+        """The schedule with the dates of a task, to which its tables and charts refer."""
+        return replace(self, dates=Dates.of(task), made_for=task)
+
+    @property
+    def has_dates(self) -> bool:
+        """Whether all of its times have a date-time."""
+        dates = self.dates
+        return dates is not None and dates.reach(0) and dates.reach(self.makespan)
 
     def __iter__(self) -> Iterator[Entry]:
         """The entries in order of time."""
@@ -253,7 +293,11 @@ class Schedule:
         ]
 
     def to_rows(self) -> list[dict[str, Any]]:
-        """A dictionary for each entry, in order of time, with exact times in the task's unit."""
+        """A dictionary for each entry, in order of time, with exact times in the task's unit.
+
+        With an origin it also has `start_at` and `end_at`, as date-times.
+        """
+        dated = self.has_dates
         return [
             {
                 "action": e.id,
@@ -264,6 +308,7 @@ class Schedule:
                 "mode": e.mode,
                 "resources": dict(e.resources),
                 "status": e.status,
+                **({"start_at": e.start_at, "end_at": e.end_at} if dated else {}),
             }
             for e in self
         ]
@@ -277,7 +322,52 @@ class Schedule:
         from irc.display.frames import to_frame
 
         rows = [{**row, "resources": _held(e)} for row, e in zip(self.to_rows(), self, strict=True)]
-        return to_frame(COLUMNS, rows, library)
+        columns = (*COLUMNS, "start_at", "end_at") if self.has_dates else COLUMNS
+        return to_frame(columns, rows, library)
+
+    def orders(self, library: str | None = None, *, task: Task | None = None) -> Any:
+        """A data frame with a row for each order: start, end, due date, lateness, critical part.
+
+        Orders are groups, and actions with due dates. `task` is needed for a schedule that was
+        read from a file. Raises `irc.LibraryMissing`, and `irc.OptionError` without a task.
+        """
+        return view("orders")(self._task(task), self, library)
+
+    def resources(self, library: str | None = None, *, task: Task | None = None) -> Any:
+        """A data frame with a row for each renewable resource: busy, set-up, idle, closed times.
+
+        The arguments are those of `orders`.
+        """
+        return view("resources")(self._task(task), self, library)
+
+    def days(self, library: str | None = None, *, task: Task | None = None) -> Any:
+        """A data frame with a row for each day: what starts, ends and is due, the use of resources.
+
+        Without an origin it has no rows. The arguments are those of `orders`.
+        """
+        return view("days")(self._task(task), self, library)
+
+    def plot(self, *, task: Task | None = None) -> Any:
+        """A Gantt chart by resource, as a chart of Altair; notebooks show it, `save` writes it.
+
+        Raises what `orders` raises, and `irc.OptionError` for more rows than a picture can show.
+        """
+        return view("plot")(self._task(task), self)
+
+    def save(self, path: str | Path, *, task: Task | None = None) -> None:
+        """Writes it to a file of the kind that the ending names, such as `.svg` or `.xlsx`.
+
+        The kinds are those of `irc show -o`. Raises `irc.OptionError` for another ending, and
+        `irc.WriteError` where the file cannot be written.
+        """
+        view("save")(self._task(task), self, path)
+
+    def _task(self, given: Task | None) -> Task:
+        """The task to which tables and charts refer. Raises `irc.OptionError` where none is."""
+        found = self.made_for if given is None else getattr(given, "ir", given)
+        if found is None:
+            raise OptionError("this schedule does not know its task: give it as `task=`")
+        return found
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> Schedule:
@@ -286,11 +376,13 @@ class Schedule:
 
     def to_dict(self) -> dict[str, Any]:
         """The document that `irc solve --format json` writes."""
+        dated = self.has_dates
         return {
             "irc_schedule": SCHEDULE_VERSION,
             "task": self.task,
             "task_sha256": self.task_sha256,
             **({} if self.time_unit is None else {"time_unit": self.time_unit}),
+            **(self.dates.to_dict() if self.dates is not None and dated else {}),
             "status": str(self.status),
             **({"interrupted": True} if self.interrupted else {}),
             "makespan": json_number(self.makespan) if self.answered else None,
@@ -302,7 +394,7 @@ class Schedule:
                 }
                 for o in self.objective
             ],
-            "actions": [_entry_json(entry) for entry in self.entries],
+            "actions": [_entry_json(entry, dated) for entry in self.entries],
             **({"left_out": list(map(_left_out_json, self.left_out))} if self.left_out else {}),
             "target": self.target,
             "engine": self.engine,
@@ -326,12 +418,14 @@ def _left_out_json(what: LeftOut) -> str | dict[str, Any]:
     return what if isinstance(what, str) else {"var": what[0], "value": what[1]}
 
 
-def _entry_json(entry: Entry) -> dict[str, Any]:
+def _entry_json(entry: Entry, dated: bool) -> dict[str, Any]:
     shown: dict[str, Any] = {
         "id": entry.id,
         "start": json_number(entry.start),
         "end": json_number(entry.end),
     }
+    if dated and (dates := entry.dates) is not None:
+        shown |= {"start_at": dates.text(entry.start), "end_at": dates.text(entry.end)}
     if entry.occurrence != 1:
         shown["occurrence"] = entry.occurrence
     if entry.mode is not None:
@@ -362,6 +456,8 @@ _SCHEDULE_FIELDS = frozenset(
         "engine",
         "seconds",
         "time_unit",
+        "origin",
+        "time_zone",
         "outcome",
         "interrupted",
         "left_out",
@@ -370,7 +466,7 @@ _SCHEDULE_FIELDS = frozenset(
 _ENTRY_FIELDS = frozenset(
     [
         *("id", "start", "end", "resources", "mode", "occurrence", "rank", "end_rank", "status"),
-        "paused",
+        *("paused", "start_at", "end_at"),
     ]
 )
 
@@ -394,6 +490,7 @@ _MOST_SECONDS = 1e300
 class _ScheduleReader:
     def __init__(self, findings: Findings) -> None:
         self.findings = findings
+        self.dates: Dates | None = None
 
     def _fault(
         self, message: str, pointer: Pointer, *, hint: str | None = None, at_key: bool = False
@@ -411,6 +508,7 @@ class _ScheduleReader:
         version = raw.get("irc_schedule", SCHEDULE_VERSION)
         if version != SCHEDULE_VERSION:
             self._fault(f"unknown schedule version {version!r}; expected '1'", ("irc_schedule",))
+        self.dates = self._dates(raw)
         actions = raw.get("actions")
         if not isinstance(actions, list):
             self._fault(
@@ -437,6 +535,7 @@ class _ScheduleReader:
             self._text(raw, "time_unit"),
             self._flag(raw, "interrupted"),
             left_out=self._left_out(raw.get("left_out")),
+            dates=self.dates,
         )
         self._check_makespan(raw, schedule)
         return schedule
@@ -469,6 +568,29 @@ class _ScheduleReader:
         if not isinstance(raw, (list, type(None))):
             self._fault("'left_out' must be a list", ("left_out",))
         return tuple(found)
+
+    def _dates(self, raw: Mapping[str, Any]) -> Dates | None:
+        """The dates that a document states by its origin, time zone and unit."""
+        origin, name = self._text(raw, "origin"), self._text(raw, "time_zone")
+        if origin is None or not isinstance(raw.get("time_unit"), str):
+            return None
+        try:
+            return Dates.read(origin, name, raw["time_unit"])
+        except TimeError as error:
+            self._fault(f"'origin': {error}", ("origin",))
+            return None
+
+    def _check_date(self, raw: Mapping[str, Any], key: str, time: Number, at: Pointer) -> None:
+        """Reports a date-time that contradicts the time beside it."""
+        stated, dates = raw.get(key), self.dates
+        if stated is None or self.findings.items:
+            return
+        hint = f"leave {key!r} out: it follows from the time beside it and the 'origin'"
+        if not isinstance(stated, str):
+            self._fault(f"{key!r} must be a date-time as text", (*at, key), hint=hint)
+        elif dates is not None and not dates.agree(stated, time):
+            beside = f"{key.removesuffix('_at')!r} is {format_number(time)}"
+            self._fault(f"{key!r} is {stated}, but {beside}", (*at, key), hint=hint)
 
     def _text(self, raw: Mapping[str, Any], key: str) -> str | None:
         value = raw.get(key)
@@ -540,10 +662,14 @@ class _ScheduleReader:
         for key in ("mode", "status"):
             if not isinstance(raw.get(key), (str, type(None))):
                 self._fault(f"'{key}' must be text", (*pointer, key))
+        start = self.time(raw.get("start", 0), (*pointer, "start"))
+        end = self.time(raw.get("end", 0), (*pointer, "end"))
+        self._check_date(raw, "start_at", start, pointer)
+        self._check_date(raw, "end_at", end, pointer)
         return Entry(
             raw["id"],
-            self.time(raw.get("start", 0), (*pointer, "start")),
-            self.time(raw.get("end", 0), (*pointer, "end")),
+            start,
+            end,
             self._resources(raw.get("resources"), (*pointer, "resources")),
             mode if isinstance(mode, str) else None,
             self._whole(raw, "occurrence", 1, pointer),

@@ -19,6 +19,7 @@ from irc.cli.options import (
     BaselineOption,
     EngineOption,
     FileArgument,
+    FileOutOption,
     FormatOption,
     MemoryLimitOption,
     OutOption,
@@ -27,6 +28,7 @@ from irc.cli.options import (
     SeedOption,
     TargetOption,
     TimeLimitOption,
+    TimesOption,
     WorkersOption,
 )
 from irc.cli.output import (
@@ -40,8 +42,11 @@ from irc.cli.output import (
     reporting_errors,
     say,
 )
+from irc.cli.show import show
+from irc.errors import IrcError
 
 if TYPE_CHECKING:
+    from irc.cli.times import TimesStyle
     from irc.driver.judge import Answer
     from irc.frontends.files import Reading
     from irc.targets import Program
@@ -190,19 +195,23 @@ def solve(
             help="Solve by the critical path alone if there is no contention.",
         ),
     ] = True,
-    output: OutOption = None,
+    times: TimesOption = None,
+    output: FileOutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Compile a task, run an engine, and show the exact, validated schedule."""
     from irc.cli.interruption import INTERRUPTION
     from irc.cli.progress import progress_shown
-    from irc.driver.files import require_file
+    from irc.cli.times import require_times
     from irc.driver.solve import solve_task
+    from irc.reporting.files import require_fit, require_output
     from irc.targets import SolveOptions
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
-        require_file(output)
+        require_output(output)
         reading = _read(file, problem)
+        require_fit(output, reading.task)
+        require_times(reading.task, times)
         prepare(format)
         with progress_shown(reading.task) as on_progress:
             options = SolveOptions(
@@ -222,7 +231,7 @@ def solve(
             from irc.cli.explain import hint_for
 
             say(hint_for(file))
-        _show_answer(answer, output, format)
+        _show_answer(answer, output, times, format)
 
 
 def explain(
@@ -257,26 +266,44 @@ def explain(
         put_explanation(explanation, format)
 
 
-def _show_answer(answer: Answer, output: Path | None, format: Format) -> None:
-    from irc.schedule import dump_json
-
+def _show_answer(
+    answer: Answer, output: Path | None, times: TimesStyle | None, format: Format
+) -> None:
     schedule = answer.schedule
     print_notes(answer.notes)
-    if output is not None:
-        from irc.driver.files import write_whole
-
-        write_whole(output, dump_json(schedule.to_dict()))
+    # (The file first: the reader of what is printed may end before all of it is.)
+    wrote, refused = False, None
+    try:
+        wrote = output is not None and _write_answer(output, answer, times)
+    except IrcError as error:
+        refused = error
     if format is Format.json:
         put_json(schedule.to_dict())
     else:
-        from irc.cli.page import answer_console
+        from irc.cli.page import answer_console, in_a_file
         from irc.cli.render import print_answer
 
-        print_answer(answer, answer_console())
-        if output is not None:
-            say(f"wrote {output}")
+        print_answer(answer, answer_console(), times, all_rows=in_a_file())
+    if refused is not None:
+        raise refused
+    if wrote and format is Format.text:
+        say(f"wrote {output}")
     if not schedule.answered:
         sys.exit(schedule.outcome.exit)
+
+
+def _write_answer(output: Path, answer: Answer, times: TimesStyle | None) -> bool:
+    """Writes the file that was asked for; without an answer, only one for programs."""
+    from irc.cli.showing import write_output
+    from irc.reporting.files import Shown, kind_of, require_fit
+
+    task = answer.schedule.made_for
+    assert task is not None  # (It is a schedule that irc has made.)
+    if not answer.schedule.answered and kind_of(output).ending not in (".json", ".txt"):
+        return False
+    require_fit(output, task)
+    write_output(output, Shown(task, answer.schedule), answer, times)
+    return True
 
 
 def extract(
@@ -285,7 +312,8 @@ def extract(
     ],
     answer: Annotated[str, typer.Argument(help="The engine's output; '-' is standard input.")],
     problem: ProblemOption = None,
-    output: OutOption = None,
+    times: TimesOption = None,
+    output: FileOutOption = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Turn an engine's raw output into an exact, validated schedule of the task.
@@ -293,13 +321,13 @@ def extract(
     With --problem the output is a plan of a PDDL domain, by whichever planner.
     """
     from irc.cli.plans import extracted
-    from irc.driver.files import require_file
+    from irc.reporting.files import require_output
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
-        require_file(output)
-        _show_answer(extracted(manifest, answer, problem), output, format)
+        require_output(output)
+        _show_answer(extracted(manifest, answer, problem), output, times, format)
 
 
 def validate(
@@ -496,6 +524,7 @@ _COMMANDS = (
     explain,
     extract,
     validate,
+    show,
     replan,
     simulate,
     run,

@@ -12,13 +12,14 @@ import typer
 from irc.cli.options import (
     EngineOption,
     FileArgument,
+    FileOutOption,
     FormatOption,
     MemoryLimitOption,
-    OutOption,
     SeedOption,
     StabilityOption,
     StepTimeLimitOption,
     TargetOption,
+    TimesOption,
     WorkersOption,
 )
 from irc.cli.output import Format
@@ -48,7 +49,8 @@ def replan(
     seed: SeedOption = 0,
     workers: WorkersOption = None,
     stability: StabilityOption = Fraction(0),
-    output: OutOption = None,
+    times: TimesOption = None,
+    output: FileOutOption = None,
     task_output: Annotated[
         Path | None,
         typer.Option("--task-output", help="The file for the task as the events revise it."),
@@ -62,7 +64,7 @@ def replan(
     options = SolveOptions(
         target, engine, time_limit, memory_limit, workers, seed, stability=stability
     )
-    replan_file(file, schedule, at, event or [], options, output, task_output, format)
+    replan_file(file, schedule, at, event or [], options, output, task_output, times, format)
 
 
 def simulate(
@@ -78,7 +80,8 @@ def simulate(
     seed: SeedOption = 0,
     workers: WorkersOption = None,
     stability: StabilityOption = Fraction(0),
-    output: OutOption = None,
+    times: TimesOption = None,
+    output: FileOutOption = None,
     steps: Annotated[
         Path | None, typer.Option("--steps", help="A folder for the document of each step.")
     ] = None,
@@ -91,7 +94,7 @@ def simulate(
     options = SolveOptions(
         target, engine, time_limit, memory_limit, workers, seed, stability=stability
     )
-    simulate_file(file, schedule, options, output, steps, format)
+    simulate_file(file, schedule, options, output, steps, times, format)
 
 
 class PresumeName(StrEnum):

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from irc.cli.output import Format
+from irc.cli.times import TimesStyle
 
 FileArgument = Annotated[
     str, typer.Argument(help="A task: JSON, the DSL, or English; '-' is standard input.")
@@ -19,6 +20,23 @@ ProblemOption = Annotated[
 FormatOption = Annotated[Format, typer.Option("--format", help="The format of the output.")]
 OutOption = Annotated[
     Path | None, typer.Option("-o", "--output", help="The file or folder to write.")
+]
+
+FileOutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "-o",
+        "--output",
+        help="The file to write, by its ending: .json, .html, .svg, .png, .pdf, .xlsx, .csv, .ics, "
+        ".md or .txt.",
+    ),
+]
+TimesOption = Annotated[
+    TimesStyle | None,
+    typer.Option(
+        "--times",
+        help="clock: times as dates (where the task has an origin); unit: as numbers of its unit.",
+    ),
 ]
 
 TargetOption = Annotated[str, typer.Option("--target", "-t", help="cpsat, pddl21, …")]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from os import environ
 from typing import NamedTuple
@@ -29,6 +29,11 @@ def answer_console() -> Console:
     if sys.stdout.isatty() or "COLUMNS" in environ:
         return Console()
     return Console(width=PIPED_WIDTH)
+
+
+def in_a_file() -> bool:
+    """Whether standard output is no terminal: then nothing is left out for lack of room."""
+    return not sys.stdout.isatty()
 
 
 def print_lines(page: Page, console: Console, lines: Iterable[Text]) -> None:
@@ -56,6 +61,8 @@ class Glyphs(NamedTuple):
     slack: Kind
     setup: Kind
     crowd: str
+    closed: str
+    pause: str
     rule: str
     tick: str
     first_tick: str
@@ -75,6 +82,8 @@ _BLOCKS = Glyphs(
     slack=Kind("░", "▕", "▒", "◇", *_CYAN),
     setup=Kind("╌", "╌", "╌", "╌", *_YELLOW),
     crowd="▓",
+    closed="·",
+    pause="▁",
     rule="─",
     tick="┼",
     first_tick="├",
@@ -91,6 +100,8 @@ _ASCII = Glyphs(
     slack=Kind("=", "(", "(", "o", *_CYAN),
     setup=Kind("~", "~", "~", "~", *_YELLOW),
     crowd="%",
+    closed=".",
+    pause="_",
     rule="-",
     tick="+",
     first_tick="+",
@@ -112,6 +123,20 @@ class Page:
         self.encoding = console.encoding
         drawing = str(_BLOCKS)  # has every one of its characters
         self.glyphs = _BLOCKS if self._encodable(drawing) == drawing else _ASCII
+        self._numbers: dict[str, int] = {}
+
+    def number(self, name: str) -> int:
+        """The number that stands for a name which is too long; the same each time."""
+        return self._numbers.setdefault(name, len(self._numbers) + 1)
+
+    def key(self) -> Iterator[str]:
+        """A line for each number that stands for a name, with the name."""
+        for name, number in self._numbers.items():
+            yield f"{self.glyphs.more}{number}: {name}"
+
+    def beginning(self, text: str, width: int) -> str:
+        """At most `width` cells of the beginning of a text."""
+        return set_cell_size(text, max(width, 0)).rstrip()
 
     def _encodable(self, text: str) -> str:
         return text.encode(self.encoding, "backslashreplace").decode(self.encoding)
@@ -127,14 +152,17 @@ class Page:
         )
         return shown if shown == shown.strip() else f'"{shown}"'
 
-    def fit(self, text: str, width: int) -> str:
-        """At most `width` cells of a text: its two ends with a mark between them."""
+    def fit(self, text: str, width: int, share: tuple[int, int] = (2, 3)) -> str:
+        """At most `width` cells of a text: its two ends with a mark between them.
+
+        The beginning gets the `share` of the room that is not needed for the mark.
+        """
         if cell_len(text) <= width:
             return text
         room = width - len(self.glyphs.more)
         if room < 2:
             return set_cell_size(text, max(width, 0))
-        last = room // 3
+        last = room - (room * share[0] + share[1] - 1) // share[1]
         tail = ""
         for character in reversed(text):
             if cell_len(character + tail) > last:

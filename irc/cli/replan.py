@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
@@ -20,6 +21,7 @@ from irc.cli.planning import (
     require_task,
 )
 from irc.cli.progress import progress_shown
+from irc.cli.times import TimesStyle, require_times
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.diagnostics.suggest import closest
@@ -35,7 +37,8 @@ from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number, TimeError
 from irc.model.times import format_number, json_number
-from irc.schedule import Schedule, dump_json
+from irc.reporting.files import Shown, require_fit, require_output, write_shown
+from irc.schedule import Schedule
 from irc.service.protocol import own_event
 from irc.targets import SolveOptions
 
@@ -50,15 +53,18 @@ def replan_file(
     options: SolveOptions,
     output: Path | None,
     task_output: Path | None,
+    times: TimesStyle | None,
     format: Format,
 ) -> None:
     """Replans a task's schedule as of a time, prints the step and writes the requested files."""
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule, *named)
-        require_file(output)
+        require_output(output)
         require_file(task_output, (".json", DSL_SUFFIX))
         task = read_sound_task(file, format)
+        require_fit(output, task)
+        require_times(task, times)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
         prepare(format)
@@ -69,16 +75,17 @@ def replan_file(
             noted = _apply(running, events)
             step = running.replan(options.budget(INTERRUPTION.spent(file, schedule, *named)))
             step = replace(step, notes=(*noted, *step.notes))
-        _write(step, output, task_output)
+        _write(step, before, output, task_output, times)
         if format is Format.json:
             put_json({"irc_step": STEP_VERSION, **step.to_dict()})
         else:
-            from irc.cli.page import answer_console
-            from irc.cli.step_text import print_history, print_step
+            from irc.cli.page import answer_console, in_a_file
+            from irc.cli.step_text import clock_of_step, print_history, print_step
 
             print_notes(step.notes)
-            print_step(step, before, answer_console())
-            print_history(step, before, answer_console())
+            clock = clock_of_step(step, times, before)
+            print_step(step, before, answer_console(), clock)
+            print_history(step, before, answer_console(), clock, all_rows=in_a_file())
             for path in filter(None, (output if step.schedule.answered else None, task_output)):
                 say(f"wrote {path}")
         end_with([step.schedule.status])
@@ -185,9 +192,18 @@ def _apply(execution: Execution, events: Sequence[PlacedEvent]) -> list[Diagnost
     return notes
 
 
-def _write(step: Step, output: Path | None, task_output: Path | None) -> None:
+def _write(
+    step: Step,
+    before: Schedule,
+    output: Path | None,
+    task_output: Path | None,
+    times: TimesStyle | None,
+) -> None:
     """Writes the schedule, if there is one, and the task in force."""
     if output is not None and step.schedule.answered:
-        write_whole(output, dump_json(step.schedule.to_dict()))
+        from irc.cli.step_text import step_as_text
+
+        text = partial(step_as_text, step, before, times)
+        write_shown(output, Shown(step.task, step.schedule, before.of(step.task), text=text))
     if task_output is not None:
         write_whole(task_output, written_as(task_output, step.task))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from irc.cli.exit_codes import EXIT_INPUT
@@ -25,10 +26,12 @@ from irc.cli.planning import (
     schedule_to_begin_with,
 )
 from irc.cli.replan import STEP_VERSION
+from irc.cli.times import TimesStyle, require_times
 from irc.diagnostics import Code, Report
-from irc.driver.files import require_file, require_folder, write_folder, write_whole
+from irc.driver.files import require_folder, write_folder
 from irc.execution.simulation import EventRefused, Simulation, simulate
 from irc.execution.step import Step
+from irc.reporting.files import Shown, require_fit, require_output, write_shown
 from irc.schedule import Schedule, dump_json
 from irc.targets import SolveOptions
 from irc.validation import Verdict, validate
@@ -40,18 +43,21 @@ def simulate_file(
     options: SolveOptions,
     output: Path | None,
     steps: Path | None,
+    times: TimesStyle | None,
     format: Format,
 ) -> None:
     """Simulates a task, prints every step as it comes, and writes the requested files."""
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         options = replace(options, cancel=cancel)
         one_standard_input(format, file, schedule)
-        require_file(output)
+        require_output(output)
         require_folder(steps)
         task = read_sound_task(file, format)
+        require_fit(output, task)
+        require_times(task, times)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
         prepare(format)
-        reporter = _StepReporter(steps, format)
+        reporter = _StepReporter(steps, times, format)
         refused: Report | None = None
         try:
             simulation = simulate(
@@ -63,23 +69,27 @@ def simulate_file(
             )
         except EventRefused as error:
             simulation, refused = error.simulation, error.report
-        _report(simulation, refused, output, format)
+        _report(simulation, refused, output, times, format)
 
 
 def _report(
-    simulation: Simulation, refused: Report | None, output: Path | None, format: Format
+    simulation: Simulation,
+    refused: Report | None,
+    output: Path | None,
+    times: TimesStyle | None,
+    format: Format,
 ) -> None:
     """Prints the whole episode, up to an event that was refused if one was, and exits."""
     final = simulation.final
     if output is not None and final.answered:
-        write_whole(output, dump_json(final.to_dict()))
+        write_shown(output, _shown(simulation, times))
     verdict = _verdict(simulation)
     if format is Format.json:
         judged = None if verdict is None else verdict.to_dict()
         found = {} if refused is None else {"refused": refused.to_list()}
         put_json({**simulation.to_dict(), **found, "verdict": judged})
     elif verdict is not None:
-        _print_end(simulation)
+        _print_end(simulation, times)
         before = "" if final.answered else "before the last event: "
         put(f"{before}{verdict}")
         if output is not None and final.answered:
@@ -99,6 +109,7 @@ class _StepReporter:
     """Prints the steps of a simulation as they come, and writes their documents."""
 
     folder: Path | None
+    times: TimesStyle | None
     format: Format
     count: int = 0
     before: Schedule | None = None
@@ -110,13 +121,14 @@ class _StepReporter:
             write_folder(self.folder, {f"step_{self.count:03}.json": dump_json(document)})
         if self.format is Format.text:
             from irc.cli.page import answer_console
-            from irc.cli.step_text import print_step
+            from irc.cli.step_text import clock_of_step, print_step
 
             if self.count:
                 put("")
             notes = (d for d in step.notes if d.code is not Code.LATER_EVENTS)
             print_notes(notes, step.task.source)
-            print_step(step, self.before, answer_console())
+            clock = clock_of_step(step, self.times, self.before)
+            print_step(step, self.before, answer_console(), clock)
         self.count += 1
         if step.schedule.answered:
             self.before = step.schedule
@@ -134,11 +146,23 @@ def _verdict(simulation: Simulation) -> Verdict | None:
     return None if last is None else validate(last.task, last.schedule, last.at)
 
 
-def _print_end(simulation: Simulation) -> None:
+def _shown(simulation: Simulation, times: TimesStyle | None) -> Shown:
+    """The last schedule, the one before it, and all steps."""
+    from irc.cli.step_text import step_as_text
+
+    last, steps = simulation.steps[-1], simulation.steps
+    before = [step.schedule for step in steps[:-1] if step.schedule.answered]
+    previous = before[-1] if before else None
+    text = partial(step_as_text, last, previous, times)
+    return Shown(last.task, last.schedule, previous, steps, text)
+
+
+def _print_end(simulation: Simulation, times: TimesStyle | None) -> None:
     """Prints the whole history and its objective values."""
-    from irc.cli.page import answer_console
-    from irc.cli.step_text import print_end
+    from irc.cli.page import answer_console, in_a_file
+    from irc.cli.step_text import clock_of_step, print_end
 
     last = _last(simulation)
     if last is not None:
-        print_end(simulation, last, answer_console())
+        clock = clock_of_step(last, times)
+        print_end(simulation, last, answer_console(), clock, all_rows=in_a_file())

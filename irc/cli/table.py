@@ -9,6 +9,8 @@ from rich.cells import cell_len
 from rich.text import Text
 
 from irc.cli.page import Page, grouped, natural
+from irc.cli.short_names import ShortNames
+from irc.cli.times import DAYS_BY_NAME, ClockText
 from irc.model.quantities import Number
 from irc.schedule import Entry
 
@@ -28,7 +30,7 @@ TABLE_ROWS = 60
 LEAST_FLEXIBLE = 8
 """The least width of a flexible column, in cells."""
 
-_FIRST_TO_GO = ("status", "resources", "rank", "mode", "duration")
+_FIRST_TO_GO = ("day", "status", "resources", "rank", "mode", "duration", "slack")
 _GAP = "  "
 
 
@@ -57,6 +59,36 @@ def counted(page: Page, name: str, amount: int) -> str:
     return shown if amount == 1 else f"{shown} {page.glyphs.times}{amount}"
 
 
+def time_columns(
+    page: Page, unit: str, entries: Sequence[Entry], clock: ClockText | None
+) -> Iterator[Column]:
+    """The columns of start, end and duration; by the clock, with the day of a long schedule."""
+    shown, lengths = page.visible(unit), aligned(entry.duration for entry in entries)
+    if clock is None:
+        yield Column(f"start ({shown})", aligned(e.start for e in entries), True)
+        yield Column("end", aligned(e.end for e in entries), True)
+        yield Column("duration", lengths, True)
+        return
+    if clock.days > DAYS_BY_NAME:
+        yield Column("day", [f"{clock.day_number(e.start):,}" for e in entries], True)
+    yield Column("start", [clock.text(e.start) for e in entries])
+    yield Column("end", [clock.text(e.end) for e in entries])
+    yield Column(f"duration ({shown})", lengths, True)
+
+
+def listed_within(page: Page, before: str, names: Sequence[str]) -> str:
+    """A list of names on one line; the last ones are counted where there is no room for them."""
+    shown = before
+    for k, name in enumerate(names):
+        comma = ", " if k else ""
+        rest = len(names) - k - 1
+        more = f" and {rest:,} more" if rest else ""
+        if k and cell_len(shown + comma + name + more) > page.width:
+            return f"{shown} and {rest + 1:,} more"
+        shown += comma + name
+    return page.fit(shown, page.width)
+
+
 def aligned(values: Iterable[Number]) -> list[str]:
     """The texts of numbers, padded so that their points are under each other."""
     parts = [grouped(value).partition(".") for value in values]
@@ -64,9 +96,9 @@ def aligned(values: Iterable[Number]) -> list[str]:
     return [whole + (point + digits).ljust(places) for whole, point, digits in parts]
 
 
-def middle_cut(entries: Sequence[Entry]) -> tuple[Sequence[Entry], int]:
+def middle_cut(entries: Sequence[Entry], *, all_rows: bool = False) -> tuple[Sequence[Entry], int]:
     """(the entries that a table shows, the number of entries that it leaves out in the middle)."""
-    if len(entries) <= TABLE_ROWS:
+    if all_rows or len(entries) <= TABLE_ROWS:
         return entries, 0
     half = TABLE_ROWS // 2
     return (*entries[:half], *entries[-half:]), len(entries) - 2 * half
@@ -79,19 +111,27 @@ def table_lines(
 
     If `hidden` rows were cut out of the middle, a line says so.
     """
+    wanted = [column.title for column in columns]
     columns = _fitting(page, columns)
+    names = [ShortNames(page, column.cells) for column in columns]
     widths = _widths(page, columns)
-    yield Text(_GAP.join(_padded(page, [c.title for c in columns], columns, widths)), "bold")
+    yield Text(_GAP.join(_titles(page, columns, widths)), "bold")
     yield Text(_GAP.join(page.glyphs.rule * width for width in widths), "dim")
     rows = len(columns[0].cells)
     for k in range(rows):
         if hidden and k == rows // 2:
             more = f"{page.glyphs.more} {hidden:,} more rows (use -o or --format json for all)"
             yield Text(more, "dim italic")
-        cells = _padded(page, [column.cells[k] for column in columns], columns, widths)
+        cells = [
+            _padded(short.fit(column.cells[k], width), width, column.to_the_right)
+            for column, width, short in zip(columns, widths, names, strict=True)
+        ]
         yield Text(_GAP).join(
             Text(cell, style(k, column.title)) for cell, column in zip(cells, columns, strict=True)
         )
+    missing = [title for title in wanted if title not in {column.title for column in columns}]
+    if missing:
+        yield Text(f"no room for: {', '.join(missing)}", "dim italic")
 
 
 def _natural_width(column: Column) -> int:
@@ -109,7 +149,7 @@ def _fitting(page: Page, columns: list[Column]) -> list[Column]:
         ]
         if sum(least) + len(_GAP) * (len(least) - 1) <= page.width:
             return columns
-        columns = [column for column in columns if column.title != title]
+        columns = [column for column in columns if column.title.partition(" (")[0] != title]
     return columns
 
 
@@ -127,10 +167,13 @@ def _widths(page: Page, columns: list[Column]) -> list[int]:
     return widths
 
 
-def _padded(page: Page, cells: list[str], columns: list[Column], widths: list[int]) -> list[str]:
-    padded = []
-    for cell, column, width in zip(cells, columns, widths, strict=True):
-        text = page.fit(cell, width)
-        padding = " " * (width - cell_len(text))
-        padded.append(padding + text if column.to_the_right else text + padding)
-    return padded
+def _titles(page: Page, columns: list[Column], widths: list[int]) -> list[str]:
+    return [
+        _padded(page.fit(column.title, width), width, column.to_the_right)
+        for column, width in zip(columns, widths, strict=True)
+    ]
+
+
+def _padded(text: str, width: int, to_the_right: bool) -> str:
+    padding = " " * (width - cell_len(text))
+    return padding + text if to_the_right else text + padding

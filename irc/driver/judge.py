@@ -134,7 +134,7 @@ def finish(
     if outcome.schedule is not None:
         status, objective = _judged(problem, outcome, schedule)
     return replace(
-        schedule,
+        schedule.of(task),
         status=status,
         objective=objective,
         task=task.name,

@@ -125,7 +125,7 @@ class Execution:
             return self._schedule
         taken = as_of(self._history, self._told, self.now).entries.values()
         entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
-        return Schedule(tuple(entries), task=self._told.name)
+        return Schedule(tuple(entries), task=self._told.name).of(self._told)
 
     @property
     def pending(self) -> tuple[Event, ...]:

@@ -7,8 +7,8 @@ from datetime import UTC, datetime, timedelta, tzinfo
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from irc.model.quantities import Number, TimeError, exact
-from irc.model.times import in_utc
+from irc.model.quantities import MONTH_NAMES, Number, TimeError, exact
+from irc.model.times import in_utc, parse_instant, unit_seconds
 
 if TYPE_CHECKING:
     from irc.model.task import Task
@@ -45,6 +45,45 @@ class Dates:
             return moved.astimezone(self.zone)
         except (OverflowError, ValueError):
             raise TimeError("the date is not within the years 1 to 9999") from None
+
+    @classmethod
+    def read(cls, origin: str, name: str | None, unit: str) -> Dates | None:
+        """The dates that a schedule's document states; None for a unit of several lengths.
+
+        Raises `TimeError` for what is no date-time or no zone.
+        """
+        from irc.model.zones import zone
+
+        found = parse_instant(origin)
+        if not isinstance(found, datetime):
+            raise TimeError(f"{origin!r} is not a date-time")
+        local = found.tzinfo if name is None else zone(name)
+        if name is not None and local is None:
+            raise TimeError(f"there is no time zone {name!r}")
+        if unit.strip().lower() in MONTH_NAMES:
+            return None
+        return cls(found, unit_seconds(unit), local)
+
+    def to_dict(self) -> dict[str, str]:
+        """The fields of a schedule's document from which dates can be made again."""
+        name = getattr(self.zone, "key", None)
+        return {
+            "origin": self.origin.isoformat(),
+            **({} if name is None else {"time_zone": name}),
+        }
+
+    def text(self, time: Number) -> str:
+        """A time as a date-time in ISO 8601."""
+        return self.at(time).isoformat()
+
+    def agree(self, stated: str, time: Number) -> bool:
+        """Whether a text is the date-time of a time, to the microsecond."""
+        try:
+            moment = datetime.fromisoformat(stated)
+            apart = abs(Fraction(self.number(moment)) - time)
+        except (TimeError, ValueError, OverflowError):
+            return False
+        return apart * self.unit <= Fraction(1, 1_000_000)
 
     def number(self, moment: datetime) -> Number:
         """The time of a date-time in the task's unit.

@@ -130,7 +130,7 @@ class Reasons:
                 continue
             for before in _ended_at(holders, ends, time):
                 if _key(before) != _key(entry):
-                    text = f"{name!r} is held by {_named(before)} until then"
+                    text = f"resource {name!r} is held by {_named(before)} until then"
                     yield time, Reason("resource", text, _key(before), name)
 
     def _setups(self, entry: Entry) -> Iterator[tuple[Number, Reason]]:
@@ -163,9 +163,11 @@ class Reasons:
             if resource is None:
                 continue
             if _ends_at(self.closed.of_resource(resource), entry.start):
-                yield Reason("closed", f"{name!r} is closed until then", None, name)
+                yield Reason("closed", f"resource {name!r} is closed until then", None, name)
             elif self._has_more(name, entry):
-                yield Reason("capacity", f"{name!r} has more capacity from then on", None, name)
+                yield Reason(
+                    "capacity", f"resource {name!r} has more capacity from then on", None, name
+                )
 
     def _has_more(self, name: str, entry: Entry) -> bool:
         capacity = self.closed.capacity(self.resources[name])
@@ -209,13 +211,14 @@ class Reasons:
                     by = "the world" if h.by is None else _named(self.entries[h.by])
                     kind = "world" if h.by is None else "state"
                     yield Reason(
-                        kind, f"{condition.var!r} changes then by {by}", h.by, condition.var
+                        kind, f"state {condition.var!r} changes then by {by}", h.by, condition.var
                     )
         for effect in action.effects:
             if effect.at == "start":
                 for other in self.readers.get((effect.var, entry.start), ()):
                     if other != _key(entry):
-                        text = f"{_named(self.entries[other])} needs {effect.var!r} until then"
+                        by = _named(self.entries[other])
+                        text = f"state {effect.var!r} is needed by {by} until then"
                         yield Reason("state", text, other, effect.var)
 
     def _time(self, value: Number) -> str:

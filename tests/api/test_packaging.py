@@ -17,7 +17,7 @@ import irc
 from paths import ROOT
 
 HEAVY = ["ortools", "unified_planning", "networkx", "matplotlib", "kairos", "numpy", "pandas"]
-HEAVY += ["openai", "tenacity", "httpx2", "mcp", "asyncio"]
+HEAVY += ["altair", "vl_convert", "openpyxl", "openai", "tenacity", "httpx2", "mcp", "asyncio"]
 
 TASK = {
     "resources": [{"id": "oven"}],
@@ -190,6 +190,17 @@ def test_compiling_to_pddl_loads_no_solver(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "domain.pddl").exists()
     assert "irc_pddl21" in loaded
     assert not loaded & {*HEAVY, "lark", "irc_cpsat"}
+
+
+def test_compiling_loads_nothing_that_shows_schedules(tmp_path: Path) -> None:
+    (tmp_path / "task.json").write_text(json.dumps(TASK))
+    command = ["irc", "compile", "task.json", "--target", "cpsat"]
+    script = (
+        f"import sys, atexit\nsys.argv = {command!r}\n"
+        "atexit.register(lambda: print('\\n', [m for m in sys.modules if 'irc.reporting' in m]))\n"
+        "from irc.cli import main\nmain()\n"
+    )
+    assert run("-c", script, cwd=tmp_path).splitlines()[-1].strip() == "[]"
 
 
 @pytest.mark.slow

@@ -50,8 +50,8 @@ REPLAN = ("replan", "task.json", "--schedule", "plan.json", "--at", "1")
         ("nowhere/out.json", "there is no folder 'nowhere'"),
         ("file/out.json", "there is no folder 'file'"),
         (".", "it is a folder"),
-        ("out.xlsx", "its name must end in .json"),
-        ("out.json.bak", "its name must end in .json"),
+        ("out.doc", "its name must end in one of .json, .html"),
+        ("out.json.bak", "its name must end in one of .json, .html"),
     ],
 )
 def test_a_file_that_cannot_be_written_is_refused_first(

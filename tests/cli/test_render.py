@@ -17,8 +17,9 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
+from irc.cli.chart import CHART_ROWS
 from irc.cli.page import PIPED_WIDTH, answer_console
-from irc.cli.render import CHART_ROWS, print_answer
+from irc.cli.render import print_answer
 from irc.cli.table import TABLE_ROWS
 from irc.driver.judge import Answer, finish
 from irc.lowering.lower import lower
