@@ -85,11 +85,21 @@ class Observed:
 
     @property
     def counting(self) -> list[Fact]:
-        """The facts that count, the latest first."""
+        """The facts that count, the latest first.
+
+        An executive may report the same at every tick, so this takes time linear in their number:
+        whether a fact contradicts those of one kind is decided by their first and last times.
+        """
         found: list[Fact] = []
+        extremes: dict[object, tuple[Fact, Fact]] = {}
         for fact in reversed(self.facts):
-            if not any(contradicts(fact, later) for later in found):
-                found.append(fact)
+            if any(contradicts(fact, later) for pair in extremes.values() for later in pair):
+                continue
+            found.append(fact)
+            kind = fact.what or (fact.mode, fact.resources)
+            first, last = extremes.get(kind, (fact, fact))
+            first = fact if fact.time < first.time else first
+            extremes[kind] = first, fact if fact.time > last.time else last
         return found
 
     @property
@@ -177,7 +187,8 @@ def with_fact(known: Observed, new: Fact) -> tuple[Observed, tuple[Fact, ...], F
     if new not in counting:
         by = next(f for f in counting if f.order >= new.order and contradicts(new, f))
         return after, (), by
-    corrected = [f for f in before if f not in counting and contradicts(f, new)]
+    still = set(counting)
+    corrected = [f for f in before if f not in still and contradicts(f, new)]
     return after, tuple(corrected), None
 
 
