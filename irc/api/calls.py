@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from irc.api.values import read
 from irc.diagnostics import InputError, Report
@@ -16,7 +16,7 @@ from irc.frontends.files import read_task
 from irc.model import Task
 from irc.model.built import Built
 from irc.model.quantities import Number
-from irc.model.times import parse_instant
+from irc.model.times import json_number, parse_instant
 from irc.schedule import Schedule
 from irc.targets import (
     Cancellation,
@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from irc.execution.step import Step
     from irc.explanation import Explanation, Lateness
     from irc.model import Event
+
+AnyEvent: TypeAlias = "Event | Built[Event] | Mapping[str, Any]"
+"""An event: one built in code, an immutable one, or a JSON document."""
 
 AnyTask = Task | Built[Task] | Mapping[str, Any] | str | Path
 """A task: one built in code, an immutable one, a JSON document, or the path of a file."""
@@ -152,20 +155,36 @@ def validate(task: AnyTask, schedule: Schedule, at: Number | str | None = None) 
 def replan(
     task: AnyTask,
     schedule: Schedule,
-    at: Number,
-    events: Iterable[Event | Built[Event]] = (),
+    at: Number | str,
+    events: Iterable[AnyEvent] = (),
     *,
     options: SolveOptions | None = None,
     **more: Unpack[SolveKeywords],
 ) -> Step:
     """Repairs the schedule of a running task at `at`, after events of that instant.
 
-    The history stays, and the rest is planned again. The options are those of `solve` and
-    `stability`. Raises what `Execution.apply` and `Execution.replan` raise.
+    The history stays, and the rest is planned again. `at` is a time of the task, as for `validate`;
+    an event may be a JSON document, whose time is `at` where it has none. The options are those of
+    `solve` and `stability`. Raises what `Execution.apply` and `Execution.replan` raise.
     """
     from irc.execution.execution import replan
 
-    return replan(ir_of(task), schedule, at, events, options=options, **more)
+    known = ir_of(task)
+    moment = known.number(parse_instant(at))
+    return replan(known, schedule, moment, _events(events, moment), options=options, **more)
+
+
+def _events(events: Iterable[AnyEvent], at: Number) -> list[Event | Built[Event]]:
+    """Events as given, those that are documents read. Raises `InputError` for their faults."""
+    found: list[Event | Built[Event]] = []
+    for k, event in enumerate(events):
+        if not isinstance(event, Mapping):
+            found.append(event)
+            continue
+        from irc.frontends.events import to_events
+
+        found += to_events([event], lambda _, k=k: (k,), json_number(at), None)  # type: ignore[misc]
+    return found
 
 
 def simulate(

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Never, Self, TypeVar, Unpack
 
 from irc.api import calls
+from irc.api.calls import AnyEvent
 from irc.api.elements import (
     Action,
     Calendar,
@@ -491,8 +492,8 @@ class Task:
     def replan(
         self,
         schedule: Schedule,
-        at: Number,
-        events: Iterable[Event] = (),
+        at: Number | str,
+        events: Iterable[AnyEvent] = (),
         *,
         options: SolveOptions | None = None,
         **more: Unpack[SolveKeywords],

@@ -13,7 +13,7 @@ from irc.errors import OptionError
 from irc.events.apply import with_observations, without_observations
 from irc.execution.follow import follow, is_observation
 from irc.execution.history import History
-from irc.execution.interruption import lapses, with_repetitions, without_the_past
+from irc.execution.interruption import breaks_off, lapses, with_repetitions, without_the_past
 from irc.execution.plannable import Plannable
 from irc.execution.presumed import adopt, as_of, not_as_planned, outcomes
 from irc.execution.replanning import solve_step
@@ -245,7 +245,7 @@ class Execution:
         """The event, with what runs on a resource that it breaks done again."""
         if not any(isinstance(change, SetCapacity) for change in event.changes):
             return event
-        if all(action.on_failure is None for action in self._told.actions):
+        if not any(map(breaks_off, self._told.actions)):
             return event
         at = self._told.number(event.at)
         state = as_of(self._history, self._told, at).state(at)

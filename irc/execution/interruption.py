@@ -8,11 +8,14 @@ from irc.diagnostics import Code, Diagnostic
 from irc.diagnostics.listing import and_more
 from irc.diagnostics.source import Pointer
 from irc.execution.state import ExecutionState
+from irc.lowering.lower import lower
 from irc.model import Action, Event, Precedence, Task
 from irc.model.cancellation import latest
 from irc.model.details import Lapsed
 from irc.model.events import CancelActions, Change, RetryAction, SetCapacity
 from irc.model.quantities import Number
+from irc.model.times import json_number
+from irc.problem.work_times import WorkTimesOf
 from irc.schedule import Entry
 
 _SHOWN = 5
@@ -23,8 +26,8 @@ def with_repetitions(event: Event, task: Task, running: Collection[Entry]) -> Ev
     """The event with a `retry_action` for each action that runs on a resource that it breaks.
 
     These are the actions with an `on_failure` that hold a resource of which they hold more than is
-    left from the event on. Those that began last are broken off first. `task` is in force before
-    the event.
+    left from the event on, and those that pause, where it has no capacity any more. Those that
+    began last are broken off first. `task` is in force before the event.
     """
     at = task.number(event.at)
     actions = {action.id: action for action in task.actions}
@@ -34,7 +37,7 @@ def with_repetitions(event: Event, task: Task, running: Collection[Entry]) -> Ev
         if isinstance(change, SetCapacity) and _begins_now(change, task, at):
             for entry in _too_many(change, running, actions, {*broken, *named}):
                 action = actions[entry.id]
-                broken[entry.id] = _again(action, entry, at)
+                broken[entry.id] = _again(action, entry, at, task)
     if not broken:
         return event
     changes: tuple[Change, ...] = (*event.changes, *broken.values())
@@ -58,18 +61,40 @@ def _too_many(
         if held <= change.capacity:
             return
         action = actions.get(entry.id)
-        if action is not None and action.on_failure is not None:
+        if action is not None and (action.on_failure is not None or _stands(action, change)):
             held -= entry.resources[change.resource]
             yield entry
 
 
-def _again(action: Action, entry: Entry, at: Number) -> RetryAction:
+def breaks_off(action: Action) -> bool:
+    """Whether a running action may be broken off by a change of capacity."""
+    return action.on_failure is not None or action.breaks == "pause"
+
+
+def _stands(action: Action, change: SetCapacity) -> bool:
+    """Whether an action pauses on a resource from now on and never goes on."""
+    return action.breaks == "pause" and change.capacity == 0 and change.to is None
+
+
+def _again(action: Action, entry: Entry, at: Number, task: Task) -> RetryAction:
     fields: dict[str, object] = {"op": "retry_action", "action": action.id}
-    if action.on_failure == "resume":
-        fields["done"] = at - entry.start
+    if action.on_failure != "restart":
+        fields["done"] = json_number(_work_done(action, entry, at, task))
         if action.modes:
             fields["mode"] = entry.mode
     return RetryAction.model_validate(fields)
+
+
+def _work_done(action: Action, entry: Entry, at: Number, task: Task) -> Number:
+    """The part of the duration that a running occurrence has behind it at `at`, without pauses."""
+    if action.breaks != "pause":
+        return at - entry.start
+    problem = lower(task, (entry.start, at))
+    activity = next(a for a in problem.activities if a.id == action.id)
+    held = [r for r, resource in enumerate(problem.resources) if resource.id in entry.resources]
+    times = WorkTimesOf(problem).of(activity, held)
+    start, now = problem.whole_ticks(entry.start), problem.whole_ticks(at)
+    return problem.to_units(times.work_before(now) - times.work_before(start))
 
 
 def lapses(

@@ -32,7 +32,9 @@ def _check_ends(
     where = []
     if holds(closed, occurrence.start):
         where.append(("starts", occurrence.start))
-    if occurrence.start < occurrence.end and holds(closed, occurrence.end, at_end=True):
+    # (What is broken off ends where it is told to.)
+    done = occurrence.start < occurrence.end and not occurrence.cancelled
+    if done and holds(closed, occurrence.end, at_end=True):
         where.append(("ends", occurrence.end))
     for verb, time in where:
         past = occurrence.past
@@ -41,7 +43,7 @@ def _check_ends(
             f"{occurrence.name} {verb} at {violations.time(time)}, which is a closed time",
             [occurrence.entry.id],
             (time,),
-            carried=(past is not None and (verb == "starts" or past.over)) or occurrence.cancelled,
+            carried=past is not None and (verb == "starts" or past.over),
         )
 
 
