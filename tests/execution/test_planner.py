@@ -97,5 +97,5 @@ def test_where_the_planner_finds_nothing_it_is_proven_that_there_is_nothing() ->
     )
     old = plan(entry("wash", 0, 2), entry("dry", 4, 6), entry("cook", 6, 8), entry("rinse", 8, 13))
     dirty = {"op": "set_state", "var": "clean", "value": False}
-    step = repaired(whole, old, 3, dirty, **PLANNER, time_limit=1, workers=1)
+    step = repaired(whole, old, 3, dirty, **PLANNER, time_limit=4, workers=1)
     assert step.schedule.status is Status.INFEASIBLE
