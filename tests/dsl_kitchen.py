@@ -32,6 +32,7 @@ same resource print use 0, polish
 different mode stir, taste
 if print mode fast or slow then polish on press use 1
 select 1 .. 2 of stir, taste if polish
+select all or none of stir, taste
 consecutive print, polish on press
 same order on press, saw jobs [print, polish], [stir, taste]
 goal chicken = grilled, heat <= 4

@@ -335,6 +335,9 @@ def _said(kind: str, one: Mapping[str, Any]) -> str:
         return f"{second!r} is the next use{where} after {first!r}"
     if "same_order" in one:
         return f"jobs have one order on {' and '.join(map(repr, one['same_order']))}"
+    if one.get("all_or_none"):
+        where = f", where {one['if']!r} is" if "if" in one else ""
+        return f"all or none of {_listed(one['actions'])} are present{where}"
     parts = [f"{key} {_listed(value)}" for key, value in one.items()]
     return f"the {kind} of {', '.join(parts)}"
 

@@ -311,7 +311,7 @@ class _Lowering:
             items = tuple(found for name in node.actions if (found := item(name)))
             condition = None if node.if_ is None else item(node.if_)
             if node.if_ is None or condition is not None:
-                yield Selection(items, node.min, node.max, condition, k)
+                yield Selection(items, node.min, node.max, condition, k, node.all_or_none)
 
     def goals(self) -> tuple[tuple[int, int], ...]:
         places = (

@@ -353,12 +353,22 @@ class Coupling(Node):
 
 
 class Selection(Node):
-    """How many of some optional actions and groups are present; with `if`, only where that is."""
+    """How many of some optional actions and groups are present; with `if`, only where that is.
+
+    With `all_or_none` it is all of them or none.
+    """
 
     actions: Annotated[tuple[Name, ...], Field(min_length=1)]
     min: Count = 0
     max: Count | None = None
+    all_or_none: Annotated[bool, Field(strict=True)] = False
     if_: Name | None = Field(default=None, alias="if")
+
+    @model_validator(mode="after")
+    def _one_count(self) -> Selection:
+        if self.all_or_none and (self.min or self.max is not None):
+            raise ValueError("takes 'min' and 'max' without 'all_or_none', and only there")
+        return self
 
 
 class UseOrder(Node):

@@ -40,8 +40,10 @@ def _may_count(selection: Selection, absent: Collection[int]) -> bool:
 
 
 def _without(selection: Selection, absent: Collection[int]) -> Selection:
-    items = (item for item in selection.items if not any(i in absent for i in item))
-    return selection._replace(items=tuple(items))
+    items = tuple(item for item in selection.items if not any(i in absent for i in item))
+    if selection.all_or_none and len(items) < len(selection.items):
+        return selection._replace(items=items, least=0, most=0, all_or_none=False)
+    return selection._replace(items=items)
 
 
 def _required(problem: Problem, group: Group) -> Group:

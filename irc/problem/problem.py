@@ -599,7 +599,7 @@ class Selection(NamedTuple):
     """At least `least` and at most `most` (None: all) of the items are present.
 
     An item is a set of activities that are present together; with a `condition`, which is an item,
-    only where that is present.
+    only where that is present. With `all_or_none` it is all of them or none instead.
     """
 
     items: tuple[tuple[int, ...], ...]
@@ -607,6 +607,7 @@ class Selection(NamedTuple):
     most: int | None
     condition: tuple[int, ...] | None = None
     origin: int = 0
+    all_or_none: bool = False
 
 
 NOBODY = -1

@@ -24,9 +24,14 @@ def _check_selection(bound: BoundSchedule, selection: Selection, violations: Vio
         return
     there = [name for name in selection.actions if _is_there(bound, name)]
     most = len(selection.actions) if selection.max is None else selection.max
-    if selection.min <= len(there) <= most:
+    if selection.all_or_none:
+        if len(there) in (0, len(selection.actions)):
+            return
+        wanted = "all or none"
+    elif selection.min <= len(there) <= most:
         return
-    wanted = f"at least {selection.min}" if len(there) < selection.min else f"at most {most}"
+    else:
+        wanted = f"at least {selection.min}" if len(there) < selection.min else f"at most {most}"
     where = "" if selection.if_ is None else f", where {selection.if_!r} is"
     names = listed(selection.actions, len(selection.actions))
     violations.add(

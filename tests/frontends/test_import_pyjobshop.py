@@ -118,10 +118,112 @@ def test_a_feature_means_the_same(more: Document, expected: object) -> None:
     assert solved(problem(**more)) == expected
 
 
+FIXED = [{"task": k, "resources": [0], "duration": d} for k, d in enumerate((3, 4, 2))]
+FLOW = [{"task": k, "resources": [k % 2], "duration": d} for k, d in enumerate((1, 5, 4, 1))]
+FLOWS = [{"task1": 0, "task2": 1}, {"task1": 2, "task2": 3}]
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        (
+            {
+                "tasks": [{}, {"earliest_start": 5}, {}],
+                "modes": FIXED,
+                "constraints": {
+                    "consecutive": [{"task1": 0, "task2": 1}],
+                    "end_before_start": [{"task1": 0, "task2": 2}],
+                },
+            },
+            11,
+        ),
+        (
+            {
+                "tasks": [{}] * 4,
+                "modes": FLOW,
+                "constraints": {
+                    "same_sequence": [{"machine1": 0, "machine2": 1}],
+                    "end_before_start": FLOWS,
+                    "start_before_start": [{"task1": 2, "task2": 0}],
+                },
+            },
+            10,
+        ),
+        (
+            {
+                "tasks": [{}] * 4,
+                "modes": FLOW,
+                "constraints": {
+                    "same_sequence": [
+                        {"machine1": 0, "machine2": 1, "tasks1": [0, 2], "tasks2": [3, 1]}
+                    ],
+                    "end_before_start": FLOWS,
+                },
+            },
+            11,
+        ),
+        (
+            {
+                "tasks": [{"optional": True}, {"optional": True}, {}],
+                "modes": FIXED,
+                "constraints": {
+                    "select_all_or_none": [{"tasks": [0, 1], "condition_task": 2}],
+                    "select_at_least_one": [{"tasks": [0, 1]}],
+                },
+            },
+            9,
+        ),
+        (
+            {
+                "tasks": [{"optional": True, "job": 0}, {"optional": True, "job": 0}, {"job": 1}],
+                "jobs": [{"due_date": 2, "weight": 5}, {"due_date": 3}],
+                "modes": FIXED,
+                "constraints": {"select_exactly_one": [{"tasks": [0, 1]}]},
+                "objective": {"weight_total_tardiness": 1},
+            },
+            7,
+        ),
+        (
+            {
+                "tasks": [{"job": 0}, {"optional": True, "job": 0}, {"job": 1}],
+                "jobs": [{"deadline": 4}, {}],
+                "modes": FIXED,
+                "constraints": {"select_at_least_one": [{"tasks": [1]}]},
+            },
+            "infeasible",
+        ),
+    ],
+    ids=["next", "one order", "listed order", "all or none", "optional job", "its deadline"],
+)
+def test_orders_and_selections_have_the_optimum_of_pyjobshop(
+    more: Document, expected: object
+) -> None:
+    """The values are those of PyJobShop 0.0.9 (`benchmarks/pyjobshop_agreement.py` has more)."""
+    assert solved(problem(**more)) == expected
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ({"constraints": {"consecutive": [{"task1": 0, "task2": 1}]}}, "no consecutive order"),
+        (
+            {
+                "modes": [{**mode, "duration": 0} for mode in problem()["modes"]],
+                "constraints": {"consecutive": [{"task1": 0, "task2": 1}]},
+            },
+            "a task that takes no time",
+        ),
+        (
+            {"constraints": {"same_sequence": [{"machine1": 0, "machine2": 1}]}},
+            "equally many tasks",
+        ),
+        (
+            {
+                "tasks": [{"optional": True, "job": 0}, {}, {}],
+                "jobs": [{"due_date": 3}],
+                "objective": {"weight_total_earliness": 1},
+            },
+            "the earliness of a job with optional tasks",
+        ),
         ({"constraints": {"end_before_strat": []}}, "does not know the constraint"),
         ({"modes": []}, "the task has no mode"),
         ({"modes": [{"task": 7, "resources": [0], "duration": 3}]}, "no index of tasks"),

@@ -133,7 +133,10 @@ EVERYTHING: dict[str, Any] = {
             "then": {"action": "cool", "modes": ["fast", "slow"]},
         },
     ],
-    "select": [{"actions": ["cool", "order 1"], "min": 1, "max": 2, "if": "bake"}],
+    "select": [
+        {"actions": ["cool", "order 1"], "min": 1, "max": 2, "if": "bake"},
+        {"actions": ["cool", "order 1"], "all_or_none": True},
+    ],
     "sequences": [
         {"consecutive": ["bake", "cool"], "resource": "r1"},
         {"consecutive": ["cool", "bake"]},

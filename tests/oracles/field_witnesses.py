@@ -104,7 +104,7 @@ EXCLUDED: Mapping[str, str] = {
             *(f"Coupling.{f}" for f in ("same", "different", "actions", "if", "then")),
             *(f"CoupledAction.{f}" for f in ("action", "use")),
             *(f"ChoiceMade.{f}" for f in ("action", "mode", "modes", "resource", "use")),
-            *(f"Selection.{f}" for f in ("actions", "min", "max", "if")),
+            *(f"Selection.{f}" for f in ("actions", "min", "max", "if", "all_or_none")),
             "Task.sequences",
             *(f"UseOrder.{f}" for f in ("consecutive", "resource", "same_order", "jobs")),
         ],

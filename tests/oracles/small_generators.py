@@ -161,6 +161,9 @@ def selection_task(seed: int) -> Document:
             rule["max"] = rng.randint(least, len(chosen))
         if rng.random() < 0.3:
             rule["if"] = rng.choice(items)
+        if rng.random() < 0.3:
+            rule = {key: rule[key] for key in ("actions", "if") if key in rule}
+            rule["all_or_none"] = True
         document["select"].append(rule)
     document["objective"] = rng.choice(
         ("minimize_makespan", ["minimize_cost", "minimize_makespan"], ["maximize_reward"])

@@ -153,6 +153,8 @@ def _selections_hold(document: Document, chosen: Mapping[str, Choice]) -> bool:
         if "if" in rule and not _is_there(document, chosen, rule["if"]):
             continue
         count = sum(_is_there(document, chosen, name) for name in rule["actions"])
+        if rule.get("all_or_none") and count not in (0, len(rule["actions"])):
+            return False
         if count < rule.get("min", 0) or count > rule.get("max", count):
             return False
     return True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 from irc.problem import CoupledChoice, Coupling
@@ -28,9 +28,22 @@ def add_selections(builder: Builder) -> None:
         free = [item for item in items if item is not True]
         condition = True if selection.condition is None else _all_of(builder, selection.condition)
         when = [] if condition is True else [condition]
+        if selection.all_or_none:
+            _add_all_or_none(builder, free, when, there=there > 0)
+            continue
         _enforced(builder.model.add(sum(free) >= selection.least - there), when)
         if selection.most is not None:
             _enforced(builder.model.add(sum(free) <= selection.most - there), when)
+
+
+def _add_all_or_none(builder: Builder, free: list[Any], when: list[Any], *, there: bool) -> None:
+    """All of some items are present or none is; all, where one certainly is `there`."""
+    if there:
+        for item in free:
+            builder.model.add_bool_or([item, *(~literal for literal in when)])
+        return
+    for one, other in pairwise([*free, *free[:1]]):
+        builder.model.add_bool_or([~one, other, *(~literal for literal in when)])
 
 
 def _enforced(constraint: Any, when: list[Any]) -> None:

@@ -136,6 +136,7 @@ PHRASES = {
     ("already", "done"): "ALREADY_DONE",
     ("no", "idle"): "NO_IDLE",
     ("takes", "loads"): "TAKES_LOADS",
+    ("all", "or", "none"): "ALL_OR_NONE",
     ("setup", "from"): "SETUP_FROM",
     ("setup", "initial"): "SETUP_INITIAL",
     ("of", "family"): "OF_FAMILY",
@@ -301,7 +302,7 @@ def rule_phrase(tokens: Sequence[Lexeme]) -> tuple[str, ...] | None:
     words = {token.value for token in tokens if token.type == "WORD"}
     rest = tokens[len(phrase) :]
     if phrase == ("select",):
-        counts = len(rest) > 1 and rest[0].type in ("INT", "DOTS")
+        counts = len(rest) > 1 and (rest[0].type in ("INT", "DOTS") or rest[0].value == "all")
         return phrase if counts and "of" in words else None
     if phrase == ("if",):
         return phrase if "then" in words and not words.isdisjoint(("mode", "on")) else None

@@ -45,7 +45,9 @@ def _made(made: ChoiceMade) -> str:
 def _selection(selection: Selection) -> str:
     least, most = selection.min, selection.max
     said = selection.model_fields_set
-    if "min" in said and least == most:
+    if selection.all_or_none:
+        count = "all or none"
+    elif "min" in said and least == most:
         count = str(least)
     else:
         low = str(least) if "min" in said else ""

@@ -75,6 +75,8 @@ def selection(builder: Builder, tree: Any, sink: Sink) -> None:
     at = sink.next("select")
     builder.mark_node(at, tree)
     found: Element = {}
+    if (both := part(tree, "ALL_OR_NONE")) is not None:
+        builder.put_field(found, "all_or_none", nodes.Placed(True, *nodes.span(both)), at, both)
     dots = next((i for i, child in enumerate(tree.children) if kind(child) == "DOTS"), None)
     for k, number in enumerate(tree.children):
         if kind(number) == "INT":

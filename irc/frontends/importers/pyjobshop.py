@@ -12,13 +12,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from irc.frontends.importers.instances import Part, read_json
+from irc.frontends.importers.pyjobshop_jobs import NEVER, JobEnds
+from irc.frontends.importers.pyjobshop_orders import OrderReader
 from irc.frontends.importers.scheduling_files.projects import stem_of, task_of
 from irc.model import Task
 
 _EXPECTED = "expected the JSON of PyJobShop's ProblemData: jobs, resources, tasks, modes"
-_NEVER = 2**42
-"""PyJobShop's greatest time stands for none."""
-
 _LAGS = {
     "start_before_start": ("start-start", False),
     "start_before_end": ("start-finish", False),
@@ -135,19 +134,21 @@ class _Reader:
         listed = {key: part.items() for key, part in rules.items()}
         for key in sorted(listed.keys() - _KNOWN):
             rules[key].fault("this importer does not know the constraint", key=True)
-        for key in ("consecutive", "same_sequence"):
-            for part in listed.get(key, ()):
-                part.fault(f"the IR has no {key.replace('_', ' ')} order of uses")
         setups = self._setups(listed.get("setup_times", ()))
+        orders = OrderReader(lists, self.names)
+        ends = JobEnds(lists, self.names, parts.get("objective"))
         document = {
             "resources": self._resources(lists["resources"], setups),
-            "actions": self._actions(lists, listed),
-            "precedence": [*self._precedence(listed)],
+            "actions": [*self._actions(lists, listed, ends), *ends.actions],
+            "precedence": [*self._precedence(listed), *ends.precedence],
             "groups": self._groups(lists),
             "couplings": [*self._couplings(listed, lists["modes"])],
-            "select": [*self._selections(listed)],
+            "select": [*self._selections(listed), *ends.select],
+            "sequences": [*orders.sequences(listed)],
             "objective": self._objective(parts.get("objective")),
         }
+        document["couplings"] += orders.couplings
+        document["select"] += orders.select
         return {key: value for key, value in document.items() if value != []}
 
     # --- resources ---
@@ -192,7 +193,10 @@ class _Reader:
     # --- actions ---
 
     def _actions(
-        self, lists: Mapping[str, Sequence[Part]], rules: Mapping[str, Sequence[Part]]
+        self,
+        lists: Mapping[str, Sequence[Part]],
+        rules: Mapping[str, Sequence[Part]],
+        ends: JobEnds,
     ) -> list[dict[str, Any]]:
         modes: dict[int, list[tuple[int, Part]]] = {}
         for m, part in enumerate(lists["modes"]):
@@ -206,7 +210,7 @@ class _Reader:
                 continue
             idle = bool(part.value.get("allow_idle"))
             ways = [(m, self._way(k, mode, horizon if idle else None)) for m, mode in modes[k]]
-            action = {"id": self.names["tasks"][k], **self._limits(part, lists["jobs"])}
+            action = {"id": self.names["tasks"][k], **self._limits(part, lists["jobs"], ends)}
             if part.value.get("allow_breaks"):
                 action["breaks"] = "pause"
             if part.value.get("optional"):
@@ -244,7 +248,7 @@ class _Reader:
         given = value.get("type") or ("renewable" if "capacity" in value else "machine")
         return str(given)
 
-    def _limits(self, part: Part, jobs: Sequence[Part]) -> dict[str, Any]:
+    def _limits(self, part: Part, jobs: Sequence[Part], ends: JobEnds) -> dict[str, Any]:
         value = part.value
         release = value.get("earliest_start") or 0
         if value.get("job") is not None:
@@ -253,11 +257,11 @@ class _Reader:
             "release": release,
             "latest_start": value.get("latest_start"),
             "earliest_end": value.get("earliest_end"),
-            "deadline": value.get("latest_end"),
+            "deadline": ends.deadline(value),
         }
         default = {"release": 0, "earliest_end": 0}
         return {
-            k: v for k, v in limits.items() if v is not None and v != default.get(k) and v < _NEVER
+            k: v for k, v in limits.items() if v is not None and v != default.get(k) and v < NEVER
         }
 
     # --- jobs, order, choices, objective ---
@@ -274,13 +278,11 @@ class _Reader:
                 continue
             deadline, due = part.value.get("deadline"), part.value.get("due_date")
             bound = {
-                **({"deadline": deadline} if deadline is not None and deadline < _NEVER else {}),
+                **({"deadline": deadline} if deadline is not None and deadline < NEVER else {}),
                 **({"due": due} if due is not None else {}),
             }
             if any(lists["tasks"][k].value.get("optional") for k in tasks):
-                if bound:
-                    part.fault("a job with optional tasks has no dates of its own in the IR")
-                continue
+                continue  # `JobEnds` says its dates.
             actions = [self.names["tasks"][k] for k in tasks]
             weight = part.value.get("weight")
             more = {"weight": weight} if weight is not None and weight != 1 else {}
@@ -330,11 +332,7 @@ class _Reader:
             for row in rules.get(key, ()):
                 yield {"actions": self._tasks(row), **bounds, **self._condition(row)}
         for row in rules.get("select_all_or_none", ()):
-            if self._condition(row):
-                row.fault("all or none under a condition cannot be said in the IR")
-            tasks = self._tasks(row)
-            for task in tasks:
-                yield {"actions": tasks, "min": len(tasks), "if": task}
+            yield {"actions": self._tasks(row), "all_or_none": True, **self._condition(row)}
 
     def _condition(self, row: Part) -> dict[str, Any]:
         task = row.value.get("condition_task")
