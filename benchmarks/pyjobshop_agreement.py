@@ -40,8 +40,10 @@ def random_problem(seed: int) -> Document:
             task["earliest_start"] = rng.randint(0, 4)
         tasks.append(task)
         machines = [k % 2] if flow else rng.choice(([0], [1], [0, 1]))
-        for machine in machines:
-            modes.append({"task": k, "resources": [machine], "duration": rng.randint(1, 4)})
+        modes += [
+            {"task": k, "resources": [machine], "duration": rng.randint(1, 4)}
+            for machine in machines
+        ]
     constraints: Document = {}
     if flow:
         row: Document = {"machine1": 0, "machine2": 1}
@@ -121,7 +123,7 @@ def by_pyjobshop(document: Document) -> int | None:
     return round(result.objective)
 
 
-def through_irc(document: Document) -> int | None | str:
+def through_irc(document: Document) -> int | str | None:
     """The optimum through the importer; None: infeasible; a text: refused."""
     try:
         ((_, task),) = import_pyjobshop(json.dumps(document), "problem.json")

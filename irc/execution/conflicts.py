@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from irc.execution.executed import ExecutedActivity
 from irc.execution.numbers import without_unmet_limits
-from irc.execution.order_conflicts import without_broken_orders
+from irc.execution.order_conflicts import without_broken_loads, without_broken_orders
 from irc.execution.state_conflicts import without_broken_conditions
 from irc.execution.stock_conflicts import with_stock_lent
 from irc.lowering.elements import pool_of
@@ -43,6 +43,8 @@ def relaxed(
         problem = _with_setups_done(problem, executed, now)
     if problem.sequences:
         problem = without_broken_orders(problem, executed)
+    if problem.has_batches:
+        problem = without_broken_loads(problem, executed)
     if problem.reservoirs:
         problem, stock = with_stock_lent(problem, executed, now, hopes=hopes)
     if problem.numbers:

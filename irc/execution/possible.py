@@ -148,6 +148,10 @@ class Happened:
             held = sum(e.resources[name] for e in others if e.start <= time < e.end)
             if held + own > self._capacity(resource, time):
                 return False
+        if resource.kind == "batch" and any(
+            e.start != entry.start and e.start < entry.end and entry.start < e.end for e in others
+        ):
+            return False  # It would be in a load that has begun, or begins, without it.
         return resource.setups is None or self._is_set_up(resource, entry, others)
 
     def _is_set_up(self, resource: Resource, entry: Entry, others: Iterable[Entry]) -> bool:

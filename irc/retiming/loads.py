@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from irc.problem import Problem
+from irc.problem import Activity, Problem
 from irc.problem.decisions import Decision, Moment
 from irc.problem.temporal_network import Network
 from irc.problem.time_points import PointMap
@@ -29,10 +29,17 @@ def add_loads(
     ends = list(zip(points.end, points.end_offset, strict=True))
     for load in _loads(problem, decisions, chosen, tolerance):
         for one, other in pairwise(load):
+            if _is_history(problem.activities[one]) and _is_history(problem.activities[other]):
+                continue
             for side in (starts, ends):
                 (a, behind_a), (b, behind_b) = side[one], side[other]
                 network.add(a, b, behind_a - behind_b)
                 network.add(b, a, behind_b - behind_a)
+
+
+def _is_history(activity: Activity) -> bool:
+    """Whether both of its ends are known, so that nothing has to keep it in its load."""
+    return activity.start is not None and activity.is_fixed
 
 
 def _loads(
