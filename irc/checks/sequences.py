@@ -52,10 +52,9 @@ def _check_consecutive(
     for name, own, place in zip(pair, held, places, strict=True):
         if order.resource is not None and order.resource not in own:
             _add_unused(name, order.resource, place, names)
-            return
     if not common:
         names.findings.add(
-            Code.SEQUENCE,
+            Code.WITHOUT_EFFECT,
             f"actions {pair[0]!r} and {pair[1]!r} use no resource in common",
             (*at, "consecutive"),
             hint="let both use the resource on which one follows the other",
@@ -93,7 +92,7 @@ def _add_two(
     names: DeclaredNames,
 ) -> None:
     names.findings.add(
-        Code.SEQUENCE,
+        Code.AT_ODDS,
         f"two actions cannot both be directly {where} on {resource!r}: {both[0]!r}, by sequence "
         f"{int(place[1]) + 1}, and {both[1]!r}",
         at,
@@ -118,7 +117,7 @@ def _check_circles(task: Task, following: _Next, names: DeclaredNames) -> None:
                 continue
             seen |= {first, *way}
             names.findings.add(
-                Code.SEQUENCE,
+                Code.CYCLE,
                 f"the order of uses leads back to {first!r}: "
                 f"{', then '.join(repr(name) for name in (first, *way))}",
                 place,
@@ -195,7 +194,7 @@ def _check_jobs(task: Task, resources: Sequence[str], at: Pointer, names: Declar
                 _check_single(names.actions[name], (*at, "same_order"), names)
     if complete < 2:
         names.findings.add(
-            Code.SEQUENCE,
+            Code.WITHOUT_EFFECT,
             f"there are no two jobs that use both {resources[0]!r} and {resources[1]!r}: a job is "
             "a group, or an action that uses both",
             (*at, "same_order"),
@@ -281,7 +280,7 @@ def check_capacity_in_order(task: Task, resource: Resource, capacity: int) -> st
 def _add_unused(name: str, resource: str, at: Pointer, names: DeclaredNames) -> None:
     own = sorted(_may_hold(names.actions[name]))
     names.findings.add(
-        Code.SEQUENCE,
+        Code.WITHOUT_EFFECT,
         f"action {name!r} does not use {resource!r}",
         at,
         hint=f"it uses {', '.join(map(repr, own[:6]))}" if own else "it uses nothing",

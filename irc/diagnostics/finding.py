@@ -97,7 +97,11 @@ class Code(Enum):
     TOO_MANY = ("IRC214", Severity.ERROR, "more occurrences than irc can plan")
     SETUPS = ("IRC217", Severity.ERROR, "set-ups that contradict each other or their resource")
     FAMILY = ("IRC218", Severity.WARNING, "a family that no set-up names, or that a load lacks")
-    SEQUENCE = ("IRC219", Severity.ERROR, "an order of uses without sense, or that cannot hold")
+    SEQUENCE = (
+        "IRC219",
+        Severity.ERROR,
+        "an order of uses that its resource or its actions do not allow",
+    )
 
     CYCLE = ("IRC301", Severity.ERROR, "actions that wait for each other")
     WINDOW = ("IRC302", Severity.ERROR, "a time window too small for its action")

@@ -304,7 +304,7 @@ def _precedence(edge: Any) -> str:
     if edge.get("type", "finish-start") != "finish-start":
         text += f", {edge['type']}"
     for field, words in (("min_lag", "at least"), ("max_lag", "at most")):
-        if edge.get(field) not in (None, 0):
+        if edge.get(field) not in (None, 0 if field == "min_lag" else None):
             text += f", {words} {edge[field]} apart"
     return text
 

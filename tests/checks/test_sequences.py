@@ -56,6 +56,23 @@ def test_an_order_with_an_optional_action_may_be_without_it() -> None:
     assert places(first, second, actions=optional) == []
 
 
+def test_what_has_no_effect_is_a_warning() -> None:
+    order = {"consecutive": ["a", "b"], "resource": "n"}
+    report = irc.check({"resources": RESOURCES[:2], "actions": ACTIONS[:3], "sequences": [order]})
+    assert [(d.code.id, d.pointer) for d in report.diagnostics] == [
+        ("IRC212", ("sequences", 0, "consecutive", 0))
+    ]
+    task = irc.Task(actions=ACTIONS[:3], resources=RESOURCES[:2], sequences=[order])
+    assert irc.solve(task).answered
+
+
+def test_orders_that_exclude_each_other_are_proofs() -> None:
+    both = [{"consecutive": pair, "resource": "m"} for pair in (["a", "b"], ["b", "a"])]
+    task = irc.Task(actions=ACTIONS[:3], resources=RESOURCES[:2], sequences=both)
+    assert irc.solve(task).status == "infeasible"
+    assert {s.kind for s in irc.explain(task).conflict} >= {"sequence", "use", "duration"}
+
+
 def test_the_shape_is_checked() -> None:
     document = {"actions": ACTIONS, "resources": RESOURCES, "sequences": [{"resource": "m"}]}
     assert "needs one of 'consecutive' and 'same_order'" in str(irc.check(document))

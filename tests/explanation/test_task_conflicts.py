@@ -159,6 +159,77 @@ CASES: dict[str, tuple[Document, set[str]]] = {
             "'blue' uses 'press'",
         },
     ),
+    "the next use": (
+        {
+            "resources": [{"id": "press"}],
+            "actions": [{"id": c, "duration": 2, "uses": [{"resource": "press"}]} for c in "abc"]
+            + [{"id": "wait", "duration": 5}],
+            "precedence": [{"before": "b", "after": "c", "max_lag": 0}],
+            "sequences": [{"consecutive": ["a", "c"], "resource": "press"}],
+        },
+        {
+            "'c' is the next use of 'press' after 'a'",
+            "'b' takes 2 s",
+            "'b' uses 'press'",
+            "'a' takes 2 s",
+            "'a' uses 'press'",
+            "'c' takes 2 s",
+            "'c' uses 'press'",
+            "'b' precedes 'c', at most 0 apart",
+        },
+    ),
+    "one order": (
+        {
+            "resources": [{"id": "m"}, {"id": "n"}],
+            "actions": [
+                {"id": f"{m} {k}", "duration": 2, "uses": [{"resource": m}]}
+                for m in "mn"
+                for k in (1, 2)
+            ],
+            "precedence": [["m 1", "m 2"], ["n 2", "n 1"]],
+            "sequences": [{"same_order": ["m", "n"], "jobs": [["m 1", "n 1"], ["m 2", "n 2"]]}],
+        },
+        {
+            "jobs have one order on 'm' and 'n'",
+            *(f"'{m} {k}' takes 2 s" for m in "mn" for k in (1, 2)),
+            *(f"'{m} {k}' uses '{m}'" for m in "mn" for k in (1, 2)),
+            "'m 1' precedes 'm 2'",
+            "'n 2' precedes 'n 1'",
+        },
+    ),
+    "loads": (
+        {
+            "deadline": 6,
+            "resources": [{"id": "kiln", "kind": "batch", "capacity": 5}],
+            "actions": [
+                {"id": c, "duration": 4, "uses": [{"resource": "kiln", "family": c}]}
+                for c in ("red", "blue")
+            ],
+        },
+        {
+            "everything ends by 6 s",
+            "what is in 'kiln' at once starts and ends together, and is of one family",
+            "'red' takes 4 s",
+            "'red' uses 'kiln'",
+            "'blue' takes 4 s",
+            "'blue' uses 'kiln'",
+        },
+    ),
+    "all or none": (
+        {
+            "deadline": 5,
+            "actions": [
+                {"id": "out", "duration": 3},
+                {"id": "back", "duration": 7, "occurs": "optional"},
+            ],
+            "select": [{"actions": ["out", "back"], "all_or_none": True}],
+        },
+        {
+            "everything ends by 5 s",
+            "all or none of 'out', 'back' are present",
+            "'back' takes 7 s",
+        },
+    ),
     "a goal": (
         {
             "deadline": 3,

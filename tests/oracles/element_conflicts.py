@@ -53,7 +53,10 @@ def _restricting(document: Document) -> Iterator[tuple[str, tuple[str | int, ...
                 yield "stock_max", (*at, "max")
             continue
         kind = "setups" if resource.get("setups") else "capacity"
-        yield kind, (*at, kind)
+        if not document.get("sequences"):
+            yield kind, (*at, kind)
+        if resource.get("kind") == "batch":
+            yield "batch", (*at, "kind")
         for w, window in enumerate(resource.get("availability", ())):
             if window["capacity"] <= resource.get("capacity", 1):
                 yield "window", (*at, "availability", w)
@@ -71,7 +74,12 @@ def _restricting(document: Document) -> Iterator[tuple[str, tuple[str | int, ...
                 yield "use", (*place, "uses", u)
             for c in range(len(part.get("conditions", ()))):
                 yield "condition", (*place, "conditions", c)
-    for field, kind in (("precedence", "precedence"), ("goals", "goal")):
+    for field, kind in (
+        ("precedence", "precedence"),
+        ("goals", "goal"),
+        ("sequences", "sequence"),
+        ("select", "selection"),
+    ):
         for k in range(len(document.get(field, ()))):
             yield kind, (field, k)
     for k, group in enumerate(document.get("groups", ())):
@@ -98,6 +106,7 @@ _REPLACED: dict[str, Any] = {
     "duration": {"min": 0, "max": ENDLESS},
     "capacity": ENDLESS,
     "stock_min": -ENDLESS,
+    "batch": "renewable",
 }
 
 
