@@ -6,9 +6,10 @@ import gc
 import os
 import sys
 from contextlib import suppress
-from typing import NoReturn
+from pathlib import Path
+from typing import Any, NoReturn
 
-from irc.cli.exit_codes import EXIT_INPUT
+from irc.cli.exit_codes import EXIT_INPUT, EXIT_USE
 from irc.cli.interruption import INTERRUPTION, Interrupted
 
 
@@ -22,7 +23,7 @@ def main() -> None:
     try:
         from irc.cli.app import build_app
 
-        build_app(sys.argv[1] if len(sys.argv) > 1 else None)()
+        build_app(sys.argv[1] if len(sys.argv) > 1 else None)(default_map=_defaults())
     except Interrupted as interrupted:
         _leave(_interrupted(interrupted.status))
     except SystemExit as left:
@@ -35,6 +36,23 @@ def main() -> None:
         if not INTERRUPTION.has_ended:
             raise
         _leave(_interrupted(INTERRUPTION.status or 0))
+
+
+def _defaults() -> dict[str, dict[str, Any]] | None:
+    """The defaults of options that a file of settings gives; None without one."""
+    from irc.cli.defaults import defaults_for, settings_file
+    from irc.errors import IrcError
+
+    try:
+        found = settings_file(Path.cwd())
+        if found is None:
+            return None
+        from irc.cli.app import options_of_commands
+
+        return defaults_for(found[1], options_of_commands(), found[0])
+    except (IrcError, FileNotFoundError) as error:  # (The folder may be gone.)
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(EXIT_USE)
 
 
 def _interrupted(status: int) -> int:

@@ -17,25 +17,18 @@ from irc.cli.new import new
 from irc.cli.online import replan, run, simulate
 from irc.cli.options import (
     BaselineOption,
-    EngineOption,
     FileArgument,
     FileOutOption,
     FormatOption,
-    MemoryLimitOption,
     OutOption,
     PlanToWriteOption,
     ProblemOption,
-    SeedOption,
-    TargetOption,
-    TimeLimitOption,
     TimesOption,
-    WorkersOption,
 )
 from irc.cli.output import (
     CheckFormat,
     Format,
     fail,
-    prepare,
     print_notes,
     put,
     put_json,
@@ -43,11 +36,9 @@ from irc.cli.output import (
     say,
 )
 from irc.cli.show import show
-from irc.errors import IrcError
+from irc.cli.solve import print_reading_notes, solve
 
 if TYPE_CHECKING:
-    from irc.cli.times import TimesStyle
-    from irc.driver.judge import Answer
     from irc.frontends.files import Reading
     from irc.targets import Program
 
@@ -61,7 +52,6 @@ def build_app(only: str | None = None) -> typer.Typer:
         name="irc",
         help="A solver-neutral compiler for asynchronous tasks.",
         no_args_is_help=True,
-        add_completion=False,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
         epilog=EXIT_STATUSES,
@@ -78,6 +68,16 @@ def build_app(only: str | None = None) -> typer.Typer:
     return app
 
 
+def options_of_commands() -> dict[str, frozenset[str]]:
+    """The names of the options of each command, as its function has them."""
+    group = typer.main.get_group(build_app())
+    return {
+        name: frozenset(str(p.name) for p in command.params if p.param_type_name == "option")
+        for name, command in group.commands.items()
+        if name != "eval"
+    }
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         from irc._version import __version__
@@ -88,7 +88,8 @@ def _version(wanted: bool) -> None:
 
 def _root(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+        bool,
+        typer.Option("--version", "-V", callback=_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
     """Compile an asynchronous task for a solver, and turn its answer into a validated schedule."""
@@ -152,7 +153,7 @@ def compile_(
         require_folder(output)
         reading = _read(file, problem)
         program = compile_task(reading.task, target)
-        _print_reading_notes(reading, format)
+        print_reading_notes(reading, format)
         print_notes(program.notes)
         if output is not None:
             from irc.driver.files import write_folder
@@ -174,66 +175,6 @@ def _print_files(program: Program) -> None:
         put(f"; {name}\n{text}" if len(program.files) > 1 else text)
 
 
-def _print_reading_notes(reading: Reading, format: Format) -> None:
-    if reading.notes and format is Format.text:
-        print_notes(reading.notes, reading.task.source)
-
-
-def solve(
-    file: FileArgument,
-    target: TargetOption = "cpsat",
-    engine: EngineOption = "auto",
-    problem: ProblemOption = None,
-    time_limit: TimeLimitOption = 60.0,
-    memory_limit: MemoryLimitOption = None,
-    seed: SeedOption = 0,
-    workers: WorkersOption = None,
-    shortcut: Annotated[
-        bool,
-        typer.Option(
-            "--shortcut/--no-shortcut",
-            help="Solve by the critical path alone if there is no contention.",
-        ),
-    ] = True,
-    times: TimesOption = None,
-    output: FileOutOption = None,
-    format: FormatOption = Format.text,
-) -> None:
-    """Compile a task, run an engine, and show the exact, validated schedule."""
-    from irc.cli.interruption import INTERRUPTION
-    from irc.cli.progress import progress_shown
-    from irc.cli.times import require_times
-    from irc.driver.solve import solve_task
-    from irc.reporting.files import require_fit, require_output
-    from irc.targets import SolveOptions
-
-    with reporting_errors(format), INTERRUPTION.planning() as cancel:
-        require_output(output)
-        reading = _read(file, problem)
-        require_fit(output, reading.task)
-        require_times(reading.task, times)
-        prepare(format)
-        with progress_shown(reading.task) as on_progress:
-            options = SolveOptions(
-                target,
-                engine,
-                time_limit,
-                memory_limit,
-                workers,
-                seed,
-                shortcut,
-                on_progress=on_progress,
-                cancel=cancel,
-            )
-            answer = solve_task(reading.task, options, options.budget(INTERRUPTION.spent(file)))
-        _print_reading_notes(reading, format)
-        if answer.schedule.status == "infeasible" and format is Format.text:
-            from irc.cli.explain import hint_for
-
-            say(hint_for(file))
-        _show_answer(answer, output, times, format)
-
-
 def explain(
     file: FileArgument,
     time_limit: Annotated[
@@ -244,66 +185,29 @@ def explain(
         str | None,
         typer.Option("--why", help="An action or a group: why it is late, and what would help."),
     ] = None,
+    times: TimesOption = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Show why a task has no schedule, why its schedule is not shorter, or why an order is late."""
     from irc.cli.explain import put_explanation, put_lateness
     from irc.cli.interruption import INTERRUPTION
+    from irc.cli.times import require_times
     from irc.driver.compile import notes_on
     from irc.explanation import explain_lateness, explain_task
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         reading = _read(file, problem)
+        require_times(reading.task, times)
         spent = INTERRUPTION.spent(file)
         if why is not None:
             lateness = explain_lateness(reading.task, why, time_limit, cancel=cancel, spent=spent)
-            _print_reading_notes(reading, format)
-            put_lateness(lateness, format)
+            print_reading_notes(reading, format)
+            put_lateness(lateness, format, times)
             return
         explanation = explain_task(reading.task, time_limit, cancel=cancel, spent=spent)
-        _print_reading_notes(reading, format)
+        print_reading_notes(reading, format)
         print_notes(notes_on(reading.task))
-        put_explanation(explanation, format)
-
-
-def _show_answer(
-    answer: Answer, output: Path | None, times: TimesStyle | None, format: Format
-) -> None:
-    schedule = answer.schedule
-    print_notes(answer.notes)
-    # (The file first: the reader of what is printed may end before all of it is.)
-    wrote, refused = False, None
-    try:
-        wrote = output is not None and _write_answer(output, answer, times)
-    except IrcError as error:
-        refused = error
-    if format is Format.json:
-        put_json(schedule.to_dict())
-    else:
-        from irc.cli.page import answer_console, in_a_file
-        from irc.cli.render import print_answer
-
-        print_answer(answer, answer_console(), times, all_rows=in_a_file())
-    if refused is not None:
-        raise refused
-    if wrote and format is Format.text:
-        say(f"wrote {output}")
-    if not schedule.answered:
-        sys.exit(schedule.outcome.exit)
-
-
-def _write_answer(output: Path, answer: Answer, times: TimesStyle | None) -> bool:
-    """Writes the file that was asked for; without an answer, only one for programs."""
-    from irc.cli.showing import write_output
-    from irc.reporting.files import Shown, kind_of, require_fit
-
-    task = answer.schedule.made_for
-    assert task is not None  # (It is a schedule that irc has made.)
-    if not answer.schedule.answered and kind_of(output).ending not in (".json", ".txt"):
-        return False
-    require_fit(output, task)
-    write_output(output, Shown(task, answer.schedule), answer, times)
-    return True
+        put_explanation(explanation, format, times)
 
 
 def extract(
@@ -321,13 +225,14 @@ def extract(
     With --problem the output is a plan of a PDDL domain, by whichever planner.
     """
     from irc.cli.plans import extracted
+    from irc.cli.solve import show_answer
     from irc.reporting.files import require_output
 
     with reporting_errors(format):
         if manifest == answer == "-":
             fail(EXIT_USE, "only one of the two can be standard input", format)
         require_output(output)
-        _show_answer(extracted(manifest, answer, problem), output, times, format)
+        show_answer(extracted(manifest, answer, problem), output, times, format)
 
 
 def validate(
@@ -341,11 +246,14 @@ def validate(
         str | None,
         typer.Option("--at", help="Actions that began before this time are history: 5, '2 min', …"),
     ] = None,
+    times: TimesOption = None,
     format: FormatOption = Format.text,
 ) -> None:
     """Check a schedule against the rules of docs/semantics.md, and name every violation."""
     from irc.cli.moments import moment_of
     from irc.cli.plans import read_schedule
+    from irc.cli.times import dates_of
+    from irc.cli.verdict import verdict_text
     from irc.driver.judge import validate_schedule
 
     with reporting_errors(format):
@@ -354,11 +262,12 @@ def validate(
         reading = _read(file, problem)
         answer, source = read_schedule(schedule, reading.task)
         moment = None if at is None else moment_of(reading.task, at, format)
+        dates = dates_of(reading.task, times, [0, answer.makespan])
         verdict = validate_schedule(reading.task, answer, source, at=moment)
         if format is Format.json:
             put_json(verdict.to_dict())
         else:
-            put(str(verdict))
+            put(verdict_text(verdict, dates))
         if not verdict.valid:
             sys.exit(EXIT_INPUT)
 

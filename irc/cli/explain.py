@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 from irc.cli.output import Format, put, put_json
+from irc.cli.times import ClockText, TimesStyle, dates_shown
 from irc.diagnostics.source import Source, pointer_text
 from irc.diagnostics.text import excerpt
 from irc.explanation import Explanation, Lateness
@@ -29,14 +30,34 @@ def hint_for(file: str) -> str:
     return f"hint: `irc explain {name}` shows which statements cannot hold together"
 
 
-def put_explanation(explanation: Explanation, format: Format) -> None:
+def put_explanation(
+    explanation: Explanation, format: Format, times: TimesStyle | None = None
+) -> None:
     """Prints an explanation, and exits with the status for what it found."""
-    _put(explanation, _lines(explanation), format)
+    _put(explanation, _lines(explanation, _clock(explanation, times)), format)
 
 
-def put_lateness(lateness: Lateness, format: Format) -> None:
+def put_lateness(lateness: Lateness, format: Format, times: TimesStyle | None = None) -> None:
     """Prints why something is late, and exits with the status for what it found."""
-    _put(lateness, _of_lateness(lateness), format)
+    _put(lateness, _of_lateness(lateness, _clock(lateness, times)), format)
+
+
+def _clock(found: Explanation | Lateness, times: TimesStyle | None) -> ClockText | None:
+    """The way in which times are written; None: as numbers of the unit."""
+    schedule = found.schedule
+    if schedule is None or not schedule.answered:
+        return None
+    shown = [0, schedule.makespan]
+    shown += [time for step in found.chain or () for time in (step.start, step.end)]
+    if isinstance(found, Lateness):
+        shown += [time for time in (found.due, found.end) if time is not None]
+        shown += [change.ends for change in found.changes]
+    dates = dates_shown(schedule.dates, times, shown)
+    return None if dates is None else ClockText(dates, shown)
+
+
+def _at(time: Number, unit: str, clock: ClockText | None) -> str:
+    return f"{format_number(time)} {unit}" if clock is None else clock.text(time).strip()
 
 
 def _put(found: Explanation | Lateness, lines: Iterable[str], format: Format) -> None:
@@ -48,7 +69,7 @@ def _put(found: Explanation | Lateness, lines: Iterable[str], format: Format) ->
         sys.exit(found.outcome.exit)
 
 
-def _lines(explanation: Explanation) -> Iterator[str]:
+def _lines(explanation: Explanation, clock: ClockText | None) -> Iterator[str]:
     if explanation.status is Status.INFEASIBLE:
         yield from _infeasible(explanation)
     elif explanation.schedule is None:
@@ -56,7 +77,7 @@ def _lines(explanation: Explanation) -> Iterator[str]:
         yield f"{_name(explanation)}: {ended}it is not known whether there is a schedule"
         yield "hint: give it more time with --time-limit"
     else:
-        yield from _feasible(explanation)
+        yield from _feasible(explanation, clock)
 
 
 def _name(explanation: Explanation) -> str:
@@ -126,28 +147,28 @@ def _snippet(source: Source, conflict: Iterable[RenderedStatement]) -> Iterator[
 # --- late work ----------------------------------------------------------------------------------
 
 
-def _of_lateness(lateness: Lateness) -> Iterator[str]:
+def _of_lateness(lateness: Lateness, clock: ClockText | None) -> Iterator[str]:
     name, unit = repr(lateness.name), lateness.time_unit
     if lateness.end is None:
         yield _without_end(lateness)
         return
-    ends = f"{name} ends at {format_number(lateness.end)} {unit}"
+    ends = f"{name} ends at {_at(lateness.end, unit, clock)}"
     if lateness.due is None:
         yield f"{ends}; it has no due date"
     elif lateness.late:
-        due = f"due at {format_number(lateness.due)} {unit}"
+        due = f"due at {_at(lateness.due, unit, clock)}"
         yield f"{ends}, {format_number(lateness.late)} {unit} late ({due})"
     else:
-        yield f"{ends}, on time: it is due at {format_number(lateness.due)} {unit}"
+        yield f"{ends}, on time: it is due at {_at(lateness.due, unit, clock)}"
     if lateness.chain:
         yield ""
         yield "it ends then because of this chain:"
-        yield from _chain(lateness.chain)
+        yield from _chain(lateness.chain, clock)
     if lateness.due is not None and lateness.late:
         yield ""
         yield from _of_possibility(lateness)
         yield ""
-        yield from _of_changes(lateness)
+        yield from _of_changes(lateness, clock)
 
 
 def _without_end(lateness: Lateness) -> str:
@@ -175,20 +196,20 @@ def _of_possibility(lateness: Lateness) -> Iterator[str]:
         yield from _conflict(lateness.conflict, lateness.source)
 
 
-def _of_changes(lateness: Lateness) -> Iterator[str]:
+def _of_changes(lateness: Lateness, clock: ClockText | None) -> Iterator[str]:
     if not lateness.changes:
         yield "no single change that was tried makes it on time"
         return
     yield "it would be on time with one of these changes, the smallest first:"
     for change in lateness.changes:
-        ends = f"{format_number(change.ends)} {lateness.time_unit}"
+        ends = _at(change.ends, lateness.time_unit, clock)
         yield f"  {change.text}: it ends at {ends}"
 
 
 # --- a schedule ---------------------------------------------------------------------------------
 
 
-def _feasible(explanation: Explanation) -> Iterator[str]:
+def _feasible(explanation: Explanation, clock: ClockText | None) -> Iterator[str]:
     assert explanation.schedule is not None
     unit = explanation.time_unit
     makespan = format_number(explanation.schedule.makespan)
@@ -196,12 +217,14 @@ def _feasible(explanation: Explanation) -> Iterator[str]:
     if explanation.interrupted:
         optimal = f"interrupted, {optimal}"
     yield f"{_name(explanation)}: makespan {makespan} {unit}, {optimal}"
+    if clock is not None:
+        yield clock.span
     if explanation.chain is None:
         yield "no critical chain: this schedule could end earlier in the same order"
     elif explanation.chain:
         yield "it is as long as this chain:"
         yield ""
-        yield from _chain(explanation.chain)
+        yield from _chain(explanation.chain, clock)
     yield ""
     yield _visible(explanation.proof or "")
     if explanation.slack:
@@ -209,18 +232,19 @@ def _feasible(explanation: Explanation) -> Iterator[str]:
         yield from _slack(explanation, unit)
 
 
-def _chain(chain: Sequence[ChainStep]) -> Iterator[str]:
-    times = [_span(step.start, step.end) for step in chain]
+def _chain(chain: Sequence[ChainStep], clock: ClockText | None) -> Iterator[str]:
+    times = [_span(step.start, step.end, clock) for step in chain]
     width = max(map(len, times))
     for time, step in zip(times, chain, strict=True):
         line = "" if step.statement.line is None else f"  (line {step.statement.line})"
         yield f"  {time:>{width}}  {step.statement.text}{line}"
 
 
-def _span(start: Number, end: Number) -> str:
-    if start == end:
-        return format_number(start)
-    return f"{format_number(start)} – {format_number(end)}"
+def _span(start: Number, end: Number, clock: ClockText | None) -> str:
+    shown = [
+        format_number(time) if clock is None else clock.text(time).strip() for time in (start, end)
+    ]
+    return shown[0] if start == end else " – ".join(shown)
 
 
 def _slack(explanation: Explanation, unit: str) -> Iterator[str]:

@@ -132,7 +132,7 @@ class Page:
     def key(self) -> Iterator[str]:
         """A line for each number that stands for a name, with the name."""
         for name, number in self._numbers.items():
-            yield f"{self.glyphs.more}{number}: {name}"
+            yield f"{self.glyphs.more}[{number}] {name}"
 
     def beginning(self, text: str, width: int) -> str:
         """At most `width` cells of the beginning of a text."""

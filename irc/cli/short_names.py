@@ -43,7 +43,7 @@ class ShortNames:
             left = [text for text in left if text not in found]
         taken = set(found.values())
         for text in left:
-            number = f"{self.page.glyphs.more}{self.page.number(text)}"
+            number = f"{self.page.glyphs.more}[{self.page.number(text)}]"
             short = self.page.beginning(text, width - len(number)) + number
             while short in taken and len(short) > len(number):
                 short = short[1:]

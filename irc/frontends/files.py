@@ -7,12 +7,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics.source import Source
 from irc.frontends.formats import IMPORTERS, MS_PROJECT, TABLES, format_of, load_importer
 from irc.frontends.json.document import RawDocument, read_document
 from irc.frontends.language import language_of
+from irc.frontends.mistaken import half_of_pddl, mistaken_for_task
 from irc.frontends.texts import STANDARD_INPUT, read_text
 from irc.model import Task
 from irc.model.from_document import to_task
+
+_HEAD = 10_000
+"""The characters at the beginning of a text in which PDDL is recognised."""
 
 
 class Reading(NamedTuple):
@@ -44,6 +49,8 @@ def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Rea
 def _typed(document: RawDocument) -> Reading:
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
+    if task is None and (mistaken := mistaken_for_task(document.content)) is not None:
+        raise InputError(Report((mistaken,), document.source))
     if task is None or document.notes.has_errors:
         from irc.frontends.partial import further_findings
 
@@ -73,6 +80,8 @@ def read_task(path: str | Path, problem: str | None = None) -> Reading:
         from irc.frontends.importers.pddl import read_pddl
 
         return _noted(*read_pddl((text, name), read_text(problem)))
+    if "(" in text[:_HEAD] and (half := half_of_pddl(text[:_HEAD])) is not None:
+        raise InputError(Report((half,), Source(name, text)))
     return parse_task(text, name, None if str(path) == STANDARD_INPUT else Path(path))
 
 
