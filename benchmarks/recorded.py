@@ -6,11 +6,11 @@
 DATA is the folder of the data (docs/evaluation.md). `pddl`: domains and problems for which OPTIC
 found a plan: how many are read; those with at most `--largest` steps (and all kitchens) are solved
 by `auto` within `--seconds`, and their makespan is compared with that of OPTIC's own plan,
-re-timed, where OPTIC's clock did not overflow. `specs`: scheduling JSON: how many are read of those
-that the paper's pipeline could read, and whether irc's answer gets the recorded verdict. `nl-ir`:
-actions, durations and precedence as models wrote them, through both targets, engines forced to run:
-whether both come to the same verdict and makespan. `--show` lists what differs. `--part` takes a
-part of the records only.
+re-timed, where OPTIC's clock did not overflow; a shorter plan is judged on the original PDDL.
+`specs`: scheduling JSON: how many are read of those that the paper's pipeline could read, and
+whether irc's answer gets the recorded verdict. `nl-ir`: actions, durations and precedence as models
+wrote them, through both targets, engines forced to run: whether both come to the same verdict and
+makespan. `--show` lists what differs. `--part` takes a part of the records only.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from irc.evaluation.data import Data, Record
 from irc.evaluation.kitchen_solving import solved_plan
 from irc.evaluation.robo import judge_plan
 from irc.frontends.importers.pddl import read_pddl
+from irc.frontends.importers.pddl.plan import plan_text
 from irc.frontends.importers.pddl.plan_reader import read_plan
 from irc.methods.nl_ir import read_nl_ir
 from irc.methods.pddl_answer import read_pddl_answer
@@ -39,6 +40,9 @@ from irc.methods.schedule_spec import read_schedule_spec
 from irc.model import Task
 from irc.schedule import Schedule, Status
 from irc.targets import SolveOptions
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from oracles.pddl_validity import NotJudgedError, reason_against
 
 OVERFLOW = 2_147_483
 """OPTIC's clock ends there; later times of its plans mean nothing (seconds)."""
@@ -102,7 +106,7 @@ def compare_pddl(data: Data, name: str, options: argparse.Namespace) -> None:
         try:
             task, _ = read_pddl((texts[0], "domain"), (texts[1], "problem"), lenient=True)
         except InputError as error:
-            tally.differs("not read", record, error.report.diagnostics[0].message)
+            tally.differs("not read", record, error.report.errors[0].message)
             continue
         count["read"] += 1
         if record.get("n", 0) <= options.largest:
@@ -135,11 +139,24 @@ def solve_as_optic(task: Task, record: Record, tally: Tally, seconds: float) -> 
     elif schedule.makespan == theirs.makespan:
         count["makespan of OPTIC"] += 1
     elif schedule.makespan < theirs.makespan:
-        why = f"{schedule.makespan} ({schedule.status}) against {theirs.makespan}"
+        judged = judged_by_the_oracle(record, task, schedule)
+        why = f"{schedule.makespan} ({schedule.status}) against {theirs.makespan}: {judged}"
         tally.differs("shorter than OPTIC", record, why)
+        count["of them accepted on the original"] += judged == "accepted"
     else:
         why = f"{schedule.makespan} ({schedule.status}) against {theirs.makespan}"
         tally.differs("longer than OPTIC", record, why)
+
+
+def judged_by_the_oracle(record: Record, task: Task, schedule: Schedule) -> str:
+    """What a validator that shares no code with irc says of a plan of the original PDDL."""
+    texts = pddl_texts(record)
+    assert texts is not None
+    try:
+        against = reason_against(*texts, plan_text(task, schedule))
+    except (IrcError, NotJudgedError) as error:
+        return f"not judged: {error}"
+    return "accepted" if against is None else f"REJECTED: {against}"
 
 
 # --- scheduling JSON ----------------------------------------------------------------------------
