@@ -10,6 +10,7 @@ from irc.checks.temporal import check_temporal
 from irc.diagnostics import Code, Diagnostic, Findings, Report
 from irc.lowering.lower import lower
 from irc.model import Task
+from irc.model.garbage import without_garbage
 from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import decide_presence
 from irc.problem import Problem
@@ -23,6 +24,7 @@ class Checked(NamedTuple):
     report: Report
 
 
+@without_garbage()
 def run_checks(
     task: Task,
     earlier: Iterable[Diagnostic] = (),

@@ -9,6 +9,7 @@ from dataclasses import replace
 from irc.checks import Checked, run_checks
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.model import Task
+from irc.model.garbage import without_garbage
 from irc.passes import run_passes
 from irc.problem import Problem
 from irc.targets import Backend, Budget, Program, Refusal, get_backend, require_support
@@ -31,6 +32,7 @@ def lower_for(task: Task, backend: Backend) -> Problem:
     return lower_checked(run_checks(task, lint=False), backend)
 
 
+@without_garbage()
 def lower_checked(checked: Checked, backend: Backend, budget: Budget | None = None) -> Problem:
     """The same for a task that has been checked.
 

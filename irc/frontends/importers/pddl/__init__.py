@@ -9,9 +9,6 @@ likes; a timed initial literal is a timed change of state.
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 
@@ -28,6 +25,7 @@ from irc.frontends.importers.pddl.sexpr import Form, SyntaxFault, read_form
 from irc.frontends.importers.pddl.symmetry import without_symmetry
 from irc.frontends.importers.pddl.task import pddl_task
 from irc.model import Task
+from irc.model.garbage import without_garbage
 from irc.model.original import Original
 
 __all__ = ["import_pddl", "read_pddl"]
@@ -60,24 +58,10 @@ def read_pddl(
     forms = [_form(s, f, lenient) for s, f in zip(sources, found, strict=True)]
     lifted = Reader(*found, lenient=lenient).read(forms[0], forms[1])
     _raise_errors(sources, found)
-    with _without_garbage():
+    with without_garbage():
         task = _task(lifted, sources, found)
     task = task.with_original(Original(domain[0], problem[0], partial(original_steps, task)))
     return task, _report(sources, found)
-
-
-@contextmanager
-def _without_garbage() -> Iterator[None]:
-    """Leaves the search for garbage for later, which would go through all ground actions so far
-    again and again, and takes half of the time.
-    """
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collecting:
-            gc.enable()
 
 
 def _task(lifted: Lifted, sources: tuple[Source, Source], found: tuple[Findings, Findings]) -> Task:
