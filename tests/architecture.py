@@ -25,6 +25,7 @@ ORDER = (
     "problem",
     "lowering",
     "passes",
+    "local_search",
     "retiming",
     "targets",
     "checks",
@@ -55,7 +56,7 @@ BACKENDS_SEE = ORDER[: ORDER.index("targets") + 1]
 VALIDATION_SEES = frozenset({"errors", "display", "diagnostics", "model", "schedule", "validation"})
 """The validator knows the task and the schedule, and nothing of how schedules are made."""
 
-NEVER_SEE_VALIDATION = frozenset({"problem", "lowering", "passes", "retiming"})
+NEVER_SEE_VALIDATION = frozenset({"problem", "lowering", "passes", "local_search", "retiming"})
 """What makes schedules shares no code with what judges them."""
 
 

@@ -11,6 +11,7 @@ Options: `--require-shared-data` makes absent benchmark data a failure instead o
 
 from __future__ import annotations
 
+import os
 import random
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +23,9 @@ from hypothesis import settings
 
 from exclusive import machine
 from paths import SHARED_DATA, TESTS
+
+# Local search runs as plain Python here: to compile it takes longer than all that tests search.
+os.environ.setdefault("NUMBA_DISABLE_JIT", "1")
 
 DEEP, JUDGED = TESTS / "deep", TESTS / "oracles" / "tests"
 

@@ -15,13 +15,14 @@ LOADED_SECONDS = 0.02
 class OrTools(Engine):
     """CP-SAT through ortools' Python package.
 
-    `bounds` and `hints` let measurements switch off what the compiler adds to a model.
+    `bounds`, `hints` and `improves` let measurements switch off what the compiler adds to a model,
+    and the local search beside it.
     """
 
     name: ClassVar[str] = "ortools"
 
-    def __init__(self, *, bounds: bool = True, hints: bool = True) -> None:
-        self.bounds, self.hints = bounds, hints
+    def __init__(self, *, bounds: bool = True, hints: bool = True, improves: bool = True) -> None:
+        self.bounds, self.hints, self.improves = bounds, hints, improves
 
     @property
     def loading_seconds(self) -> float:
@@ -43,6 +44,12 @@ class OrTools(Engine):
         from irc_cpsat.solving.deepening import DeepeningSearch
 
         search = DeepeningSearch(
-            self.name, program.problem, options, budget, bounds=self.bounds, hints=self.hints
+            self.name,
+            program.problem,
+            options,
+            budget,
+            bounds=self.bounds,
+            hints=self.hints,
+            improves=self.improves,
         )
         return search.run()

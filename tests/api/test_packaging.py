@@ -17,7 +17,17 @@ import irc
 from paths import ROOT
 
 HEAVY = ["ortools", "unified_planning", "networkx", "matplotlib", "kairos", "numpy", "pandas"]
-HEAVY += ["altair", "vl_convert", "openpyxl", "openai", "tenacity", "httpx2", "mcp", "asyncio"]
+HEAVY += [
+    "numba",
+    "altair",
+    "vl_convert",
+    "openpyxl",
+    "openai",
+    "tenacity",
+    "httpx2",
+    "mcp",
+    "asyncio",
+]
 
 TASK = {
     "resources": [{"id": "oven"}],

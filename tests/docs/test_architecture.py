@@ -34,7 +34,9 @@ from architecture import (
 from paths import ROOT
 
 BACKENDS = ("irc_cpsat", "irc_pddl21")
-HEAVY = frozenset({"kairos", "lark", "matplotlib", "networkx", "numpy", "ortools", "pandas"}) | {
+HEAVY = frozenset(
+    {"kairos", "lark", "matplotlib", "networkx", "numba", "numpy", "ortools", "pandas"}
+) | {
     *("pydantic", "pygls", "rich", "typer", "unified_planning", "up_aries"),
     *("openai", "tenacity", "httpx2", "mcp"),
 }

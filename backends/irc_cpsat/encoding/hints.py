@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 from irc.problem.decisions import Decision, Placed
-from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.builder import Builder, Hint, Model
 from irc_cpsat.encoding.setups import SetupSequence
 
 Takes = Callable[[int, int, int], bool]
@@ -24,6 +25,15 @@ def add_hints(builder: Builder, built: Model) -> None:
         _add_known_schedule(builder, built, problem.previous.warm_start)
     elif any(problem.previous.places) and builder.hints:
         _add_earlier_schedule(builder, built)
+
+
+def hint_at(builder: Builder, built: Model, found: Hint) -> None:
+    """Makes a list schedule the hint, in place of any other."""
+    decisions, choices = found
+    model: Any = builder.model  # (This method of ortools has no types.)
+    model.clear_hints()
+    _add_assignment(builder, built, decisions, lambda i, c, r: choices[i][c] == r)
+    built.hint = found
 
 
 def _add_assignment(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future, wait
 from threading import Thread
 from typing import Any
@@ -34,8 +35,11 @@ def asked(
     model: cp_model.CpModel,
     budget: Budget,
     callback: cp_model.CpSolverSolutionCallback | None = None,
+    ended: Callable[[], bool] = lambda: False,
 ) -> Any:
     """The status of a search, which ends with the budget or as soon as that is cancelled.
+
+    It ends earlier where `ended`, which is asked again and again meanwhile, says so.
 
     CP-SAT runs in a thread of its own while this one waits in Python, where signals are handled.
     What is raised meanwhile (`KeyboardInterrupt`) ends the search before it goes on its way.
@@ -50,7 +54,7 @@ def asked(
     Thread(target=_search, args=work, name="irc-cpsat", daemon=True).start()
     try:
         while not wait((search,), _LOOK_SECONDS).done:
-            if budget.is_over:
+            if budget.is_over or ended():
                 solver.stop_search()
     finally:
         while not wait((search,), _LOOK_SECONDS).done:

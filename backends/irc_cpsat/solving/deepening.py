@@ -11,6 +11,7 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.diagnostics import Code, Diagnostic
+from irc.local_search.ways import NotApplicable, Ways, ways_of
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
@@ -18,6 +19,7 @@ from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.solving.asking import asked, solver_for
+from irc_cpsat.solving.beside import LEAST_SECONDS, Beside
 from irc_cpsat.solving.depth import (
     GREATEST_DEPTH,
     SLOTS_LIMIT,
@@ -29,6 +31,7 @@ from irc_cpsat.solving.depth import (
 from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
 from irc_cpsat.solving.reporting import Reporter, tell_hint
+from irc_cpsat.solving.solution import Answer, Reached
 
 _DEPTH_SHARE = 0.4
 """The part of the time left that a depth may take before a greater one is tried."""
@@ -60,11 +63,14 @@ class DeepeningSearch:
         *,
         bounds: bool = True,
         hints: bool = True,
+        improves: bool = True,
     ) -> None:
         self.engine, self.problem, self.options = engine, problem, options
         self.budget = budget.share(1)
         self._least = min(_LEAST_SECONDS, budget.limit)
-        self.bounds, self.hints = bounds, hints
+        self.bounds, self.hints, self.improves = bounds, hints, improves
+        self._builder: Builder | None = None
+        self._ways: Ways | None = None
 
     def run(self) -> Outcome:
         """The outcome at the first depth with a schedule, or at one that leaves nothing out."""
@@ -88,6 +94,7 @@ class DeepeningSearch:
         found = self._listed(unrolled, budget)
         builder = Builder(unrolled, self.bounds, self.hints, found=found)
         builder.is_over = lambda: self.budget.is_over
+        self._builder, self._ways = builder, self._ways_of(unrolled)
         try:
             built = write_model(builder)
         except OutOfTimeError as error:
@@ -158,26 +165,62 @@ class DeepeningSearch:
 
     def _solve(
         self, built: Model, objective: str, earlier: Sequence[LevelResult], budget: Budget
-    ) -> tuple[Any, cp_model.CpSolver]:
-        solver = solver_for(self.problem, self.options.seed)
-        parameters, options = solver.parameters, self.options
-        if options.memory_limit is not None:
-            parameters.max_memory_in_mb = options.memory_limit
-        if options.workers is not None:
-            parameters.num_workers = options.workers
-        elif self.problem.has_state:
-            parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
+    ) -> tuple[Any, Answer]:
         if budget.is_cancelled:
-            return cp_model.UNKNOWN, solver
+            return cp_model.UNKNOWN, Reached(0)
         budget = budget.at_least(self._least)
-        if options.on_progress is None:
+        if self._ways is not None and not earlier and budget.left > LEAST_SECONDS:
+            return self._beside(built, objective, self._ways, budget)
+        solver = self._solver(self.options.workers)
+        if self.options.on_progress is None:
             return asked(solver, built.model, budget), solver
+        return self._reporter(built, objective, earlier).asked(solver, budget), solver
+
+    def _beside(
+        self, built: Model, objective: str, ways: Ways, budget: Budget
+    ) -> tuple[Any, Answer]:
+        """The status and the answer of CP-SAT and local search together."""
+        assert self._builder is not None
+        beside = Beside(
+            self._builder,
+            built,
+            ways,
+            self.options.seed,
+            self.options.workers or os.cpu_count() or 1,
+            budget,
+            lambda: self._reporter(built, objective, ()),
+            lambda workers, part, reporter, ended: reporter.asked(
+                self._solver(workers), part, ended
+            ),
+        )
+        return beside.run()
+
+    def _solver(self, workers: int | None) -> cp_model.CpSolver:
+        solver = solver_for(self.problem, self.options.seed)
+        if self.options.memory_limit is not None:
+            solver.parameters.max_memory_in_mb = self.options.memory_limit
+        if workers is not None:
+            solver.parameters.num_workers = workers
+        elif self.problem.has_state:
+            solver.parameters.num_workers = max(_STATE_WORKERS, os.cpu_count() or 1)
+        return solver
+
+    def _reporter(self, built: Model, objective: str, earlier: Sequence[LevelResult]) -> Reporter:
         reporter = Reporter(
-            self.engine, built, objective, earlier, self.budget, options.on_progress
+            self.engine, built, objective, earlier, self.budget, self.options.on_progress
         )
         # (Of actions that repeat a model holds some occurrences; more might do better.)
         reporter.proves = all(a.details.repeats is None for a in self.problem.activities)
-        return reporter.asked(solver, budget), solver
+        return reporter
+
+    def _ways_of(self, problem: Problem) -> Ways | None:
+        """What local search reads of a problem; None where there is no use for it."""
+        if not (self.improves and self.hints) or problem.objectives[0] != "makespan":
+            return None
+        try:
+            return ways_of(problem)
+        except NotApplicable:
+            return None
 
 
 def _is_exhausted(problem: Problem, best: Outcome, depth: int) -> bool:

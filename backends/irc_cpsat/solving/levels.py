@@ -14,7 +14,7 @@ from irc.schedule import Status
 from irc.targets import Budget
 from irc_cpsat.encoding.builder import Model
 from irc_cpsat.encoding.objectives import set_objective
-from irc_cpsat.solving.solution import decisions_of
+from irc_cpsat.solving.solution import Answer, all_values, decisions_of
 
 TIE_BREAK_SECONDS = 0.5
 """The least time that is spent on moving less among answers that are equally good."""
@@ -36,8 +36,8 @@ class LevelResult:
     proven: bool
 
 
-Solve = Callable[[Model, str, Sequence[LevelResult], Budget], tuple[Any, cp_model.CpSolver]]
-"""(model, objective, the levels before it, budget) → status, solver."""
+Solve = Callable[[Model, str, Sequence[LevelResult], Budget], tuple[Any, Answer]]
+"""(model, objective, the levels before it, budget) → status, what was reached."""
 
 
 @dataclass
@@ -106,7 +106,7 @@ def _given_up(built: Model, level: LevelResult, following: str) -> int:
     return int(abs(level.value) * share)
 
 
-def _keep(built: Model, level: LevelResult, given_up: int, solver: cp_model.CpSolver) -> None:
+def _keep(built: Model, level: LevelResult, given_up: int, answer: Answer) -> None:
     """Keeps a level's value, less `given_up`; the solution becomes the next hint."""
     value = built.values[level.name]
     if not isinstance(value, int):
@@ -114,7 +114,9 @@ def _keep(built: Model, level: LevelResult, given_up: int, solver: cp_model.CpSo
             built.model.add(value >= level.value - given_up)
         else:
             built.model.add(value <= level.value + given_up)
-    solution = list(solver.response_proto.solution)
+    solution = all_values(answer)
+    if not solution:
+        return  # Its hint is in the model already.
     model: Any = built.model  # (This method of ortools has no types.)
     model.clear_hints()
     hint = built.model.proto.solution_hint
@@ -122,7 +124,7 @@ def _keep(built: Model, level: LevelResult, given_up: int, solver: cp_model.CpSo
     hint.values.extend(solution)
 
 
-def _level(name: str, value: Any, status: Any, solver: cp_model.CpSolver) -> LevelResult:
+def _level(name: str, value: Any, status: Any, solver: Answer) -> LevelResult:
     reached = value if isinstance(value, int) else solver.value(value)
     if status == cp_model.OPTIMAL or isinstance(value, int):
         return LevelResult(name, reached, reached, True)

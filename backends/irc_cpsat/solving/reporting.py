@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ortools.sat.python import cp_model
@@ -12,7 +12,7 @@ from irc.problem.objective_values import in_units
 from irc.retiming.listed import listed_schedule
 from irc.schedule import Schedule
 from irc.targets import Budget, ObjectiveLevel, OnProgress, Progress
-from irc_cpsat.encoding.builder import Model
+from irc_cpsat.encoding.builder import Hint, Model
 from irc_cpsat.solving.asking import asked
 from irc_cpsat.solving.levels import LevelResult, bound_of
 from irc_cpsat.solving.solution import FoundSolution, schedule_from
@@ -20,7 +20,8 @@ from irc_cpsat.solving.solution import FoundSolution, schedule_from
 
 class Reporter(cp_model.CpSolverSolutionCallback):
     """Passes on what the search for one objective finds; `earlier` are the objectives before it.
-    Without `proves` the bounds hold for this model only, and are not reported.
+    Without `proves` the bounds hold for this model only, and are not reported. Without
+    `on_progress` nobody is told; `solution` and `bound` have the last ones in any case.
 
     An exception of the receiver ends the search and is kept, because CP-SAT calls from threads of
     its own.
@@ -33,7 +34,7 @@ class Reporter(cp_model.CpSolverSolutionCallback):
         objective: str,
         earlier: Sequence[LevelResult],
         budget: Budget,
-        on_progress: OnProgress,
+        on_progress: OnProgress | None,
     ) -> None:
         super().__init__()
         self.engine, self.built, self.objective = engine, built, objective
@@ -41,33 +42,38 @@ class Reporter(cp_model.CpSolverSolutionCallback):
         self.budget, self.on_progress = budget, on_progress
         self.proves = True
         self.error: BaseException | None = None
-        self._solution: FoundSolution | None = None
-        self._bound: int | None = None
+        self.solution: FoundSolution | None = None
+        self.bound: int | None = None
         self._solver: cp_model.CpSolver | None = None
 
-    def asked(self, solver: cp_model.CpSolver, budget: Budget) -> Any:
+    def asked(
+        self,
+        solver: cp_model.CpSolver,
+        budget: Budget,
+        ended: Callable[[], bool] = lambda: False,
+    ) -> Any:
         """The status of a search that tells what it finds. Raises what the receiver raised."""
         solver.best_bound_callback = self.on_bound
         self._solver = solver
-        status = asked(solver, self.built.model, budget, self)
+        status = asked(solver, self.built.model, budget, self, ended)
         if self.error is not None:
             raise self.error
         return status
 
     def on_solution_callback(self) -> None:
         """Called by CP-SAT for each solution."""
-        self._solution = FoundSolution(self.response_proto)
-        self._bound = bound_of(self.objective, self.best_objective_bound)
+        self.solution = FoundSolution(self.response_proto)
+        self.bound = bound_of(self.objective, self.best_objective_bound)
         self._tell()
 
     def on_bound(self, bound: float) -> None:
         """Called by CP-SAT for each better bound."""
-        self._bound = bound_of(self.objective, bound)
+        self.bound = bound_of(self.objective, bound)
         self._tell()
 
     def _tell(self) -> None:
-        solution = self._solution
-        if solution is None or self.error is not None:
+        solution = self.solution
+        if solution is None or self.error is not None or self.on_progress is None:
             return
         built, problem = self.built, self.built.problem
 
@@ -92,11 +98,25 @@ class Reporter(cp_model.CpSolverSolutionCallback):
             if self._solver is not None:
                 self._solver.stop_search()
 
+    def tell_found(self, found: Hint, makespan: int, bound: int) -> None:
+        """Tells a list schedule that was found elsewhere, and what is proven."""
+        problem = self.built.problem
+        if self.on_progress is None:
+            return
+        in_unit = problem.to_units(bound) if self.proves else None
+        level = ObjectiveLevel("makespan", problem.to_units(makespan), in_unit)
+
+        def schedule() -> Schedule:
+            return listed_schedule(problem, found)
+
+        seconds = self.budget.elapsed
+        self.on_progress(Progress(seconds, self.engine, self.objective, (level,), schedule))
+
     def _bound_on(self, name: str) -> int | None:
         if not self.proves:
             return None
         if name == self.objective:
-            return self._bound
+            return self.bound
         return self.earlier[name].bound if name in self.earlier else None
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
-from ortools.sat.python import cp_model_helper
+from ortools.sat.python import cp_model, cp_model_helper
 
 from irc.problem import Problem
 from irc.problem.choices import members_taken
@@ -12,7 +13,7 @@ from irc.problem.decisions import ABSENT, Decision
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Schedule
-from irc_cpsat.encoding.builder import Model
+from irc_cpsat.encoding.builder import Hint, Model
 
 
 class Values(Protocol):
@@ -32,9 +33,60 @@ class FoundSolution:
         """The value of a variable, a literal or a linear expression."""
         return int(cp_model_helper.ResponseHelper.value(self._response, expression))
 
+    @property
+    def all_values(self) -> list[int]:
+        """The values of all variables, in their order."""
+        return list(self._response.solution)
+
+
+class Reached:
+    """What several searches together have reached: the best schedule and the best bound.
+
+    `solution` is that of a model; without one, a list schedule is known alone, and its makespan.
+    """
+
+    def __init__(
+        self,
+        bound: int,
+        solution: FoundSolution | None = None,
+        decisions: Sequence[Decision] = (),
+        makespan: int = 0,
+    ) -> None:
+        self.best_objective_bound = float(bound)
+        self.solution, self.decisions, self.makespan = solution, [*decisions], makespan
+
+    def value(self, expression: Any) -> int:
+        """The value of an expression of the solution; without one, the makespan."""
+        return self.makespan if self.solution is None else self.solution.value(expression)
+
+
+Answer = cp_model.CpSolver | Reached
+"""What a search has reached: its values, and `best_objective_bound`."""
+
+
+def all_values(answer: Answer) -> list[int]:
+    """The values of all variables, in their order; none where a list schedule is known alone."""
+    if isinstance(answer, cp_model.CpSolver):
+        return list(answer.response_proto.solution)
+    return [] if answer.solution is None else answer.solution.all_values
+
+
+def found_of(built: Model, solution: Values) -> Hint:
+    """A solution as a list schedule: its decisions, and the pool of each open demand."""
+    pools = [
+        tuple(
+            next((r for r, literal in literals if solution.value(literal)), demand.alternatives[0])
+            for demand, literals in zip(activity.open_demands, built.literals[i], strict=True)
+        )
+        for i, activity in enumerate(built.problem.activities)
+    ]
+    return decisions_of(built, solution), pools
+
 
 def decisions_of(built: Model, solver: Values) -> list[Decision]:
     """The decision of a solution about each activity."""
+    if isinstance(solver, Reached) and solver.solution is None:
+        return solver.decisions
     return [_decision(built, solver, i) for i in range(len(built.problem.activities))]
 
 

@@ -1,0 +1,175 @@
+"""Runs local search beside CP-SAT on the makespan, each from what the other has found.
+
+CP-SAT begins alone: most tasks it proves at once. Then local search takes one of the workers. While
+both run, each better schedule of CP-SAT goes to the local search. At times that double, CP-SAT
+begins again where local search has a better schedule: with that as its hint, and with its makespan
+as an upper bound. A schedule that meets a proven bound, of the compiler or of CP-SAT, ends both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ortools.sat.python import cp_model
+
+from irc.local_search.ways import Ways
+from irc.targets import Budget, EngineFailed
+from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.hints import hint_at
+from irc_cpsat.solving.improving import Improving
+from irc_cpsat.solving.reporting import Reporter
+from irc_cpsat.solving.solution import FoundSolution, Reached, found_of
+
+ALONE_SECONDS = 0.5
+"""CP-SAT is alone for this long."""
+
+LEAST_SECONDS = 1.5
+"""With less time, it is alone throughout."""
+
+EXCHANGE_SECONDS = 1.5
+EXCHANGE_FACTOR = 2.0
+"""When CP-SAT first begins again, and by how much later each further time."""
+
+SINGLE_SHARE = 0.5
+SINGLE_SECONDS = 30.0
+"""With one worker, the part of the time that local search gets, and the most, before CP-SAT."""
+
+Ask = Callable[[int, Budget, Reporter, Callable[[], bool]], Any]
+"""(workers, budget, callback, whether to end now) → status of a search of the model."""
+
+
+class Beside:
+    """Solves a model for its makespan by CP-SAT and local search."""
+
+    def __init__(
+        self,
+        builder: Builder,
+        built: Model,
+        ways: Ways,
+        seed: int,
+        workers: int,
+        budget: Budget,
+        reporter: Callable[[], Reporter],
+        ask: Ask,
+    ) -> None:
+        self.builder, self.built, self.workers, self.budget = builder, built, workers, budget
+        self.improving = Improving(ways, seed)
+        self._reporter, self._ask = reporter, ask
+        self._exchange_at = EXCHANGE_SECONDS
+        self._bound = built.problem.bounds.makespan.value
+        self._best: FoundSolution | None = None
+        self._best_value: int | None = None
+        self._told: int | None = None
+        self._ended = False
+
+    def run(self) -> tuple[Any, Reached]:
+        """The status, and the best schedule with the best bound."""
+        try:
+            while True:
+                status = self._round()
+                if status in (cp_model.OPTIMAL, cp_model.INFEASIBLE, cp_model.MODEL_INVALID):
+                    return self._proven(status)
+                if not self._ended or self._is_met or self.budget.is_over:
+                    return self._reached()
+                self._exchange()
+        finally:
+            self.improving.end()
+
+    @property
+    def _is_met(self) -> bool:
+        values = [v for v in (self._best_value, self.improving.value) if v is not None]
+        return bool(values) and min(values) <= self._bound
+
+    def _round(self) -> Any:
+        """One search of CP-SAT, until it ends or something makes it begin again."""
+        reporter = self._reporter()
+        alone = not self.improving.has_begun
+        workers = self.workers if alone else max(1, self.workers - 1)
+        self._ended = False
+        status = self._ask(workers, self.budget, reporter, lambda: self._ends(reporter))
+        self._take(reporter)
+        return status
+
+    def _ends(self, reporter: Reporter) -> bool:
+        self._ended = self._looks(reporter)
+        return self._ended
+
+    def _looks(self, reporter: Reporter) -> bool:
+        """Passes on what is new; whether CP-SAT is to end now."""
+        self.improving.check()
+        self._take(reporter)
+        elapsed = self.budget.elapsed
+        if not self.improving.has_begun and elapsed >= ALONE_SECONDS:
+            if self.workers == 1:
+                return True
+            self.improving.start()
+        value = self.improving.value
+        if value is None:
+            return False
+        self._tell(reporter, value)
+        if value <= self._bound:
+            return True
+        ahead = self._best_value is None or value < self._best_value
+        return ahead and elapsed >= self._exchange_at
+
+    def _tell(self, reporter: Reporter, value: int) -> None:
+        """Reports a better schedule of the local search."""
+        better = self._best_value is None or value < self._best_value
+        if better and (self._told is None or value < self._told) and self.improving.found:
+            self._told = value
+            reporter.tell_found(self.improving.found, value, self._bound)
+
+    def _take(self, reporter: Reporter) -> None:
+        """Takes what CP-SAT has found since."""
+        if reporter.bound is not None:
+            self._bound = max(self._bound, reporter.bound)
+        solution = reporter.solution
+        if solution is None or solution is self._best:
+            return
+        value = solution.value(self.built.makespan)
+        if self._best_value is None or value < self._best_value:
+            self._best, self._best_value = solution, value
+            self.improving.give(found_of(self.built, solution), value)
+
+    def _exchange(self) -> None:
+        """Makes the model begin from the best schedule; with one worker, searches for it now."""
+        if self.workers == 1 and not self.improving.has_begun:
+            self._search_alone()
+        while self._exchange_at <= self.budget.elapsed:
+            self._exchange_at *= EXCHANGE_FACTOR
+        value, found = self.improving.value, self.improving.found
+        model, makespan = self.built.model, self.built.makespan
+        model.add(makespan >= self._bound)
+        if value is None or found is None:
+            return
+        if self._best_value is None or value < self._best_value:
+            model.add(makespan <= value)
+            hint_at(self.builder, self.built, found)
+
+    def _search_alone(self) -> None:
+        """Local search in this thread, for a part of the time."""
+        part = self.budget.share(SINGLE_SHARE).at_most(SINGLE_SECONDS)
+        while not part.is_over and self.improving.step():
+            pass
+
+    def _proven(self, status: Any) -> tuple[Any, Reached]:
+        if status == cp_model.INFEASIBLE and self.improving.found is not None:
+            raise EngineFailed("CP-SAT refutes a schedule that local search has found")
+        if status != cp_model.OPTIMAL or self._best_value is None:
+            return status, Reached(self._bound)
+        return status, Reached(self._best_value, self._best)
+
+    def _reached(self) -> tuple[Any, Reached]:
+        """The best schedule of either, proven if it meets the bound."""
+        own, value, found = self._best_value, self.improving.value, self.improving.found
+        best = own
+        if value is not None and found is not None and (own is None or value < own):
+            hint_at(self.builder, self.built, found)
+            best = value
+            answer = Reached(self._bound, None, found[0], value)
+        else:
+            answer = Reached(self._bound, self._best)
+        if best is None:
+            return cp_model.UNKNOWN, answer
+        return (cp_model.OPTIMAL if best <= self._bound else cp_model.FEASIBLE), answer

@@ -1,0 +1,65 @@
+"""Compiles the inner loops of searches just in time, where numba is installed.
+
+The same functions run without numba, some hundred times slower. They work on `Ints`, use only
+indexes and whole numbers, and draw random numbers by themselves, so that both give the same.
+
+numba keeps what it has compiled beside the module, or in the user's cache folder
+(`NUMBA_CACHE_DIR`); where neither can be written it compiles in every process anew. It notices a
+change of the module that a function is in, but not of others: so no compiled function calls one of
+another module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+Ints = Any
+"""An array of whole numbers of 64 bits, or a table of them."""
+
+
+def _numba() -> Any:
+    try:
+        import numba
+    except ImportError:  # Not installed, or not for the installed numpy.
+        return None
+    return None if getattr(numba.config, "DISABLE_JIT", False) else numba
+
+
+_NUMBA = _numba()
+
+IS_COMPILED: bool = _NUMBA is not None
+"""Whether loops are compiled."""
+
+
+def compiled(function: Function) -> Function:
+    """The function, compiled when it is first called, if numba is installed."""
+    if _NUMBA is None:
+        return function
+    try:
+        return _NUMBA.njit(nogil=True, cache=True)(function)  # type: ignore[no-any-return]
+    except RuntimeError:  # There is no folder to keep it in.
+        return _NUMBA.njit(nogil=True)(function)  # type: ignore[no-any-return]
+
+
+def ints(values: Iterable[int]) -> Ints:
+    """Whole numbers as loops take them."""
+    import numpy
+
+    return numpy.fromiter(values, numpy.int64)
+
+
+def constant(value: int, count: int) -> Ints:
+    """A number, `count` times."""
+    import numpy
+
+    return numpy.full(count, value, numpy.int64)
+
+
+def table(rows: int, columns: int) -> Ints:
+    """A table of zeros."""
+    import numpy
+
+    return numpy.zeros((rows, columns), numpy.int64)

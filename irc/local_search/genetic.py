@@ -1,0 +1,516 @@
+"""Genetic search over activity lists: serial generation, double justification, crossover.
+
+A solution is an order of all activities that precedence allows, and a way for each. Serial schedule
+generation makes a schedule of it: one activity after another, each as early as the resources allow.
+Then all are moved as late as they can be, in the order of their ends, and as early as they can be
+again, in the order of their starts. The list that this leaves is what parents hand on.
+
+The profile of all pools is one list of nodes in the order of time, each with the amounts in use
+from its time to that of the next one. The schedule from the end is the same generation with
+precedence turned round.
+
+Sources: Hartmann, "A competitive genetic algorithm for resource-constrained project scheduling",
+Naval Research Logistics 45 (1998); Hartmann, "Project scheduling with multiple modes: a genetic
+algorithm", Annals of Operations Research 102 (2001); Valls, Ballestín, Quintanilla, "Justification
+and RCPSP: a technique that pays", EJOR 165 (2005).
+"""
+
+# Arrays have no types here, and compiled loops take no generators.
+# mypy: disable-error-code="no-any-return"
+# ruff: noqa: SIM110
+
+from __future__ import annotations
+
+from irc.local_search.compiled import Ints, compiled
+
+Project = tuple[Ints, ...]
+"""Activities with ways; times in ticks.
+
+Of activity i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways. Of way w, `HELD_AT[w]` to
+`HELD_AT[w + 1]` are the places of what it holds in `POOL` and `AMOUNT`, and `USED_AT` those of what
+it uses up in `STOCK` and `USED`. `BEFORE` and `AFTER` have the activities that precedence orders,
+with lags.
+"""
+
+RELEASE = 0
+BEFORE_AT = 1
+BEFORE = 2
+BEFORE_LAG = 3
+AFTER_AT = 4
+AFTER = 5
+AFTER_LAG = 6
+WAY_AT = 7
+LASTS = 8
+HELD_AT = 9
+POOL = 10
+AMOUNT = 11
+USED_AT = 12
+STOCK = 13
+USED = 14
+CAPACITY = 15
+AVAILABLE = 16
+NO_RELEASE = 17
+BASE_TIME = 18  # Of the profile with nothing on it: times, and
+BASE_USE = 19  # the amounts of all pools that are not there, one time after another.
+URGENCY = 20
+
+# The rows of a table to work in.
+START = 0
+FIRST_NODE = 1
+LAST_NODE = 2
+CHAIN = 3
+LIST = 4
+WAY = 5
+TIME = 6  # Of each node of the profile: its time,
+NEXT = 7  # the next node (-1: none),
+BUCKET = 8  # and the first activity that begins there.
+MARK = 9
+BEST_START = 10
+BEST_WAY = 11
+LEFT = 12  # What is left of each stock.
+WAITING = 13
+ABLE = 14
+COUNTS = 15
+ROWS = 16
+
+# The columns of the row `COUNTS`.
+RANDOM = 0
+NODES = 1
+BEST = 2
+BIRTHS = 3
+IMPROVED_AT = 4
+SIZE = 5
+JUSTIFIES = 6
+STAMP = 7
+COLUMNS = 8
+
+LACKING = 1 << 52
+"""The value of a solution that uses up more stock than there is: this and more."""
+
+
+@compiled
+def _draw(work: Ints, below: int) -> int:
+    """A random number below a limit: the generator of Park and Miller."""
+    drawn = work[COUNTS, RANDOM] * 48271 % 2147483647
+    work[COUNTS, RANDOM] = drawn
+    return drawn % below
+
+
+# --- the profile --------------------------------------------------------------------------------
+
+
+@compiled
+def _clear(work: Ints, use: Ints, times: Ints, amounts: Ints) -> None:
+    """Makes the profile that of no activity."""
+    pools = use.shape[1]
+    count = len(times)
+    for k in range(count):
+        work[TIME, k] = times[k]
+        work[NEXT, k] = k + 1 if k + 1 < count else -1
+        work[BUCKET, k] = -1
+        for r in range(pools):
+            use[k, r] = amounts[k * pools + r]
+    work[COUNTS, NODES] = count
+
+
+@compiled
+def _split(work: Ints, use: Ints, node: int, time: int) -> int:
+    """The node of a time within that of `node`; a new one, where there is none."""
+    if work[TIME, node] == time:
+        return node
+    new = work[COUNTS, NODES]
+    work[COUNTS, NODES] = new + 1
+    work[TIME, new] = time
+    work[NEXT, new] = work[NEXT, node]
+    work[BUCKET, new] = -1
+    work[NEXT, node] = new
+    for r in range(use.shape[1]):
+        use[new, r] = use[node, r]
+    return new
+
+
+@compiled
+def _is_full(use: Ints, node: int, held: Ints, first: int, last: int) -> bool:
+    """Whether a node has no room for what a way holds; `held`: pool, limit, amount by threes."""
+    for k in range(first, last):
+        if use[node, held[3 * k]] > held[3 * k + 1]:
+            return True
+    return False
+
+
+@compiled
+def _place(
+    work: Ints,
+    use: Ints,
+    held: Ints,
+    first: int,
+    last: int,
+    i: int,
+    node: int,
+    time: int,
+    lasts: int,
+) -> int:
+    """Places an activity as early as it fits from a time on, at or behind a node; its end."""
+    following = work[NEXT, node]
+    while following >= 0 and work[TIME, following] <= time:
+        node = following
+        following = work[NEXT, node]
+    if lasts == 0:
+        work[START, i] = time
+        work[FIRST_NODE, i] = work[LAST_NODE, i] = _split(work, use, node, time)
+        return time
+    seen = node
+    while True:
+        following = work[NEXT, seen]
+        if _is_full(use, seen, held, first, last):
+            node = seen = following
+            time = work[TIME, node]
+        elif following < 0 or work[TIME, following] >= time + lasts:
+            break
+        else:
+            seen = following
+    node = _split(work, use, node, time)
+    work[START, i] = time
+    work[FIRST_NODE, i] = node
+    end = time + lasts
+    while True:
+        for k in range(first, last):
+            use[node, held[3 * k]] += held[3 * k + 2]
+        following = work[NEXT, node]
+        if following < 0 or work[TIME, following] > end:
+            work[LAST_NODE, i] = _split_behind(work, use, node, end, held, first, last)
+            return end
+        node = following
+        if work[TIME, node] == end:
+            work[LAST_NODE, i] = node
+            return end
+
+
+@compiled
+def _split_behind(
+    work: Ints, use: Ints, node: int, time: int, held: Ints, first: int, last: int
+) -> int:
+    """A new node within that of `node`, without what is held there."""
+    new = _split(work, use, node, time)
+    for k in range(first, last):
+        use[new, held[3 * k]] -= held[3 * k + 2]
+    return new
+
+
+# --- serial generation --------------------------------------------------------------------------
+
+
+@compiled
+def _generate(
+    work: Ints,
+    use: Ints,
+    held_at: Ints,
+    held: Ints,
+    lasts: Ints,
+    before_at: Ints,
+    before: Ints,
+    before_lag: Ints,
+    release: Ints,
+    base_time: Ints,
+    base_use: Ints,
+) -> int:
+    """The makespan of the list in `work`, each activity as early as the resources allow."""
+    _clear(work, use, base_time, base_use)
+    longest = 0
+    for k in range(work[COUNTS, SIZE]):
+        i = work[LIST, k]
+        time, node = release[i], 0
+        for a in range(before_at[i], before_at[i + 1]):
+            j = before[a]
+            end = work[START, j] + lasts[work[WAY, j]] + before_lag[a]
+            if end > time or (end == time and node == 0):
+                time, node = end, work[LAST_NODE, j]
+        way = work[WAY, i]
+        end = _place(work, use, held, held_at[way], held_at[way + 1], i, node, time, lasts[way])
+        longest = max(longest, end)
+    return longest
+
+
+@compiled
+def _sort(work: Ints, row: int, latest_first: bool) -> None:
+    """Sorts the list by the nodes of a row; what is at the same node stays in its order.
+
+    With `latest_first` the result is turned round.
+    """
+    n = work[COUNTS, SIZE]
+    for k in range(n - 1, -1, -1):
+        i = work[LIST, k]
+        node = work[row, i]
+        work[CHAIN, i] = work[BUCKET, node]
+        work[BUCKET, node] = i
+    node, k = 0, 0
+    while node >= 0:
+        i = work[BUCKET, node]
+        work[BUCKET, node] = -1
+        while i >= 0:
+            work[LIST, n - 1 - k if latest_first else k] = i
+            k += 1
+            i = work[CHAIN, i]
+        node = work[NEXT, node]
+
+
+@compiled
+def _forward(project: Project, held: Ints, work: Ints, use: Ints) -> int:
+    return _generate(
+        work,
+        use,
+        project[HELD_AT],
+        held,
+        project[LASTS],
+        project[BEFORE_AT],
+        project[BEFORE],
+        project[BEFORE_LAG],
+        project[RELEASE],
+        project[BASE_TIME],
+        project[BASE_USE],
+    )
+
+
+@compiled
+def _backward(project: Project, held: Ints, work: Ints, use: Ints) -> int:
+    """The same from the end: times count back from there."""
+    return _generate(
+        work,
+        use,
+        project[HELD_AT],
+        held,
+        project[LASTS],
+        project[AFTER_AT],
+        project[AFTER],
+        project[AFTER_LAG],
+        project[NO_RELEASE],
+        project[BASE_TIME],
+        project[BASE_USE],
+    )
+
+
+@compiled
+def _lacking(project: Project, work: Ints) -> int:
+    """The stock that the ways in `work` use up beyond what there is."""
+    stocks = len(project[AVAILABLE])
+    if stocks == 0:
+        return 0
+    for s in range(stocks):
+        work[LEFT, s] = project[AVAILABLE][s]
+    for i in range(work[COUNTS, SIZE]):
+        way = work[WAY, i]
+        for k in range(project[USED_AT][way], project[USED_AT][way + 1]):
+            work[LEFT, project[STOCK][k]] -= project[USED][k]
+    total = 0
+    for s in range(stocks):
+        total += max(0, -work[LEFT, s])
+    return total
+
+
+@compiled
+def _evaluate(project: Project, held: Ints, work: Ints, use: Ints) -> int:
+    """The value of the list in `work` after double justification; the list is of its schedule."""
+    lacking = _lacking(project, work)
+    longest = _forward(project, held, work, use)
+    while work[COUNTS, JUSTIFIES]:
+        _sort(work, LAST_NODE, True)
+        _backward(project, held, work, use)
+        _sort(work, LAST_NODE, True)
+        again = _forward(project, held, work, use)
+        if again >= longest:
+            break
+        longest = again
+    _sort(work, FIRST_NODE, False)
+    if lacking:
+        return LACKING + lacking
+    if longest < work[COUNTS, BEST]:
+        work[COUNTS, BEST] = longest
+        work[COUNTS, IMPROVED_AT] = work[COUNTS, BIRTHS]
+        for i in range(work[COUNTS, SIZE]):
+            work[BEST_START, i] = work[START, i]
+            work[BEST_WAY, i] = work[WAY, i]
+    return longest
+
+
+# --- lists --------------------------------------------------------------------------------------
+
+
+@compiled
+def _supply(project: Project, work: Ints) -> None:
+    """Changes ways by chance while that makes less stock lacking, or as little."""
+    lacking = _lacking(project, work)
+    n = work[COUNTS, SIZE]
+    for _ in range(8 * n):
+        if lacking == 0:
+            return
+        i = _draw(work, n)
+        first, count = project[WAY_AT][i], project[WAY_AT][i + 1] - project[WAY_AT][i]
+        if count == 1:
+            continue
+        old = work[WAY, i]
+        work[WAY, i] = first + _draw(work, count)
+        now = _lacking(project, work)
+        if now > lacking:
+            work[WAY, i] = old
+        else:
+            lacking = now
+
+
+@compiled
+def draw(project: Project, held: Ints, work: Ints, use: Ints, spread: int) -> int:
+    """The value of a list drawn at random; the more urgent come first, by up to `spread` percent.
+
+    An activity takes one of its ways at random. Without spread, its shortest.
+    """
+    n = work[COUNTS, SIZE]
+    able = 0
+    for i in range(n):
+        first, last = project[WAY_AT][i], project[WAY_AT][i + 1]
+        work[WAY, i] = first + _draw(work, last - first)
+        if spread == 0:
+            for w in range(first, last):
+                if project[LASTS][w] < project[LASTS][work[WAY, i]]:
+                    work[WAY, i] = w
+        work[WAITING, i] = project[BEFORE_AT][i + 1] - project[BEFORE_AT][i]
+        work[MARK, i] = project[URGENCY][i] * (100 + _draw(work, spread + 1)) // 100
+        if work[WAITING, i] == 0:
+            work[ABLE, able] = i
+            able += 1
+    for k in range(n):
+        at = 0
+        for x in range(1, able):
+            if work[MARK, work[ABLE, x]] > work[MARK, work[ABLE, at]]:
+                at = x
+        i = work[ABLE, at]
+        able -= 1
+        work[ABLE, at] = work[ABLE, able]
+        work[LIST, k] = i
+        for a in range(project[AFTER_AT][i], project[AFTER_AT][i + 1]):
+            j = project[AFTER][a]
+            work[WAITING, j] -= 1
+            if work[WAITING, j] == 0:
+                work[ABLE, able] = j
+                able += 1
+    for i in range(n):
+        work[MARK, i] = 0
+    _supply(project, work)
+    return _evaluate(project, held, work, use)
+
+
+@compiled
+def take(project: Project, held: Ints, work: Ints, use: Ints, order: Ints, ways: Ints) -> int:
+    """The value of a given list with given ways."""
+    for k in range(work[COUNTS, SIZE]):
+        work[LIST, k] = order[k]
+        work[WAY, k] = ways[k]
+    return _evaluate(project, held, work, use)
+
+
+@compiled
+def _cross(work: Ints, lists: Ints, ways: Ints, one: int, other: int) -> None:
+    """Two-point crossover: the middle part in the order of the other parent, with its ways."""
+    n = work[COUNTS, SIZE]
+    work[COUNTS, STAMP] += 1
+    stamp = work[COUNTS, STAMP]
+    first = _draw(work, n)
+    last = first + 1 + _draw(work, n - first)
+    for k in range(first):
+        i = lists[one, k]
+        work[LIST, k] = i
+        work[WAY, i] = ways[one, i]
+        work[MARK, i] = stamp
+    k = first
+    for x in range(n):
+        if k >= last:
+            break
+        i = lists[other, x]
+        if work[MARK, i] != stamp:
+            work[LIST, k] = i
+            work[WAY, i] = ways[other, i]
+            work[MARK, i] = stamp
+            k += 1
+    for x in range(n):
+        i = lists[one, x]
+        if work[MARK, i] != stamp:
+            work[LIST, k] = i
+            work[WAY, i] = ways[one, i]
+            k += 1
+
+
+@compiled
+def _mutate(project: Project, work: Ints) -> None:
+    """Swaps neighbours in the list by chance, and gives some activities another way."""
+    n = work[COUNTS, SIZE]
+    for k in range(n - 1):
+        if _draw(work, 20) == 0:
+            i, j = work[LIST, k], work[LIST, k + 1]
+            free = True
+            for a in range(project[BEFORE_AT][j], project[BEFORE_AT][j + 1]):
+                free = free and project[BEFORE][a] != i
+            if free:
+                work[LIST, k] = j
+                work[LIST, k + 1] = i
+    for i in range(n):
+        count = project[WAY_AT][i + 1] - project[WAY_AT][i]
+        if count > 1 and _draw(work, 30) == 0:
+            work[WAY, i] = project[WAY_AT][i] + _draw(work, count)
+    _supply(project, work)
+
+
+@compiled
+def _keep(work: Ints, lists: Ints, ways: Ints, values: Ints, value: int) -> None:
+    """Puts the list in `work` in place of the worst, unless it is worse or there already."""
+    worst = 0
+    for p in range(len(values)):
+        if values[p] > values[worst]:
+            worst = p
+    if value > values[worst]:
+        return
+    n = work[COUNTS, SIZE]
+    for p in range(len(values)):
+        if values[p] == value:
+            k = 0
+            while k < n and lists[p, k] == work[LIST, k] and ways[p, k] == work[WAY, k]:
+                k += 1
+            if k == n:
+                return
+    store(work, lists, ways, values, worst, value)
+
+
+@compiled
+def store(work: Ints, lists: Ints, ways: Ints, values: Ints, p: int, value: int) -> None:
+    """Puts the list in `work` at a place of the population."""
+    values[p] = value
+    for k in range(work[COUNTS, SIZE]):
+        lists[p, k] = work[LIST, k]
+        ways[p, k] = work[WAY, k]
+
+
+@compiled
+def _parent(work: Ints, values: Ints) -> int:
+    """The better of two members of the population, drawn at random."""
+    one, other = _draw(work, len(values)), _draw(work, len(values))
+    return one if values[one] <= values[other] else other
+
+
+@compiled
+def evolve(
+    project: Project,
+    held: Ints,
+    work: Ints,
+    use: Ints,
+    lists: Ints,
+    ways: Ints,
+    values: Ints,
+    births: int,
+    target: int,
+) -> None:
+    """Lets a population have children, until one has a schedule that ends by `target`."""
+    for _ in range(births):
+        if work[COUNTS, BEST] <= target:
+            return
+        work[COUNTS, BIRTHS] += 1
+        _cross(work, lists, ways, _parent(work, values), _parent(work, values))
+        _mutate(project, work)
+        value = _evaluate(project, held, work, use)
+        _keep(work, lists, ways, values, value)

@@ -1,0 +1,238 @@
+"""Searches the sequences of machines: tabu search from elite solutions and from between them.
+
+Where activities hold one unit each of machines, or of a few interchangeable ones, a schedule is an
+assignment to machines and a sequence for each. A few elite solutions are kept. A new one begins
+between two of them, in the order of weighted means of their times, tabu search improves it, and
+it takes the place of the worst, as in path relinking.
+
+Source: Peng, Lü, Cheng, "A tabu search/path relinking algorithm to solve the job shop scheduling
+problem", Computers & Operations Research 53 (2015); here the path is not walked, its middle is
+computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from random import Random
+
+from irc.local_search.arcs import arcs_of, order_by, urgencies
+from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, table
+from irc.local_search.dispatch import dispatched
+from irc.local_search.tabu import (
+    BEST,
+    BEST_HEAD,
+    BEST_ORDER,
+    BEST_WAY,
+    COLUMNS,
+    COUNTS,
+    IMPROVED_AT,
+    LASTS,
+    MACHINE,
+    MACHINES,
+    ORDERS,
+    RANDOM,
+    RELEASE,
+    ROWS,
+    SIZE,
+    STEP,
+    WAY_AT,
+    Shop,
+    load,
+    search,
+)
+from irc.local_search.ways import Found, NotApplicable, Ways, units_of
+from irc.problem.decisions import Decision
+
+MOST_ACTIVITIES = 20_000
+MOST_ARCS = 1 << 22
+
+ELITE = 8
+SPREAD = 0.3
+"""The urgency of operations in the first solutions is more or less by up to this share."""
+
+PATIENCE = 12_500
+"""Steps without a better schedule after which tabu search begins elsewhere."""
+
+_ACTIVITY_STEPS = 3_000_000 if IS_COMPILED else 5_000
+"""The steps of one call are about this, divided by the number of activities."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """The makespan, starts, a topological order, and a way (by its place in `Shop`) of each."""
+
+    value: int
+    starts: tuple[int, ...]
+    order: tuple[int, ...]
+    ways: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Machines:
+    """A problem as a shop. Of way `w` of the shop, `numbers[w]` is the one in `Ways`."""
+
+    shop: Shop
+    numbers: tuple[int, ...]
+    count: int
+
+
+def machines_of(ways: Ways) -> Machines:
+    """The shop of a problem. Raises `NotApplicable`."""
+    problem = ways.problem
+    if len(problem.activities) > MOST_ACTIVITIES:
+        raise NotApplicable("it has too many activities")
+    units = units_of(ways)
+    first = [0, *accumulate(units)]
+    way_at, machine, lasts, numbers = [0], list[int](), list[int](), list[int]()
+    for own in ways.of:
+        for number, way in enumerate(own):
+            taken: Sequence[int] = [-1]
+            if way.held:
+                ((pool, _),) = way.held
+                taken = range(first[pool], first[pool + 1])
+            machine += taken
+            lasts += [way.duration] * len(taken)
+            numbers += [number] * len(taken)
+        way_at.append(len(machine))
+    shop = (
+        ints(a.release for a in problem.activities),
+        *arcs_of(problem, after=False),
+        *arcs_of(problem, after=True),
+        ints(way_at),
+        ints(machine),
+        ints(lasts),
+    )
+    return Machines(shop, tuple(numbers), first[-1])
+
+
+class ShopSearch:
+    """The search of one problem, from the same seed always the same; `best` is what it has."""
+
+    def __init__(self, ways: Ways, seed: int, target: int) -> None:
+        self.ways, self.target = ways, target
+        self.machines = machines_of(ways)
+        self.best: Solution | None = None
+        self._random = Random(seed)
+        self._urgencies = urgencies(ways)
+        self._walk = _walk(self.machines, seed)
+        self._tabu = constant(0, _orders(len(ways.problem.activities)) + len(self.machines.numbers))
+        self._elite: list[Solution] = []
+        self._given: list[Solution] = []
+        self._begun = False
+        n = len(ways.problem.activities)
+        self._steps = max(20, _ACTIVITY_STEPS // max(1, n))
+
+    def step(self) -> None:
+        """Searches on for a little while."""
+        if not self._begun:
+            self._begin()
+        walk = self._walk
+        search(self.machines.shop, walk, self._tabu, self._steps, PATIENCE, self.target)
+        if self.best is None or walk[COUNTS, BEST] < self.best.value:
+            self.best = self._solution()
+        if walk[COUNTS, STEP] - walk[COUNTS, IMPROVED_AT] >= PATIENCE:
+            self._keep(self._solution())
+            self._begun = False
+
+    def give(self, found: Found) -> None:
+        """Gives a schedule of somebody else's, from which the search goes on in time."""
+        decisions, pools = found
+        self._given.append(self._read(decisions, pools))
+
+    @property
+    def value(self) -> int | None:
+        """The makespan of the best schedule so far, in ticks."""
+        return None if self.best is None else self.best.value
+
+    def found(self) -> Found | None:
+        """The best schedule so far."""
+        if self.best is None:
+            return None
+        numbers = [self.machines.numbers[w] for w in self.best.ways]
+        return self.ways.found(self.best.starts, numbers)
+
+    def _begin(self) -> None:
+        """Goes to the next solution to begin from."""
+        if self._given:
+            start = self._given.pop()
+        elif len(self._elite) < ELITE:
+            start = self._drawn()
+        else:
+            start = self._between(*self._random.sample(self._elite, 2))
+        load(self.machines.shop, self._walk, self._tabu, ints(start.order), ints(start.ways))
+        self._begun = True
+
+    def _keep(self, solution: Solution) -> None:
+        """Makes a solution one of the elite, in place of the worst, unless its equal is there."""
+        if any(solution.starts == other.starts for other in self._elite):
+            return
+        self._elite.append(solution)
+        if len(self._elite) > ELITE:
+            self._elite.remove(max(self._elite, key=lambda s: s.value))
+
+    def _solution(self) -> Solution:
+        walk, n = self._walk, len(self.machines.shop[RELEASE])
+        return Solution(
+            int(walk[COUNTS, BEST]),
+            tuple(map(int, walk[BEST_HEAD, :n])),
+            tuple(map(int, walk[BEST_ORDER, :n])),
+            tuple(map(int, walk[BEST_WAY, :n])),
+        )
+
+    def _between(self, one: Solution, other: Solution) -> Solution:
+        """Between two solutions: times are weighted means, ways are of the one or the other."""
+        share = self._random.uniform(0.3, 0.7)
+        times = [(1 - share) * a + share * b for a, b in zip(one.starts, other.starts, strict=True)]
+        # (Sorting is stable: what starts at the same time stays in the order of the first one.)
+        order = sorted(one.order, key=times.__getitem__)
+        ways = tuple(
+            b if self._random.random() < share else a
+            for a, b in zip(one.ways, other.ways, strict=True)
+        )
+        return Solution(0, (), tuple(order), ways)
+
+    def _drawn(self) -> Solution:
+        """A list schedule: the most urgent first, each on the machine where it ends first."""
+        spread = SPREAD if self._elite else 0.0
+        urgent = [t * self._random.uniform(1 - spread, 1 + spread) for t in self._urgencies]
+        order, ways = dispatched(self.machines.shop, self.machines.count, urgent)
+        return Solution(0, (), tuple(order), tuple(ways))
+
+    def _read(self, decisions: Sequence[Decision], pools: Sequence[tuple[int, ...]]) -> Solution:
+        """A schedule as a solution; units of a pool go to who starts first."""
+        shop = self.machines.shop
+        starts = [int(d.start) for d in decisions]
+        order = order_by(self.ways.problem, starts)
+        free = [0] * self.machines.count
+        ways = [0] * len(order)
+        for i in order:
+            number = self.ways.way_of(i, decisions[i].mode, pools[i])
+            own = [
+                w
+                for w in range(shop[WAY_AT][i], shop[WAY_AT][i + 1])
+                if self.machines.numbers[w] == number
+            ]
+            ways[i] = int(
+                min(own, key=lambda w: free[shop[MACHINE][w]] if shop[MACHINE][w] >= 0 else 0)
+            )
+            if shop[MACHINE][ways[i]] >= 0:
+                free[shop[MACHINE][ways[i]]] = starts[i] + int(shop[LASTS][ways[i]])
+        return Solution(0, (), tuple(order), tuple(ways))
+
+
+def _walk(machines: Machines, seed: int) -> Ints:
+    """Room for the search of a shop."""
+    n = len(machines.shop[RELEASE])
+    walk = table(ROWS, max(COLUMNS, n, machines.count))
+    walk[COUNTS, SIZE] = n
+    walk[COUNTS, MACHINES] = machines.count
+    walk[COUNTS, ORDERS] = _orders(n)
+    walk[COUNTS, RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
+    return walk
+
+
+def _orders(n: int) -> int:
+    """The room for orders of two operations that are tabu: a power of 2."""
+    return int(min(1 << (n * n).bit_length(), MOST_ARCS))

@@ -1,0 +1,196 @@
+"""Reads a problem as activities with ways: what local search needs to know of it, and no more.
+
+A way of an activity is a mode of it with a pool for each of its demands. What the search does not
+know about (state, set-ups, deadlines, maximum lags) makes a problem not applicable, with a reason
+in words; nothing is left out in silence.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice, product
+from math import prod
+
+from irc.problem import PLAIN, Activity, Problem
+from irc.problem.decisions import Decision
+from irc.problem.horizon import safe_horizon
+
+MOST_WAYS = 200
+"""The greatest number of ways of an activity."""
+
+LATEST_TIME = 1 << 50
+"""Sums of times must stay below this."""
+
+Found = tuple[list[Decision], list[tuple[int, ...]]]
+"""Starts and ends in ticks, and for each activity the pool of each open demand (-1: not held)."""
+
+
+class NotApplicable(Exception):
+    """A problem has something that this search does not know about; the text says what."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A mode (None: there are none), the pool of each open demand (-1: not held in this mode), and
+    what follows: ticks, amounts of pools, and amounts of stock used up.
+    """
+
+    mode: int | None
+    pools: tuple[int, ...]
+    duration: int
+    held: tuple[tuple[int, int], ...]
+    used_up: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """The ways of each activity of a problem, and the stock that there is of each reservoir."""
+
+    problem: Problem
+    of: tuple[tuple[Way, ...], ...]
+    stock: tuple[int, ...]
+
+    def found(self, starts: Sequence[int], chosen: Sequence[int]) -> Found:
+        """The list schedule with these starts and ways (numbers among those of the activity)."""
+        ways = [self.of[i][int(w)] for i, w in enumerate(chosen)]
+        decisions = [
+            Decision(int(start), int(start) + way.duration, self._members(i, way), mode=way.mode)
+            for i, (start, way) in enumerate(zip(starts, ways, strict=True))
+        ]
+        return decisions, [way.pools for way in ways]
+
+    def _members(self, i: int, way: Way) -> tuple[int | None, ...]:
+        """The resource of each use, None where its pool has several or it is not held."""
+        activity = self.problem.activities[i]
+        taken: list[int | None] = [None] * len(activity.uses)
+        for demand, pool in zip(activity.open_demands, way.pools, strict=True):
+            members = self.problem.contention.pools[pool].members if pool >= 0 else ()
+            taken[demand.use] = members[0] if len(members) == 1 else None
+        return tuple(taken)
+
+    def way_of(self, i: int, mode: int | None, pools: Sequence[int]) -> int:
+        """The number of the way with a mode and the pools of the demands held in it; 0 if none."""
+        for number, way in enumerate(self.of[i]):
+            if way.mode == mode and all(
+                own in (-1, pool) for own, pool in zip(way.pools, pools, strict=True)
+            ):
+                return number
+        return 0
+
+
+def ways_of(problem: Problem) -> Ways:
+    """The ways of all activities. Raises `NotApplicable`."""
+    for reason in _reasons_against(problem):
+        raise NotApplicable(reason)
+    stock = tuple(r.initial - r.least for r in problem.reservoirs)
+    return Ways(problem, tuple(_ways(problem, a) for a in problem.activities), stock)
+
+
+def _reasons_against(problem: Problem) -> Iterator[str]:
+    if problem.objectives[0] != "makespan":
+        yield f"the first objective is {problem.objectives[0]}"
+    if problem.has_state:
+        yield "it has state"
+    if problem.has_setups:
+        yield "it has set-ups"
+    if problem.has_work:
+        yield "actions have calendars or pause"
+    if problem.couplings or problem.selections:
+        yield "choices depend on each other"
+    if not all(group.required for group in problem.groups):
+        yield "a group may be absent"
+    if any(problem.previous.places):
+        yield "there is a previous plan"
+    if any(arc.max_lag is not None for arc in problem.arcs):
+        yield "it has maximum lags"
+    if any(not a.from_end or a.to_end or a.min_lag < 0 for a in problem.arcs):
+        yield "lags count from other points than an end to a start, or are negative"
+    if any(r.least > r.initial for r in problem.reservoirs):
+        yield "stock is missing from the beginning"
+    for activity in problem.activities:
+        yield from _reasons_against_activity(activity)
+    if safe_horizon(problem) > LATEST_TIME:
+        yield "its times are too large"
+
+
+def _reasons_against_activity(activity: Activity) -> Iterator[str]:
+    limits = (
+        activity.deadline,
+        activity.start,
+        activity.latest_start,
+        activity.earliest_end,
+    )
+    if any(limit is not None for limit in limits):
+        yield f"the times of {activity.id!r} are limited"
+    details = activity.details
+    if details is PLAIN:
+        return
+    if details.optional or details.repeats is not None or details.previous_occurrence is not None:
+        yield f"{activity.id!r} may be absent or repeat"
+    if details.ranks is not None or details.not_before is not None:
+        yield f"{activity.id!r} has begun"
+    if any(change.amount > 0 for change in details.all_stock):
+        yield f"{activity.id!r} adds to stock"
+
+
+def _ways(problem: Problem, activity: Activity) -> tuple[Way, ...]:
+    modes: list[int | None] = [*range(len(activity.details.modes))]
+    found = [way for mode in modes or [None] for way in _ways_in(problem, activity, mode)]
+    if not found or len(found) > MOST_WAYS:
+        raise NotApplicable(f"{activity.id!r} has {len(found)} ways")
+    return tuple(found)
+
+
+def _ways_in(problem: Problem, activity: Activity, mode: int | None) -> Iterator[Way]:
+    """The ways of a mode: each choice of pools that are large enough."""
+    details = activity.details
+    duration = activity.duration_min if mode is None else details.modes[mode].duration_min
+    pools = problem.contention.pools
+    choices: list[tuple[int, ...]] = []
+    for demand in activity.open_demands:
+        held = details.use_mode(demand.use) in (None, mode)
+        large = tuple(r for r in demand.alternatives if pools[r].capacity >= demand.amount)
+        choices.append((large if duration else demand.alternatives) if held else (-1,))
+    if prod(map(len, choices)) > MOST_WAYS:
+        raise NotApplicable(f"{activity.id!r} has too many ways")
+    used_up: Counter[int] = Counter()
+    for change in details.in_mode(mode).stock:
+        used_up[change.reservoir] -= change.amount
+    for taken in islice(product(*choices), MOST_WAYS + 1):
+        amounts: Counter[int] = Counter()
+        for demand, pool in zip(activity.open_demands, taken, strict=True):
+            if pool >= 0 and duration:
+                amounts[pool] += demand.amount
+        if all(amount <= pools[r].capacity for r, amount in amounts.items()):
+            yield Way(mode, taken, duration, tuple(sorted(amounts.items())), tuple(used_up.items()))
+
+
+MOST_UNITS = 6
+"""The most interchangeable units of a pool that are taken as machines."""
+
+
+def units_of(ways: Ways) -> list[int]:
+    """The number of machines that each pool stands for. Raises `NotApplicable` for no shop."""
+    amounts: dict[int, set[int]] = {}
+    for own in ways.of:
+        for way in own:
+            if len(way.held) > 1:
+                raise NotApplicable("activities hold several resources at once")
+            if way.used_up:
+                raise NotApplicable("activities use up stock")
+            for pool, amount in way.held:
+                amounts.setdefault(pool, set()).add(amount)
+    units = [0] * len(ways.problem.contention.pools)
+    for number, asked in amounts.items():
+        whole = ways.problem.contention.pools[number]
+        if whole.windows:
+            raise NotApplicable("capacities change")
+        if 2 * min(asked) > whole.capacity:
+            units[number] = 1
+        elif asked == {1} and whole.capacity <= MOST_UNITS:
+            units[number] = whole.capacity
+        else:
+            raise NotApplicable("resources have many units")
+    return units

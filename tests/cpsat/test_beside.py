@@ -1,0 +1,165 @@
+"""Local search beside CP-SAT: what either finds counts, and a proven bound ends both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from ortools.sat.python import cp_model
+
+from builders import Document, act, problem_for_cpsat
+from irc.driver.solve import solve_by, solve_task
+from irc.local_search.ways import ways_of
+from irc.model import Task
+from irc.passes.unroll import unroll
+from irc.problem import Problem
+from irc.problem.objective_values import schedule_values
+from irc.retiming.retime import retime
+from irc.retiming.to_schedule import schedule_of
+from irc.schedule import Status
+from irc.targets import Budget, Cancellation, Progress, SolveOptions, get_backend
+from irc.validation import validate
+from irc_cpsat.encoding.builder import Builder, Model
+from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.engines import OrTools
+from irc_cpsat.solving import beside
+from irc_cpsat.solving.beside import Beside
+from irc_cpsat.solving.reporting import Reporter
+from irc_cpsat.solving.solution import decisions_of
+
+MACHINES = 4
+
+
+def shop(jobs: int) -> Task:
+    """Jobs that go over all machines, each in another order."""
+    actions: list[Document] = []
+    precedence: list[Document] = []
+    for job in range(jobs):
+        for k in range(MACHINES):
+            machine = (job * (k + 1) + k) % MACHINES
+            duration = 1 + (7 * job + 3 * k) % 5
+            actions.append(act(f"{job}.{k}", duration, uses=[{"resource": f"m{machine}"}]))
+            if k:
+                precedence.append({"before": f"{job}.{k - 1}", "after": f"{job}.{k}"})
+    resources = [{"id": f"m{m}"} for m in range(MACHINES)]
+    document = {"resources": resources, "actions": actions, "precedence": precedence}
+    return Task.model_validate(document)
+
+
+@pytest.fixture(autouse=True)
+def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Local search begins when CP-SAT does, and they exchange at once."""
+    monkeypatch.setattr(beside, "ALONE_SECONDS", 0.0)
+    monkeypatch.setattr(beside, "EXCHANGE_SECONDS", 0.05)
+
+
+def without_answer(
+    workers: int, budget: Budget, reporter: Reporter, ended: Callable[[], bool]
+) -> Any:
+    """A CP-SAT that finds nothing until it is ended."""
+    while not (budget.is_over or ended()):
+        pass
+    return cp_model.UNKNOWN
+
+
+def run(
+    problem: Problem, seconds: float, on_progress: Any = None, workers: int = 2
+) -> tuple[Any, Any, Model]:
+    """The status and the answer of local search beside a CP-SAT that finds nothing."""
+    problem = unroll(problem, 1)
+    builder = Builder(problem, True, True)
+    built = write_model(builder)
+    budget = Budget(seconds)
+
+    def reporter() -> Reporter:
+        return Reporter("ortools", built, "makespan", (), budget, on_progress)
+
+    ways = ways_of(problem)
+    both = Beside(builder, built, ways, 0, workers, budget, reporter, without_answer)
+    return *both.run(), built
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_schedule_that_meets_the_bound_is_optimal_and_ends_the_search(workers: int) -> None:
+    task = shop(3)
+    problem = problem_for_cpsat(task)
+    best = solve_task(task).schedule
+    assert best.status is Status.OPTIMAL
+    problem = problem.with_bound(int(best.makespan), "it was proven before")
+    budget = Budget()
+    status, answer, built = run(problem, 60, workers=workers)
+    assert status == cp_model.OPTIMAL
+    assert answer.value(built.makespan) == best.makespan
+    assert budget.elapsed < 30
+
+
+def test_without_a_bound_it_is_feasible_and_valid() -> None:
+    task = shop(5)
+    problem = problem_for_cpsat(task).with_bound(1, "nothing is proven")
+    told: list[Progress] = []
+    status, answer, built = run(problem, 0.3, told.append)
+    assert status == cp_model.FEASIBLE
+    assert answer.best_objective_bound == 1
+    schedule = schedule_of(problem, retime(problem, decisions_of(built, answer)))
+    assert not validate(task, schedule).violations
+    assert schedule_values(problem, schedule)["makespan"] <= answer.makespan
+    assert told[-1].value == answer.makespan
+    assert not validate(task, told[-1].schedule()).violations
+
+
+def test_both_together_prove_the_same_makespan_as_cp_sat_alone() -> None:
+    task = shop(6)
+    options = SolveOptions(time_limit=60, workers=2)
+    found = [
+        solve_by(task, get_backend("cpsat"), OrTools(improves=improves), options, options.budget())
+        for improves in (True, False)
+    ]
+    assert [a.schedule.status for a in found] == [Status.OPTIMAL] * 2
+    assert found[0].schedule.makespan == found[1].schedule.makespan
+
+
+def test_objectives_after_the_makespan_follow_as_before() -> None:
+    task = shop(4)
+    due = {**task.model_dump(mode="json", exclude_unset=True)}
+    due["actions"][0] |= {"due": 2}
+    due["objective"] = ["minimize_makespan", "minimize_tardiness"]
+    both = Task.model_validate(due)
+    options = SolveOptions(time_limit=60, workers=2)
+    answers = [
+        solve_by(both, get_backend("cpsat"), OrTools(improves=improves), options, options.budget())
+        for improves in (True, False)
+    ]
+    values = [[level.value for level in a.schedule.objective] for a in answers]
+    assert values[0] == values[1]
+    assert {a.schedule.status for a in answers} == {Status.OPTIMAL}
+
+
+def test_a_deadline_that_no_schedule_keeps_is_still_refuted() -> None:
+    task = shop(6)
+    best = solve_task(task).schedule.makespan
+    late = Task.model_validate(
+        {**task.model_dump(mode="json", exclude_unset=True), "deadline": int(best) - 1}
+    )
+    assert solve_task(late).schedule.status is Status.INFEASIBLE
+
+
+def test_a_cancelled_call_ends_with_the_best_so_far() -> None:
+    cancel = Cancellation()
+    budget = Budget()
+    options = SolveOptions(
+        time_limit=60, workers=2, cancel=cancel, on_progress=lambda _: cancel.cancel()
+    )
+    answer = solve_task(shop(14), replace(options))
+    assert answer.schedule.entries
+    assert budget.elapsed < 30
+
+
+def test_what_local_search_raises_reaches_the_caller(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: Any) -> Any:
+        raise OSError("no room to compile in")
+
+    monkeypatch.setattr("irc_cpsat.solving.improving.search_with", fails)
+    with pytest.raises(OSError, match="no room"):
+        run(problem_for_cpsat(shop(5)).with_bound(1, "nothing"), 5)
