@@ -31,7 +31,7 @@ MOST_ACTIVITIES = 20_000
 
 POPULATION = 60
 PATIENCE = 100
-"""Another population begins after so many children of each member without a better schedule."""
+"""Per member, the children without a better schedule after which another population begins."""
 
 SPREAD = 60
 """The urgency of activities in the first lists of a population is raised by up to this, percent."""

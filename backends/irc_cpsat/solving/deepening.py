@@ -214,7 +214,7 @@ class DeepeningSearch:
         return reporter
 
     def _ways_of(self, problem: Problem) -> Ways | None:
-        """What local search reads of a problem; None where there is no use for it."""
+        """The ways that local search reads from a problem; None where there is no use for it."""
         if not (self.improves and self.hints) or problem.objectives[0] != "makespan":
             return None
         try:

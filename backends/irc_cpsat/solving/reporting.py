@@ -21,7 +21,7 @@ from irc_cpsat.solving.solution import FoundSolution, schedule_from
 class Reporter(cp_model.CpSolverSolutionCallback):
     """Passes on what the search for one objective finds; `earlier` are the objectives before it.
     Without `proves` the bounds hold for this model only, and are not reported. Without
-    `on_progress` nobody is told; `solution` and `bound` have the last ones in any case.
+    `on_progress` nothing is reported; `solution` and `bound` have the last ones in any case.
 
     An exception of the receiver ends the search and is kept, because CP-SAT calls from threads of
     its own.

@@ -40,7 +40,7 @@ class FoundSolution:
 
 
 class Reached:
-    """What several searches together have reached: the best schedule and the best bound.
+    """The best schedule and the best bound that several searches together have reached.
 
     `solution` is that of a model; without one, a list schedule is known alone, and its makespan.
     """
@@ -61,7 +61,7 @@ class Reached:
 
 
 Answer = cp_model.CpSolver | Reached
-"""What a search has reached: its values, and `best_objective_bound`."""
+"""The values that a search has reached, and its `best_objective_bound`."""
 
 
 def all_values(answer: Answer) -> list[int]:
