@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from itertools import islice, product
 from math import prod
+from typing import Any
 
 from irc.problem import PLAIN, Activity, Problem
 from irc.problem.decisions import Decision
@@ -88,17 +89,37 @@ def ways_of(problem: Problem) -> Ways:
     return Ways(problem, tuple(_ways(problem, a) for a in problem.activities), stock)
 
 
+_OF_PROBLEMS = frozenset(
+    ("name", "time_unit", "tick", "activities", "resources", "families", "reservoirs", "arcs")
+    + ("groups", "deadline", "required", "objectives", "state_precedences", "horizon")
+    + ("contention", "bounds", "previous")
+)
+_OF_ACTIVITIES = frozenset(
+    ("id", "duration_min", "duration_max", "release", "uses", "open_demands", "origin", "details")
+)
+_OF_DETAILS = frozenset(
+    ("modes", "use_modes", "stock", "occurrence", "due", "weight", "reward", "cost", "entered")
+)
+_OF_RESOURCES = frozenset(("id", "capacity", "origin", "windows"))
+"""The fields that the search knows about; all others must have their defaults."""
+
+
+def _others(element: Any, known: frozenset[str]) -> Iterator[str]:
+    """The fields of an element that say something that the search does not know about."""
+    for one in fields(element):
+        usual = one.default
+        if one.name not in known and usual is not MISSING and getattr(element, one.name) != usual:
+            yield one.name.replace("_", " ")
+
+
 def _reasons_against(problem: Problem) -> Iterator[str]:
     if problem.objectives[0] != "makespan":
         yield f"the first objective is {problem.objectives[0]}"
-    if problem.has_state:
-        yield "it has state"
-    if problem.has_setups:
-        yield "it has set-ups"
-    if problem.has_work:
-        yield "actions have calendars or pause"
-    if problem.couplings or problem.selections:
-        yield "choices depend on each other"
+    for name in _others(problem, _OF_PROBLEMS):
+        yield f"it has {name}"
+    for resource in problem.resources:
+        for name in _others(resource, _OF_RESOURCES):
+            yield f"{resource.id!r} has {name}"
     if not all(group.required for group in problem.groups):
         yield "a group may be absent"
     if any(problem.previous.places):
@@ -116,21 +137,15 @@ def _reasons_against(problem: Problem) -> Iterator[str]:
 
 
 def _reasons_against_activity(activity: Activity) -> Iterator[str]:
-    limits = (
-        activity.deadline,
-        activity.start,
-        activity.latest_start,
-        activity.earliest_end,
-    )
-    if any(limit is not None for limit in limits):
-        yield f"the times of {activity.id!r} are limited"
+    for name in _others(activity, _OF_ACTIVITIES):
+        yield f"{activity.id!r} has {name}"
     details = activity.details
     if details is PLAIN:
         return
-    if details.optional or details.repeats is not None or details.previous_occurrence is not None:
-        yield f"{activity.id!r} may be absent or repeat"
-    if details.ranks is not None or details.not_before is not None:
-        yield f"{activity.id!r} has begun"
+    for name in _others(details, _OF_DETAILS):
+        yield f"{activity.id!r} has {name}"
+    if any(mode != mode.bare._replace(stock=mode.stock, cost=mode.cost) for mode in details.modes):
+        yield f"a mode of {activity.id!r} has conditions or effects"
     if any(change.amount > 0 for change in details.all_stock):
         yield f"{activity.id!r} adds to stock"
 

@@ -192,8 +192,8 @@ def test_a_search_is_never_worse_than_a_schedule_that_it_is_given(document: Docu
     ("changes", "reason"),
     [
         ({"objective": ["minimize_cost"]}, "first objective"),
-        ({"deadline": 9, "actions": [act("a", deadline=5)]}, "'a' are limited"),
-        ({"actions": [act("a"), act("b", occurs="optional")]}, "'b' may be absent"),
+        ({"deadline": 9, "actions": [act("a", deadline=5)]}, "'a' has deadline"),
+        ({"actions": [act("a"), act("b", occurs="optional")]}, "'b' has optional"),
         ({"precedence": [{"before": "a", "after": "b", "max_lag": 3}]}, "maximum lags"),
     ],
 )

@@ -15,7 +15,7 @@ _PATIENCE_SECONDS = 0.5
 class Improving:
     """A local search of a problem. `value` is the makespan of `found`, the best schedule so far.
 
-    Schedules that end after the deadline of the task do not count. An exception of the search is
+    Schedules that end after the deadline or the horizon do not count. An exception of the search is
     raised by `check`.
     """
 
@@ -33,6 +33,12 @@ class Improving:
     def problem(self) -> Problem:
         """The problem that is searched."""
         return self._ways.problem
+
+    @property
+    def _limits(self) -> list[int]:
+        """The times by which a schedule must end to be one."""
+        known = self.problem.deadline, self.problem.horizon
+        return [limit for limit in known if limit is not None]
 
     @property
     def has_begun(self) -> bool:
@@ -69,8 +75,7 @@ class Improving:
             self._search.give(given)
         self._search.step()
         value = self._search.value
-        deadline = self.problem.deadline
-        if value is None or (deadline is not None and value > deadline):
+        if value is None or any(value > limit for limit in self._limits):
             return True
         if self.value is None or value < self.value:
             self.found = self._search.found()
