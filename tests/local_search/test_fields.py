@@ -15,12 +15,13 @@ from irc.problem.problem import PLAIN
 def test_a_field_of_a_resource_that_it_does_not_know_is_named() -> None:
     problem = after_passes(
         {
-            "resources": [{"id": "oven", "batch": True, "capacity": 2}],
+            "resources": [{"id": "oven", "capacity": 2}],
             "actions": [act(f"a{k}", uses=[{"resource": "oven"}]) for k in range(3)],
         }
     )
+    (oven,) = problem.resources
     with pytest.raises(NotApplicable, match="'oven' has batch"):
-        ways_of(problem)
+        ways_of(replace(problem, resources=(replace(oven, batch=True),)))
 
 
 @pytest.mark.parametrize(
