@@ -90,8 +90,25 @@ def ways_of(problem: Problem) -> Ways:
 
 
 _OF_PROBLEMS = frozenset(
-    "name time_unit tick activities resources families reservoirs arcs groups deadline required "
-    "objectives state_precedences horizon contention bounds previous".split()
+    [
+        "name",
+        "time_unit",
+        "tick",
+        "activities",
+        "resources",
+        "families",
+        "reservoirs",
+        "arcs",
+        "groups",
+        "deadline",
+        "required",
+        "objectives",
+        "state_precedences",
+        "horizon",
+        "contention",
+        "bounds",
+        "previous",
+    ]
 )
 _OF_ACTIVITIES = frozenset(
     ("id", "duration_min", "duration_max", "release", "uses", "open_demands", "origin", "details")
