@@ -128,6 +128,15 @@ def run(
             "begins or ends until it is observed.",
         ),
     ] = PresumeName.assume,
+    board: Annotated[
+        int | None,
+        typer.Option(
+            "--board",
+            help="Show the run on this port in browsers on this machine; 0 takes a free port.",
+            min=0,
+            max=65535,
+        ),
+    ] = None,
     target: TargetOption = "cpsat",
     engine: EngineOption = "auto",
     time_limit: StepTimeLimitOption = 60.0,
@@ -143,4 +152,4 @@ def run(
     options = SolveOptions(
         target, engine, time_limit, memory_limit, workers, seed, stability=stability
     )
-    run_file(file, stdio, schedule, journal, options, presume.value)
+    run_file(file, stdio, schedule, journal, options, presume.value, board)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from irc.cli.exit_codes import EXIT_USE
 from irc.cli.interruption import INTERRUPTION, Interrupted
@@ -32,6 +32,9 @@ from irc.service.protocol import MAX_LINE
 from irc.service.session import Session, first_schedule
 from irc.targets import SolveOptions
 
+if TYPE_CHECKING:
+    from irc.service.board import Board
+
 
 def run_file(
     file: str,
@@ -40,8 +43,12 @@ def run_file(
     journal: Path | None,
     options: SolveOptions,
     presume: Presume = "assume",
+    board: int | None = None,
 ) -> None:
-    """Serves one execution until its requests end or one of them is `stop`."""
+    """Serves one execution until its requests end or one of them is `stop`.
+
+    `board` is the port of a page that shows the execution meanwhile.
+    """
     if not stdio:
         fail(EXIT_USE, "add --stdio: requests come from standard input", Format.text)
     if STANDARD_INPUT in (file, schedule):
@@ -56,7 +63,7 @@ def run_file(
                 options = replace(options, cancel=cancel)
                 session = _session(task, schedule, journal, options, open_files, presume)
             if INTERRUPTION.status is None:
-                _serve(session, sys.stdin.buffer)
+                _serve(session, sys.stdin.buffer, _board(session, board, open_files))
         except Interrupted as interrupted:
             sys.exit(interrupted.status)
         except JournalError as error:
@@ -115,7 +122,20 @@ def _other_schedule() -> Diagnostic:
     )
 
 
-def _serve(session: Session, requests: IO[bytes]) -> None:
+def _board(session: Session, port: int | None, open_files: ExitStack) -> Board | None:
+    """The board of a session, which is served until the files are closed."""
+    if port is None:
+        return None
+    from irc.service.board import Board
+    from irc.service.board_server import BoardServer
+
+    board = Board(session.execution.copy())
+    server = open_files.enter_context(BoardServer(board, port))
+    say(f"board: {server.url}")
+    return board
+
+
+def _serve(session: Session, requests: IO[bytes], board: Board | None) -> None:
     if session.notes:
         print_notes(session.notes)
     _send(json.dumps(session.greeting(), ensure_ascii=False, allow_nan=False))
@@ -130,6 +150,8 @@ def _serve(session: Session, requests: IO[bytes]) -> None:
                 _send(session.broken(str(error)).line())
                 raise
             _send(answer.line())
+        if board is not None and answer.document["ok"]:
+            board.publish(session.execution, session.happened)
         if answer.last or INTERRUPTION.status is not None:
             return
         if (unsaved := session.save()) is not None:

@@ -19,7 +19,7 @@ from irc.execution.execution import Execution
 from irc.execution.simulation import in_order
 from irc.frontends.events import PlacedEvent
 from irc.frontends.json.value import read_value
-from irc.model import Task
+from irc.model import Event, Task
 from irc.model.canonical import task_sha256, written_task
 from irc.model.times import json_number
 from irc.outcome import Outcome
@@ -68,6 +68,8 @@ class Session:
     """The number of replayed requests."""
     last_id: Any = None
     """The "id" of the last request that was accepted."""
+    happened: tuple[Event, ...] = ()
+    """The events of the last request that was accepted."""
     _accepted: int = 0
     _since_snapshot: int = 0
 
@@ -157,6 +159,7 @@ class Session:
         """The answer to one request. Raises `irc.service.journal.JournalError`, which ends it."""
         name: Any = None
         arrived = Budget()
+        self.happened = ()
         before = self.execution.copy()
         try:
             raw, source = decode_request(line)
@@ -226,7 +229,9 @@ class Session:
 
     def _do(self, request: Request, arrived: Budget) -> dict[str, Any]:
         """The answer to a request, with the step if it replanned, after changing the execution."""
+        known = len(self.execution.pending)
         notes = self._change(request)
+        self.happened = self.execution.pending[known:]
         if not request.replan:
             return {"ok": True, **self._now_and_notes(notes)}
         step = self.execution.replan(since=arrived)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 from irc.events.wording import changes_in_words
@@ -22,6 +23,7 @@ from irc.reporting.html.clock import axis_of, clock_text
 from irc.reporting.html.columns import tables_for
 from irc.reporting.html.figures import figures_of, status_text
 from irc.reporting.html.tables import Cells, action_cells, other_cells, value_shown
+from irc.reporting.names import plain
 from irc.reporting.rows import ActionRow, Key
 from irc.schedule import Schedule
 
@@ -44,12 +46,19 @@ class PlanToShow:
     """A plan of a report: a schedule of a task, and what led to it.
 
     `at` is the time at which a running task was planned again, None for a plan made beforehand.
+    `out_of_date`: something has happened since.
     """
 
     task: Task
     schedule: Schedule
     at: Number | None = None
     events: tuple[str, ...] = ()
+    out_of_date: bool = False
+
+    @cached_property
+    def analysis(self) -> Analysis:
+        """The analysis of its schedule, made once."""
+        return analyse(self.task, self.schedule)
 
     @classmethod
     def of_step(cls, step: Step) -> PlanToShow:
@@ -76,8 +85,8 @@ class Payload:
         self.index = {name: k for k, name in enumerate(self.resources)}
         self.orders = _orders(plan.task for plan in self._all())
         self.order_index = {name: k for k, name in enumerate(self.orders)}
-        self.analyses = [analyse(plan.task, plan.schedule) for plan in self.shown]
-        self.before = None if previous is None else analyse(previous.task, previous.schedule)
+        self.analyses = [plan.analysis for plan in self.shown]
+        self.before = None if previous is None else previous.analysis
 
     def _all(self) -> tuple[PlanToShow, ...]:
         return self.shown if self.previous is None else (self.previous, *self.shown)
@@ -183,7 +192,8 @@ class Payload:
             return "the plan"
         clock = clock_text(analysis.dates, plan.at)
         exact = f"{format_number(plan.at)} {analysis.time_unit}"
-        return f"at {clock} ({exact})" if clock else f"at {exact}"
+        said = f"at {clock} ({exact})" if clock else f"at {exact}"
+        return f"{said}, out of date: to be planned again" if plan.out_of_date else said
 
     def _spans(self, pairs: Sequence[Interval] | Levels) -> int:
         return self.spans.index(
@@ -209,7 +219,7 @@ class Payload:
             "o": self.order_index[row.orders[0]] if row.orders else -1,
         }
         if row.label != row.action:
-            shown["n"] = row.label
+            shown["n"] = plain(row.label)
         if row.critical:
             shown["k"] = 1
         if paused:
@@ -237,7 +247,7 @@ def _resources(tasks: Iterable[Task]) -> dict[str, dict[str, Any]]:
     for task in tasks:
         for resource in task.resources:
             found[resource.id] = {
-                "name": resource.label or resource.id,
+                "name": plain(resource.label or resource.id),
                 "capacity": resource.capacity,
                 "stock": resource.kind == "reservoir",
             }
@@ -248,5 +258,5 @@ def _orders(tasks: Iterable[Task]) -> dict[str, str]:
     found: dict[str, str] = {}
     for task in tasks:
         for group in task.groups:
-            found[group.id] = group.label or group.id
+            found[group.id] = plain(group.label or group.id)
     return found

@@ -262,7 +262,7 @@ function follow(page) {
   const said = element("span", { class: "board", role: "status", "data-state": "live" }, "live");
   document.querySelector(".headline").append(said);
   const say = (state, text) => { said.dataset.state = state; said.textContent = text; };
-  const source = new EventSource("events");
+  const source = new EventSource(`events?since=${page.payload.board}`);
   source.addEventListener("open", () => say("live", "live"));
   source.addEventListener("error", () => say("lost", "connection lost, trying again"));
   source.addEventListener("end", () => { source.close(); say("ended", "the run has ended"); });

@@ -7,7 +7,7 @@ const GREY = PALETTE.length - 1;
 const PATTERNS = ["plain", "stripes", "dots", "back stripes", "bars"];
 
 class Paint {
-  constructor() { this.patterns = new Map(); this.widths = new Map(); this.read(); }
+  constructor() { this.patterns = new Map(); this.widths = new Map(); this.prefixes = new Map(); this.read(); }
 
   /** Reads the colours of the page, which depend on light and dark. */
   read() {
@@ -82,13 +82,15 @@ class Paint {
   /** The text, cut with "…" to a width; empty where not even two signs fit. */
   fit(ctx, text, room) {
     if (this.width(ctx, text) <= room) return text;
-    const signs = Array.from(text);
-    let low = 0, high = signs.length;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.width(ctx, signs.slice(0, middle).join("") + "…") <= room) low = middle; else high = middle - 1;
+    let found = this.prefixes.get(text);
+    if (!found) {
+      const signs = Array.from(text), starts = signs.map((_, k) => signs.slice(0, k + 1).join("") + "…");
+      found = { starts, widths: starts.map((start) => ctx.measureText(start).width) };
+      if (this.prefixes.size > 5000) this.prefixes.clear();
+      this.prefixes.set(text, found);
     }
-    return low < 2 ? "" : signs.slice(0, low).join("") + "…";
+    const fitting = firstOf(found.widths, (width) => width > room);
+    return fitting < 2 ? "" : found.starts[fitting - 1];
   }
 }
 
