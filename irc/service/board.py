@@ -24,7 +24,7 @@ Listener = Callable[[], None]
 
 
 class Board:
-    """What a board shows at present. `version` counts its changes; `ended` is set by `end`."""
+    """The plans that a board shows. `version` counts their changes; `ended` is set by `end`."""
 
     def __init__(self, execution: Execution) -> None:
         self._lock = threading.Lock()
@@ -77,7 +77,7 @@ class Board:
         return self._texts()[1]
 
     def payload(self) -> str:
-        """What is shown at present, as JSON."""
+        """The data of the page at present, as JSON."""
         return self._texts()[2]
 
     def _change(self, plans: tuple[PlanToShow, ...]) -> None:

@@ -23,6 +23,7 @@ class Page {
     this.offer(offered);
     const slider = byId("step");
     slider.max = payload.plans.length - 1;
+    if (again) for (const [name, { columns }] of Object.entries(payload.tables)) fillHead(byId(`table-${name}`), columns);
     byId("steps").hidden = payload.plans.length < 2;
     this.showPlan(atEnd ? payload.plans.length - 1 : Math.min(this.k, payload.plans.length - 1), again, !again);
   }
@@ -64,11 +65,11 @@ class Page {
   colours() {
     const { payload } = this;
     if (payload.orders.length && this.view !== "order") {
-      const none = GREY + PALETTE.length * Math.ceil(payload.orders.length / PALETTE.length);
+      const none = greyBeyond(payload.orders.length);
       return { names: payload.orders, none, of: (bar) => (bar.order < 0 ? none : bar.order), what: "order" };
     }
     const names = payload.resources.map((resource) => resource.name);
-    const none = GREY + PALETTE.length * Math.ceil(names.length / PALETTE.length);
+    const none = greyBeyond(names.length);
     return { names, none, of: (bar) => (bar.uses.length ? bar.uses[0][0] : none), what: "resource" };
   }
 

@@ -4,6 +4,8 @@
 // what is critical. Beyond seven, patterns tell more apart.
 const PALETTE = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a89c00", "#7a7a7a"];
 const GREY = PALETTE.length - 1;
+/** The index of a grey that none of n things has. */
+const greyBeyond = (n) => (n <= GREY ? GREY : GREY + PALETTE.length * Math.ceil(n / PALETTE.length));
 const PATTERNS = ["plain", "stripes", "dots", "back stripes", "bars"];
 
 class Paint {

@@ -102,6 +102,15 @@ function cellsOf(payload, plan, name) {
   return name === "actions" ? plan.raw.rows.map((r) => payload.rows[r].c) : plan.raw.tables[name] || [];
 }
 
+/** Writes the headers of a table anew: another payload can have columns that had nothing in them. */
+function fillHead(table, columns) {
+  const shown = columns.map((column, k) => k).filter((k) => columns[k][3]);
+  table.tHead.rows[0].replaceChildren(...shown.map((k) => element("th", {
+    scope: "col", "data-column": k, "data-kind": columns[k][1],
+  }, columns[k][0])));
+  makeSortable(table, columns);
+}
+
 /** Makes a table sortable: the headers become buttons. */
 function makeSortable(table, columns) {
   table.querySelectorAll("thead th").forEach((head) => {
