@@ -32,7 +32,7 @@ def _check_ends(
     where = []
     if holds(closed, occurrence.start):
         where.append(("starts", occurrence.start))
-    # (What is broken off ends where it is told to.)
+    # (What is broken off ends where its entry says.)
     done = occurrence.start < occurrence.end and not occurrence.cancelled
     if done and holds(closed, occurrence.end, at_end=True):
         where.append(("ends", occurrence.end))
