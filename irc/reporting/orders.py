@@ -94,15 +94,20 @@ def _row(
     )
 
 
+MOST_IN_A_CHAIN = 100
+"""Of a longer chain, the last occurrences."""
+
+
 def chain_to(last: Key, why: Mapping[Key, tuple[Reason, ...]]) -> tuple[Key, ...]:
     """A chain of waits that ends with an occurrence: each waits for the one before it."""
     chain, seen = [last], {last}
-    while True:
+    while len(chain) < MOST_IN_A_CHAIN:
         following = next((k for k in _waits(chain[-1], why) if k not in seen), None)
         if following is None:
-            return tuple(chain[::-1])
+            break
         chain.append(following)
         seen.add(following)
+    return tuple(chain[::-1])
 
 
 def _waits(key: Key, why: Mapping[Key, tuple[Reason, ...]]) -> Iterator[Key]:

@@ -72,7 +72,8 @@ class OrderRow:
 
     `start` and `end` are None, and so is all that follows from them, where it is not present.
     `lateness` is its end less its due date, `tardiness` what of that is above 0 (not times the
-    weight). `critical` are the occurrences that its end waits for, one after the other.
+    weight). `critical` are the occurrences that its end waits for, one after the other, at most the
+    last 100 of them.
     """
 
     order: str
