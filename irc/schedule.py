@@ -16,7 +16,7 @@ from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report, did_
 from irc.diagnostics.source import Pointer, Source
 from irc.display.views import view
 from irc.errors import NameNotFound, OptionError
-from irc.model.dates import Dates
+from irc.model.dates import Dates, full
 from irc.model.nulls import without_nulls
 from irc.model.quantities import Number, TimeError, exact
 from irc.model.times import format_number, json_number, parse_number, parse_span
@@ -251,14 +251,14 @@ class Schedule:
         from irc.display.html import heading, table
         from irc.display.svg import bars_svg
 
-        unit = f" ({self.time_unit})" if self.time_unit else ""
+        dated = self.has_dates
+        unit = f" ({self.time_unit})" if self.time_unit and not dated else ""
         columns = ("action", "occurrence", f"start{unit}", f"end{unit}", "mode", "resources", "")
         rows = [
             (
                 e.id,
                 str(e.occurrence) if e.occurrence > 1 else "",
-                format_number(e.start),
-                format_number(e.end),
+                *(_time_shown(e, time, dated) for time in (e.start, e.end)),
                 e.mode or "",
                 _held(e),
                 e.status or "",
@@ -404,6 +404,11 @@ class Schedule:
 
 
 _MESSAGES = {Status.FAILED: "the engine broke down before it had an answer"}
+
+
+def _time_shown(entry: Entry, time: Number, dated: bool) -> str:
+    """A time of an entry as a number, or as a date-time."""
+    return full(entry.dates.at(time)) if dated and entry.dates else format_number(time)
 
 
 def _held(entry: Entry) -> str:

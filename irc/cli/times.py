@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from irc.errors import OptionError
-from irc.model.dates import Dates
+from irc.model.dates import Dates, clock_time, fineness, full
 from irc.model.quantities import Number
 
 if TYPE_CHECKING:
@@ -65,13 +65,13 @@ class ClockText:
         shown = [dates.at(time) for time in times] or [dates.at(0)]
         self.first, self.last = min(shown, key=_naive), max(shown, key=_naive)
         self.days = (self.last.date() - self.first.date()).days + 1
-        self.finest = max(map(_fineness, shown))
+        self.finest = max(map(fineness, shown))
 
     def text(self, time: Number) -> str:
         """A time by the clock."""
         at = self.dates.at(time)
         offset = f" {at:%z}" if at.fold else ""
-        return f"{self._day(at)}{at.strftime(_CLOCKS[self.finest])}{offset}"
+        return f"{self._day(at)}{clock_time(at, self.finest)}{offset}"
 
     def _day(self, at: datetime) -> str:
         if self.days == 1:
@@ -94,18 +94,5 @@ class ClockText:
         return f"{full(self.first)} to {full(self.last)}{where}"
 
 
-def full(at: datetime) -> str:
-    """A date-time in full: "Thu 22 Oct 2026 06:00"."""
-    return f"{at:%a} {at.day} {at:%b %Y} {at.strftime(_CLOCKS[_fineness(at)])}"
-
-
-_CLOCKS = ("%H:%M", "%H:%M:%S", "%H:%M:%S.%f")
-"""The forms of a time of day: in minutes, seconds, microseconds."""
-
-
 def _naive(at: datetime) -> tuple[datetime, timedelta | None]:
     return at.replace(tzinfo=None), at.utcoffset()
-
-
-def _fineness(at: datetime) -> int:
-    return 2 if at.microsecond else (1 if at.second else 0)

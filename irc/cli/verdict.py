@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from irc.cli.times import full
-from irc.model.dates import Dates
+from irc.model.dates import Dates, full
 from irc.validation.verdict import Verdict, Violation
 
 _MOST_TIMES = 4

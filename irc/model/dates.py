@@ -112,6 +112,24 @@ class Dates:
         return self.number(day), day
 
 
+_CLOCKS = ("%H:%M", "%H:%M:%S", "%H:%M:%S.%f")
+
+
+def clock_time(at: datetime, fineness: int) -> str:
+    """The time of day: in minutes (fineness 0), seconds (1) or microseconds (2)."""
+    return at.strftime(_CLOCKS[fineness])
+
+
+def fineness(at: datetime) -> int:
+    """The fineness that a date-time needs; see `clock_time`."""
+    return 2 if at.microsecond else (1 if at.second else 0)
+
+
+def full(at: datetime) -> str:
+    """A date-time in full, for people: "Thu 22 Oct 2026 06:00"."""
+    return f"{at:%a} {at.day} {at:%b %Y} {clock_time(at, fineness(at))}"
+
+
 def shown_zone(task: Task) -> tzinfo | None:
     """The zone in which the dates of a task are shown.
 

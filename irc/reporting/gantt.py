@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from datetime import datetime
 from fractions import Fraction
 from heapq import heappop, heappush
 from typing import Any, NamedTuple
 
 from irc.errors import OptionError
+from irc.model.dates import full
 from irc.model.quantities import Number
 from irc.model.times import format_number
 from irc.reporting.analysis import Analysis
@@ -150,12 +150,8 @@ def _title(analysis: Analysis) -> list[str]:
     head = [plain(analysis.name), f"{analysis.schedule.status}, {span}"]
     if analysis.dates is not None:
         dates = analysis.dates
-        head[1] += f", from {_shown(dates.at(0))} to {_shown(dates.at(analysis.span))}"
+        head[1] += f", from {full(dates.at(0))} to {full(dates.at(analysis.span))}"
     return head
-
-
-def _shown(moment: datetime) -> str:
-    return f"{moment:%a} {moment.day} {moment:%b %Y %H:%M}"
 
 
 _MARKS: Mapping[str, Spec] = {
@@ -315,7 +311,7 @@ def _span(analysis: Analysis, start: Number, end: Number) -> dict[str, str]:
 def _time(analysis: Analysis, time: Number) -> str:
     dates = analysis.dates
     text = f"{format_number(time)} {analysis.time_unit}"
-    return text if dates is None or not dates.reach(time) else f"{_shown(dates.at(time))} ({text})"
+    return text if dates is None or not dates.reach(time) else f"{full(dates.at(time))} ({text})"
 
 
 def _length(analysis: Analysis, time: Number) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -179,3 +180,48 @@ def test_dates_without_a_zone_stay_without() -> None:
         "2026-03-02 08:01:30",
     )
     assert irc.solve({"actions": [{"id": "a", "duration": 3}]})["a"].start_at is None
+
+
+def test_a_notebook_shows_dates_where_there_are_any() -> None:
+    html = irc.solve(WEEK, workers=1)._repr_html_()
+    assert "<td>Thu 22 Oct 2026 12:00</td><td>Fri 23 Oct 2026 14:00</td>" in html
+    bare = {"actions": [{"id": "a", "duration": 3}]}
+    assert "<th>start (s)</th>" in irc.solve(bare)._repr_html_()
+
+
+def test_a_verdict_says_when_a_rule_is_broken(tmp_path: Path) -> None:
+    (tmp_path / "week.json").write_text(json.dumps(WEEK), encoding="utf-8")
+    plan = {
+        "actions": [
+            {"id": "sand", "start": 10, "end": 16, "resources": {"booth": 1}},
+            {"id": "paint", "start": 24, "end": 50, "resources": {"booth": 1}},
+        ]
+    }
+    (tmp_path / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    files = str(tmp_path / "week.json"), str(tmp_path / "plan.json")
+    shown = run_irc("validate", *files)
+    assert shown.exit_code == 1
+    assert re.search(r"\n {4}\w{3} 2\d Oct 2026 \d\d:00", shown.stdout)
+    assert "Oct" not in run_irc("validate", *files, "--times", "unit").stdout
+
+
+def test_an_explanation_speaks_by_the_clock(tmp_path: Path) -> None:
+    document = {
+        "time_unit": "min",
+        "origin": "2026-03-02T22:00:00",
+        "actions": [{"id": "a", "duration": 90}, {"id": "b", "duration": 60, "due": 100}],
+        "precedence": [["a", "b"]],
+    }
+    (path := tmp_path / "task.json").write_text(json.dumps(document), encoding="utf-8")
+    assert "Mon 22:00 – Mon 23:30  'a' takes 90 min" in run_irc("explain", str(path)).stdout
+    late = run_irc("explain", str(path), "--why", "b").stdout
+    assert "'b' ends at Tue 00:30, 50 min late (due at Mon 23:40)" in late
+    assert "0 – 90  'a' takes" in run_irc("explain", str(path), "--times", "unit").stdout
+
+
+def test_a_step_speaks_by_the_clock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "week.json").write_text(json.dumps(WEEK), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    shown = run_irc("simulate", "week.json").stdout
+    assert "at Thu 22 Oct 2026 08:00" in shown or "at Thu 08:00" in shown
+    assert "start (h)" in run_irc("simulate", "week.json", "--times", "unit").stdout
