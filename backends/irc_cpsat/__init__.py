@@ -108,6 +108,9 @@ class CpSat(Backend):
 
     def refuter(self) -> Refuter:
         """CP-SAT as the judge of which statements cannot hold together."""
+        from irc_cpsat.loading import load_cp_model
+
+        load_cp_model()
         from irc_cpsat.solving.refuter import CpSatRefuter
 
         return CpSatRefuter()

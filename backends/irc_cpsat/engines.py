@@ -41,6 +41,9 @@ class OrTools(Engine):
         If actions repeat, the model is deepened until there is a schedule, and then to the depth
         that leaves nothing out, if there is one.
         """
+        from irc_cpsat.loading import load_cp_model
+
+        load_cp_model()
         from irc_cpsat.solving.deepening import DeepeningSearch
 
         search = DeepeningSearch(

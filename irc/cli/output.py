@@ -83,11 +83,14 @@ _STATUS = {EXIT_INPUT: FAULTY, EXIT_USE: MISUSED, EXIT_NO_ANSWER: UNKNOWN, EXIT_
 """The status of the outcome of a command that exits with a code and a message."""
 
 
-def prepare(format: Format) -> None:
-    """Loads what showing an answer takes: before planning, so that after it nothing is slow."""
+def prepare(format: Format, *, steps: bool = False) -> None:
+    """Loads what showing an answer takes, or `steps`: before planning, so that after it nothing is
+    slow."""
     if format is Format.text:
         import irc.cli.render
-        import irc.cli.step_text  # noqa: F401
+
+        if steps:
+            import irc.cli.step_text  # noqa: F401
 
 
 @contextmanager

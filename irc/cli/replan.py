@@ -67,7 +67,7 @@ def replan_file(
         require_times(task, times)
         moment = moment_of(task, at, format)
         before, source = read_schedule(schedule)
-        prepare(format)
+        prepare(format, steps=True)
         events = _events(task, named, moment, format)
         with progress_shown(task) as on_progress:
             options = replace(options, on_progress=on_progress)

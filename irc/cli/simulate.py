@@ -56,7 +56,7 @@ def simulate_file(
         require_fit(output, task)
         require_times(task, times)
         given = None if schedule is None else schedule_to_begin_with(schedule, task)[0]
-        prepare(format)
+        prepare(format, steps=True)
         reporter = _StepReporter(steps, times, format)
         refused: Report | None = None
         try:

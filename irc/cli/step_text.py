@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from io import StringIO
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.text import Text
@@ -21,11 +22,13 @@ from irc.cli.table import (
 )
 from irc.cli.times import ClockText, TimesStyle, dates_of
 from irc.events.wording import changes_in_words, listed
-from irc.execution.simulation import Simulation
-from irc.execution.step import Step
 from irc.model.quantities import Number
 from irc.model.state_values import value_text
 from irc.schedule import Entry, Schedule, Status
+
+if TYPE_CHECKING:
+    from irc.execution.simulation import Simulation
+    from irc.execution.step import Step
 
 _STYLES = {
     Status.OPTIMAL: "bold green",

@@ -11,19 +11,20 @@ from __future__ import annotations
 from irc.model import Task
 from irc.model.quantities import Number, TimeError
 from irc.schedule import Schedule
-from irc.validation.bound_schedule import InexactTimeError, UncheckedTaskError, bind
+from irc.validation.bound_schedule import (
+    BoundSchedule,
+    InexactTimeError,
+    UncheckedTaskError,
+    bind,
+)
 from irc.validation.breaks import check_breaks
 from irc.validation.choices import check_choices
-from irc.validation.couplings import check_choices_together
 from irc.validation.loads import check_loads
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.open_times import UnreadableCalendarError
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
 from irc.validation.sequences import check_sequences
-from irc.validation.setups import check_idle, check_setups
-from irc.validation.state import check_goals, check_state
-from irc.validation.stock import check_reservoirs
 from irc.validation.timing import check_precedence, check_windows
 from irc.validation.verdict import RULES, SHOWN_PER_RULE, Verdict, Violation, Violations
 
@@ -37,21 +38,51 @@ __all__ = [
     "validate",
 ]
 
+
+def _check_together(bound: BoundSchedule, violations: Violations) -> None:
+    """Checks what only some tasks have; its modules are loaded for these."""
+    if bound.task.select or bound.task.couplings:
+        from irc.validation.couplings import check_choices_together
+
+        check_choices_together(bound, violations)
+
+
+def _check_setups(bound: BoundSchedule, violations: Violations) -> None:
+    if any(r.setups is not None or r.no_idle for r in bound.resources.values()):
+        from irc.validation.setups import check_idle, check_setups
+
+        check_setups(bound, violations)
+        check_idle(bound, violations)
+
+
+def _check_stock(bound: BoundSchedule, violations: Violations) -> None:
+    if any(r.kind == "reservoir" for r in bound.resources.values()):
+        from irc.validation.stock import check_reservoirs
+
+        check_reservoirs(bound, violations)
+
+
+def _check_state(bound: BoundSchedule, violations: Violations) -> None:
+    if bound.ranked or bound.variables or bound.task.goals:
+        from irc.validation.state import check_goals, check_state
+
+        check_state(bound, violations)
+        check_goals(bound, violations)
+
+
 _CHECKS = (
     check_presence,
     check_windows,
-    check_choices_together,
+    _check_together,
     check_breaks,
     check_precedence,
     check_choices,
     check_capacity,
-    check_setups,
-    check_idle,
+    _check_setups,
     check_sequences,
     check_loads,
-    check_reservoirs,
-    check_state,
-    check_goals,
+    _check_stock,
+    _check_state,
 )
 """In the order of the rules."""
 

@@ -10,7 +10,6 @@ from irc.model.quantities import Number, exact
 from irc.model.times import format_number
 from irc.schedule import ObjectiveValue
 from irc.validation.bound_schedule import BoundSchedule
-from irc.validation.setups import setups_of
 from irc.validation.verdict import Violations
 
 _UNKNOWABLE = "changes"
@@ -39,6 +38,8 @@ def objective_values(bound: BoundSchedule) -> dict[str, Number]:
     if any("setup" in name for name in names) or any(
         resource.setups is not None for resource in bound.resources.values()
     ):
+        from irc.validation.setups import setups_of
+
         done = list(setups_of(bound))
         values["setup_time"] = _exact(sum(setup.time for setup in done))
         values["setup_cost"] = sum(setup.cost for setup in done)
