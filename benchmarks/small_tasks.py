@@ -2,10 +2,11 @@
 
     python benchmarks/small_tasks.py [FOLDER] [--most 2] [--runs 3] [--stages]
 
-A process of the plain CP-SAT model of `benchmarks/racing/plain.py` against `irc solve`, in turn, with
-start-up, reading, checks and validation, on the instances of a folder, or on generated ones: job shops
-of 6 × 6 to 10 × 10, flexible job shops, projects of 30 activities. Only those count that the plain
-model proves within `--most` seconds of processor time. `--stages` says where irc's time goes.
+A process of the plain CP-SAT model of `benchmarks/racing/plain.py` against `irc solve`, in turn,
+with start-up, reading, checks and validation, on the instances of a folder, or on generated ones:
+job shops of 6 × 6 to 10 × 10, flexible job shops, projects of 30 activities. Only those count that
+the plain model proves within `--most` seconds of processor time. `--stages` says where irc's time
+goes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Loads ortools' module of CP-SAT; a command's process does so without pandas.
 
-`ortools.sat.python.cp_model` imports pandas for the few of its methods that take or return series of
-variables. irc uses none of them, and loading pandas takes longer than to prove many a small task the
-best. So a command, in whose process nobody else uses ortools, puts off loading it until one of these
+`ortools.sat.python.cp_model` imports pandas for the few of its methods that take or return series
+of variables. irc uses none of them, and loading pandas takes longer than to prove many a small task
+the best. So a command, in whose process nobody else uses ortools, puts it off until one of these
 methods is called. In a Python program of somebody else everything is loaded as usual.
 """
 

@@ -238,3 +238,24 @@ def test_public_names_are_all_there_and_no_other_is_made_up() -> None:
     assert set(dir(irc)) == set(irc.__all__)
     with pytest.raises(AttributeError, match="no attribute 'solev'"):
         irc.solev  # noqa: B018
+
+
+@pytest.mark.slow
+def test_a_command_solves_without_loading_pandas_which_is_there_when_it_is_asked_for(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "task.json").write_text(json.dumps(TASK))
+    command = ["irc", "solve", "task.json", "--no-shortcut", "-o", "schedule.json"]
+    script = (
+        "import sys\n"
+        f"sys.argv = {command!r}\n"
+        "from irc.cli import app\n"
+        "app.build_app('solve')(standalone_mode=False)\n"
+        "cp_model = sys.modules['ortools.sat.python.cp_model']\n"
+        "print('pandas' in sys.modules)\n"
+        "import pandas\n"
+        "print(list(cp_model.CpModel().new_bool_var_series('x', pandas.Index([1, 2])).index))\n"
+    )
+    lines = run("-c", script, cwd=tmp_path).splitlines()
+    assert lines[-2:] == ["False", "[1, 2]"]
+    assert json.loads((tmp_path / "schedule.json").read_text())["makespan"] == 7

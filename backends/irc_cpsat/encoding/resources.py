@@ -98,7 +98,8 @@ def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal |
     elif resource.setups is not None:
         builder.takers.setdefault(r, []).append(Taker(i, family, taken))
     pauses = builder.problem.activities[i].details.keeps_units
-    builder.uses[r].add(interval_of(builder, i, taken), demand.amount, pauses)
+    length = _length_in_mode(builder, i, demand)
+    builder.uses[r].add(interval_of(builder, i, taken, length), demand.amount, pauses)
     if builder.ranked:
         interval = _interval_of_moments(builder, i, taken)
         builder.uses_in_moments[r].add(interval, demand.amount, pauses)
@@ -121,19 +122,37 @@ def _interval_of_moments(builder: Builder, i: int, literal: Literal | None) -> c
     return model.new_optional_interval_var(start, length, end, literal, name)
 
 
-def interval_of(builder: Builder, i: int, literal: Literal | None) -> cp_model.IntervalVar:
-    """The interval of an activity over time, present where a literal holds (None: always)."""
+def _length_in_mode(builder: Builder, i: int, demand: OpenDemand) -> int | None:
+    """The duration of the mode that has a demand, where it is one number of at least 1."""
+    details = builder.problem.activities[i].details
+    k = details.use_mode(demand.use)
+    if k is None or details.keeps_units:
+        return None
+    mode = details.modes[k]
+    return mode.duration_min if 0 < mode.duration_min == mode.duration_max else None
+
+
+def interval_of(
+    builder: Builder, i: int, literal: Literal | None, length: int | None = None
+) -> cp_model.IntervalVar:
+    """The interval of an activity over time, present where a literal holds (None: always).
+
+    `length` is its duration where the literal holds, if that is one number: CP-SAT reasons better
+    about an interval of fixed size.
+    """
     model, activity, start = builder.model, builder.problem.activities[i], builder.starts[i]
     name = name_of(activity)
+    if length is not None and literal is not None and not activity.is_fixed:
+        return model.new_optional_interval_var(start, length, builder.end(i), literal, name)
     if activity.is_fixed:
-        size = activity.duration_min
+        duration = activity.duration_min
         if literal is None:
-            return model.new_fixed_size_interval_var(start, size, name)
-        return model.new_optional_fixed_size_interval_var(start, size, literal, name)
-    length, end = builder.sizes[i], builder.end(i)
+            return model.new_fixed_size_interval_var(start, duration, name)
+        return model.new_optional_fixed_size_interval_var(start, duration, literal, name)
+    size, end = builder.sizes[i], builder.end(i)
     if literal is None:
-        return model.new_interval_var(start, length, end, name)
-    return model.new_optional_interval_var(start, length, end, literal, name)
+        return model.new_interval_var(start, size, end, name)
+    return model.new_optional_interval_var(start, size, end, literal, name)
 
 
 def _add_capacity(builder: Builder, pool: ContendedPool, uses: ResourceUses, moments: int) -> None:
