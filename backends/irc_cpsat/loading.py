@@ -1,14 +1,15 @@
-"""Loads ortools' module of CP-SAT; a command's process does so without pandas.
+"""Loads ortools' module of CP-SAT; without pandas, where nobody can notice.
 
 `ortools.sat.python.cp_model` imports pandas for the few of its methods that take or return series
 of variables. irc uses none of them, and loading pandas takes longer than to prove many a small task
-the best. So a command, in whose process nobody else uses ortools, puts it off until one of these
-methods is called. In a Python program of somebody else everything is loaded as usual.
+the best. So where this program has a single thread, which cannot import pandas in the meantime, it
+is put off until one of these methods is called. Otherwise everything is loaded as usual.
 """
 
 from __future__ import annotations
 
 import sys
+import threading
 from importlib import import_module
 from types import ModuleType
 from typing import Any
@@ -21,7 +22,8 @@ def load_cp_model() -> None:
     """Imports CP-SAT's module, if it is not imported already."""
     if CP_MODEL in sys.modules:
         return
-    if "irc.cli" not in sys.modules or PANDAS in sys.modules or not _without_pandas():
+    alone = threading.active_count() == 1
+    if PANDAS in sys.modules or not alone or not _without_pandas():
         import_module(CP_MODEL)
 
 
