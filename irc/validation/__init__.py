@@ -19,12 +19,10 @@ from irc.validation.bound_schedule import (
 )
 from irc.validation.breaks import check_breaks
 from irc.validation.choices import check_choices
-from irc.validation.loads import check_loads
 from irc.validation.objectives import check_stated, objective_values
 from irc.validation.open_times import UnreadableCalendarError
 from irc.validation.presence import check_presence
 from irc.validation.resources import check_capacity
-from irc.validation.sequences import check_sequences
 from irc.validation.timing import check_precedence, check_windows
 from irc.validation.verdict import RULES, SHOWN_PER_RULE, Verdict, Violation, Violations
 
@@ -55,6 +53,20 @@ def _check_setups(bound: BoundSchedule, violations: Violations) -> None:
         check_idle(bound, violations)
 
 
+def _check_sequences(bound: BoundSchedule, violations: Violations) -> None:
+    if bound.task.sequences:
+        from irc.validation.sequences import check_sequences
+
+        check_sequences(bound, violations)
+
+
+def _check_loads(bound: BoundSchedule, violations: Violations) -> None:
+    if any(r.kind == "batch" for r in bound.resources.values()):
+        from irc.validation.loads import check_loads
+
+        check_loads(bound, violations)
+
+
 def _check_stock(bound: BoundSchedule, violations: Violations) -> None:
     if any(r.kind == "reservoir" for r in bound.resources.values()):
         from irc.validation.stock import check_reservoirs
@@ -79,8 +91,8 @@ _CHECKS = (
     check_choices,
     check_capacity,
     _check_setups,
-    check_sequences,
-    check_loads,
+    _check_sequences,
+    _check_loads,
     _check_stock,
     _check_state,
 )
