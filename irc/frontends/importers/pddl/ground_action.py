@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import NamedTuple
 
 from irc.frontends.importers.pddl.formula import Atom, Test
@@ -42,7 +42,7 @@ class Ground:
     durative: bool
     variant: int = 1
 
-    @property
+    @cached_property
     def plan_name(self) -> str:
         """Its name in a plan: "(light match1)"."""
         return atom_text((self.name, *self.objects))
@@ -52,12 +52,10 @@ class Ground:
         """Its id: the name in a plan, with a number from the second variant on."""
         return self.plan_name + (f" #{self.variant}" if self.variant > 1 else "")
 
-    @property
-    def atoms(self) -> Iterator[tuple[str, Atom]]:
+    @cached_property
+    def atoms(self) -> tuple[tuple[str, Atom], ...]:
         """The facts that it changes, with their times."""
-        for at, effect in self.effects:
-            if isinstance(effect, Atom):
-                yield at, effect
+        return tuple((at, effect) for at, effect in self.effects if isinstance(effect, Atom))
 
 
 def atom_text(fact: Fact) -> str:

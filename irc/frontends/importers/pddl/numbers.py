@@ -58,6 +58,9 @@ def with_sums(
 
     (No action assigns a number that is in a sum.)
     """
+    if not sums:
+        yield from actions
+        return
     for action in actions:
         effects = list(action.effects)
         for name, factors in sums.items():
@@ -85,11 +88,16 @@ class Numbers:
         derived: Container[Fact],
     ) -> None:
         self.lifted = lifted
+        amounts: dict[Fact, set[Fraction]] = {}
+        for action in actions:
+            for _, fact, _, amount in _changes(action):
+                if fact in asked:
+                    amounts.setdefault(fact, set()).add(amount)
         self.variables = {
             fact: variable
             for fact, limits in asked.items()
             if not any(limit in derived for limit in limits)
-            and (variable := _variable(lifted, fact, limits, actions)) is not None
+            and (variable := _variable(lifted, fact, limits, amounts.get(fact, ()))) is not None
         }
         limits = self.limits = {f: own for f, own in asked.items() if f not in self.variables}
         self.values: dict[Fact, list[Fraction]] = {}
@@ -118,6 +126,9 @@ class Numbers:
         for at, fact, add, amount in _changes(action):
             if fact in self.limits:
                 changes.setdefault((at, fact), []).append((add, amount))
+        if not changes:
+            yield action
+            return
         choices = [self._ways(action, at, fact, own) for (at, fact), own in changes.items()]
         for chosen in product(*choices):
             conditions = [c for needs, _ in chosen for c in needs]
@@ -214,13 +225,15 @@ def with_initial(lifted: Lifted, sums: Mapping[Fact, Mapping[Fact, Fraction]]) -
 
 
 def _variable(
-    lifted: Lifted, fact: Fact, limits: Mapping[Fact, Limit], actions: Iterable[Ground]
+    lifted: Lifted, fact: Fact, limits: Mapping[Fact, Limit], amounts: Iterable[Fraction]
 ) -> NumberVariable | None:
-    """A function as a number variable; None where it has no value at first."""
+    """A function as a number variable; None where it has no value at first.
+
+    `amounts` are those by which actions change it.
+    """
     first = lifted.numbers.get(fact)
     if first is None:
         return None
-    amounts = [amount for a in actions for _, other, _, amount in _changes(a) if other == fact]
     return NumberVariable(fact, first, lcm(*(n.denominator for n in (first, *amounts))), limits)
 
 

@@ -122,10 +122,20 @@ class _Builder:
         """The tests of numbers that an action's changes may help to meet."""
         for _, effect in action.effects:
             if isinstance(effect, NumericEffect):
-                for fact, limit in self._limits.get(effect.fact, {}).items():
-                    up = effect.amount > 0 if effect.add else limit.holds(effect.amount)
-                    if effect.amount or not effect.add:
-                        yield Atom(fact, up)
+                if effect not in self._helped:
+                    self._helped[effect] = tuple(self._helped_by(effect))
+                yield from self._helped[effect]
+
+    @cached_property
+    def _helped(self) -> dict[NumericEffect, tuple[Atom, ...]]:
+        """The tests that each change may help to meet, as far as they were asked for."""
+        return {}
+
+    def _helped_by(self, effect: NumericEffect) -> Iterator[Atom]:
+        for fact, limit in self._limits.get(effect.fact, {}).items():
+            up = effect.amount > 0 if effect.add else limit.holds(effect.amount)
+            if effect.amount or not effect.add:
+                yield Atom(fact, up)
 
     @cached_property
     def _limits(self) -> dict[Fact, Mapping[Fact, Limit]]:
