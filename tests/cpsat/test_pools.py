@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from builders import Document, after_passes
 from irc.model import Task
+from irc_cpsat.encoding import pools
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import build_model, write_model
-from irc_cpsat.encoding.pools import POOLS_LIMIT, PoolLoad, pool_loads
+from irc_cpsat.encoding.pools import FEW, POOLS_LIMIT, PoolLoad, pool_loads
+
+
+@pytest.fixture(autouse=True)
+def _many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """These few activities count as many, for which modes are looked at."""
+    monkeypatch.setattr(pools, "FEW", 1)
 
 
 def flexible(*choices: dict[str, int]) -> Task:
@@ -55,8 +64,8 @@ def test_only_the_pools_with_the_most_work_for_their_size_get_a_constraint() -> 
     ways = [
         {f"m{2 * k}": 1 + k, f"m{2 * k + 1}": 2 + k} for k in range(POOLS_LIMIT + 2) for _ in "abc"
     ]
-    pools = pools_of(flexible(*ways))
-    assert [pool.loads[0][0] // 3 for pool in pools] == [5, 4, 3, 2]
+    found = pools_of(flexible(*ways))
+    assert [pool.loads[0][0] // 3 for pool in found] == [5, 4, 3, 2]
 
 
 def test_three_activities_on_two_machines_are_bounded_before_any_search() -> None:
@@ -76,3 +85,19 @@ def test_an_interval_of_a_mode_has_the_fixed_size_of_the_mode() -> None:
     optional = [c for c in constraints(model, "interval") if len(c.enforcement_literal)]
     assert sorted(c.interval.size.offset for c in optional) == [3, 3, 5, 5]
     assert not any(len(c.interval.size.vars) for c in optional)
+
+
+def test_the_work_of_each_mode_fits_on_its_machine_and_on_all_of_them() -> None:
+    task = flexible(*[{"m1": 4, "m2": 5}] * 3)
+    model = build_model(after_passes(task))
+    found = [c.linear for c in constraints(model, "linear") if len(c.linear.vars) > 3]
+    assert [sorted(abs(k) for k in linear.coeffs) for linear in found] == [
+        [1, 4, 4, 4],
+        [1, 5, 5, 5],
+        [2, 4, 4, 4, 5, 5, 5],
+    ]
+
+
+def test_of_few_activities_no_modes_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pools, "FEW", FEW)
+    assert not pools_of(flexible(*[{"m1": 4, "m2": 5}] * 3))

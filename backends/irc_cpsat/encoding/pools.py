@@ -9,7 +9,7 @@ prove at once what follows from these, and by trying all choices what does not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ortools.sat.python import cp_model
@@ -25,6 +25,11 @@ POOLS_LIMIT = 4
 """Of these, the greatest number that get a constraint: those with the most work for their size.
 
 A cumulative takes time at each step of a search, and one with less work seldom says more.
+"""
+
+FEW = 64
+"""Of fewer activities that choose among modes, CP-SAT proves more quickly without these constraints
+on what their modes take; with more it has no good bound without them (docs/benchmarks.md).
 """
 
 LARGEST_WORK = 2**53
@@ -82,23 +87,30 @@ def pool_loads(builder: Builder) -> list[PoolLoad]:
 
 def _least_amount(activity: Activity, members: Members) -> int:
     """The least amount that an activity takes inside a set, in any mode and by any choice."""
-    inside = [d for d in activity.open_demands if members.issuperset(d.alternatives)]
-    details = activity.details
-    always = sum(d.amount for d in inside if details.use_mode(d.use) is None)
-    if not details.modes:
-        return always
-    return always + min(
-        sum(d.amount for d in inside if details.use_mode(d.use) == mode)
-        for mode in range(len(details.modes))
+    modes = range(len(activity.details.modes)) or (None,)
+    return min(_amount_in_mode(activity, members, mode) for mode in modes)
+
+
+def _amount_in_mode(activity: Activity, members: Members, mode: int | None) -> int:
+    """The amount that an activity takes inside a set in a mode (index; None: it has none)."""
+    return sum(
+        demand.amount
+        for demand in activity.open_demands
+        if members.issuperset(demand.alternatives)
+        and activity.details.use_mode(demand.use) in (None, mode)
     )
 
 
-def _sets(activities: Iterable[Activity]) -> list[Members]:
+def _sets(activities: Sequence[Activity]) -> list[Members]:
     """For each activity all pools that it may take, where these are several; and all of those that
     overlap, one after another, while there are few.
     """
+    by_mode = len(activities) >= FEW
     keys = {
-        members for activity in activities for members in _choices(activity) if len(members) > 1
+        members
+        for activity in activities
+        for members in _choices(activity, by_mode)
+        if len(members) > 1
     }
     found = sorted(keys, key=lambda members: (len(members), sorted(members)))[:SETS_LIMIT]
     for k, one in enumerate(found):
@@ -110,45 +122,57 @@ def _sets(activities: Iterable[Activity]) -> list[Members]:
     return found
 
 
-def _choices(activity: Activity) -> Iterator[Members]:
-    """The alternatives of each demand, and the pools of which some mode takes one."""
-    by_mode: set[int] = set()
+def _choices(activity: Activity, by_mode: bool) -> Iterator[Members]:
+    """The alternatives of each demand, and `by_mode` the pools of which some mode takes one."""
+    of_modes: set[int] = set()
     for demand in activity.open_demands:
         if activity.details.use_mode(demand.use) is None:
             yield frozenset(demand.alternatives)
         else:
-            by_mode.update(demand.alternatives)
-    if by_mode:
-        yield frozenset(by_mode)
+            of_modes.update(demand.alternatives)
+            if not by_mode:
+                yield frozenset(demand.alternatives)
+    if of_modes and by_mode:
+        yield frozenset(of_modes)
 
 
 def add_energy(builder: Builder, makespan: cp_model.IntVar) -> None:
     """Adds that the work on each resource, and on each such set, fits beneath the makespan, where
-    some of it is that of optional activities.
+    it depends on what is present and on the modes.
 
-    (Where nothing is optional the lower bound counts the work already. Which mode an activity takes
-    is left to the solver: there such a sum slows it down more than it tells it.)
+    (Where nothing is optional and nothing has modes the lower bound counts the work already.)
     """
-    if all(present is None for present in builder.present):
+    activities = builder.problem.activities
+    if not any(a.details.optional or a.details.modes for a in activities):
         return
-    singles = {
-        r for a in builder.problem.activities for d in a.open_demands for r in d.alternatives
-    }
+    singles = {r for a in activities for d in a.open_demands for r in d.alternatives}
     several = [pool.members for pool in pool_loads(builder)]
     for members in (*(frozenset([r]) for r in sorted(singles)), *several):
-        certain, work = 0, list[tuple[Literal, int]]()
-        for i, activity in enumerate(builder.problem.activities):
-            amount = activity.duration_min * _least_amount(activity, members)
-            present = builder.present[i]
-            if amount and present is None:
-                certain += amount
-            elif amount and present is not None:
-                work.append((present, amount))
+        certain, chosen = 0, list[tuple[Literal, int]]()
+        for i in range(len(activities)):
+            always, depending = _work(builder, i, members)
+            certain += always
+            chosen += depending
         capacity = _capacity(builder, members)
-        total = certain + sum(amount for _, amount in work)
-        if work and max(total, capacity * builder.horizon) < LARGEST_WORK:
-            needed_work = certain + sum(literal * amount for literal, amount in work)
+        total = certain + sum(amount for _, amount in chosen)
+        if chosen and max(total, capacity * builder.horizon) < LARGEST_WORK:
+            needed_work = certain + sum(literal * amount for literal, amount in chosen)
             builder.model.add(needed_work <= capacity * makespan)
+
+
+def _work(builder: Builder, i: int, members: Members) -> tuple[int, list[tuple[Literal, int]]]:
+    """(the least work of an activity inside a set, literals with the work that they add)."""
+    activity, present = builder.problem.activities[i], builder.present[i]
+    modes = activity.details.modes
+    if not modes or len(builder.problem.activities) < FEW:
+        least = activity.duration_min * _least_amount(activity, members)
+        if present is None or not least:
+            return least, []
+        return 0, [(present, least)]
+    by_mode = [
+        mode.duration_min * _amount_in_mode(activity, members, k) for k, mode in enumerate(modes)
+    ]
+    return 0, [(builder.modes[i][k], work) for k, work in enumerate(by_mode) if work]
 
 
 def _capacity(builder: Builder, members: Members) -> int:
