@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from racing.instance import Instance, faults, length
+from racing.through_irc import WITHOUT
 
 HERE = Path(__file__).resolve().parent
 ENOUGH = 0.9
@@ -60,8 +61,11 @@ def command(name: str, instance: Path, task: Path) -> list[str]:
     if name == "pyjobshop":
         return ["-m", "racing.through_pyjobshop", str(instance)]
     kind, _, parts = name.partition("-")
-    if kind != "irc":
-        raise ValueError(f"there is no competitor {name!r}")
+    if kind != "irc" or not {*filter(None, parts.split("+"))} <= {*WITHOUT}:
+        raise ValueError(
+            f"there is no competitor {name!r}: known are plain, pyjobshop, irc, and irc- with "
+            f"{', '.join(WITHOUT)}, joined by +"
+        )
     return ["-m", "racing.through_irc", str(instance), str(task), "--parts", parts or "all"]
 
 

@@ -13,9 +13,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-WITHOUT = ("bounds", "hints", "destructive")
-"""What can be switched off: what the compiler adds to the model, its list schedule, its search for
-destructive bounds."""
+WITHOUT = ("bounds", "hints", "improves", "destructive")
+"""What can be switched off: what the compiler adds to the model, its list schedule, the local
+search beside CP-SAT, the search for destructive bounds."""
 
 
 def main() -> None:
@@ -28,6 +28,11 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
+    unknown = {*options.parts.split("+")} - {*WITHOUT, "all"}
+    if unknown:
+        parser.error(
+            f"there is no part {', '.join(sorted(unknown))}; known are {', '.join(WITHOUT)}"
+        )
     print(json.dumps(_solved(options)), flush=True)
 
 
@@ -41,7 +46,7 @@ def _solved(options: argparse.Namespace) -> dict[str, Any]:
         line = {"cpu": time.process_time(), "value": int(progress.value), "bound": bound}
         print(json.dumps(line), flush=True)
 
-    off = set() if options.parts == "all" else set(options.parts.split("+"))
+    off: set[str] = set() if options.parts == "all" else set(options.parts.split("+"))
     task = read_task(str(options.task)).task
     asked = SolveOptions(
         time_limit=options.seconds, workers=options.workers, seed=options.seed, on_progress=tell
@@ -51,7 +56,7 @@ def _solved(options: argparse.Namespace) -> dict[str, Any]:
 
         if "destructive" in off:
             _leave_out_destructive_bounds()
-        engine = OrTools(bounds="bounds" not in off, hints="hints" not in off)
+        engine = OrTools(**{part: part not in off for part in ("bounds", "hints", "improves")})
         schedule = solve_by(task, get_backend("cpsat"), engine, asked, asked.budget()).schedule
     else:
         schedule = solve_task(task, asked).schedule
