@@ -80,6 +80,15 @@ def bound_with_setups(problem: Problem) -> Problem:
     return setup_bound(problem)
 
 
+def bound_with_loads(problem: Problem) -> Problem:
+    """Raises the bound by loads; only tasks with batch resources load the code."""
+    if not problem.has_batches:
+        return problem
+    from irc.passes.load_bound import load_bound
+
+    return load_bound(problem)
+
+
 Pass = Callable[[Problem], Problem]
 
 PASSES: tuple[Pass, ...] = (
@@ -92,6 +101,7 @@ PASSES: tuple[Pass, ...] = (
     resource_bounds,
     bound_by_open_times,
     bound_with_setups,
+    bound_with_loads,
     bound_on_grid,
 )
 

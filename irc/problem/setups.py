@@ -75,10 +75,17 @@ def has_ended(problem: Problem, activity: Activity, use: int) -> bool:
     (No pass decides a use of a resource with set-ups.)
     """
     return (
+        has_ended_in(activity, use)
+        and problem.resources[activity.uses[use].alternatives[0]].setups is not None
+    )
+
+
+def has_ended_in(activity: Activity, use: int) -> bool:
+    """Whether a use of a resource whose uses no pass decides is history."""
+    return (
         activity.start is not None
         and activity.duration_min > 0
         and len(activity.uses[use].alternatives) == 1
-        and problem.resources[activity.uses[use].alternatives[0]].setups is not None
         and all(demand.use != use for demand in activity.open_demands)
     )
 

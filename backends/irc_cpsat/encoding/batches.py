@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
+from irc.passes.load_bound import least_loads
 from irc.problem import Activity
 from irc_cpsat.encoding.builder import Builder, LoadTaker
 from irc_cpsat.encoding.resources import interval_of
@@ -156,8 +157,7 @@ class _LoadEncoder:
         for part in self.loads.parts:
             if any(self.takers[k].literal is not None for k in part):
                 continue
-            amount = sum(self.takers[k].amount for k in part)
-            least = -(-amount // self.capacity)
+            least = least_loads([self.takers[k].amount for k in part], self.capacity)
             leads = [self.loads.leads[k] for k in part]
             certain = sum(lead is True for lead in leads)
             if least > certain:
