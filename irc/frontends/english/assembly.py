@@ -30,6 +30,7 @@ from irc.frontends.english.statements import (
     StoryPart,
     Takes,
 )
+from irc.frontends.english.used_things import Things
 
 _TYPES = {
     ("end", "start"): "finish-start",
@@ -68,6 +69,7 @@ class Assembly:
     _story: list[int] | None = None
     _covered: set[int] = field(default_factory=set)
     _opened: SentenceSpan | None = None
+    things: Things = field(default_factory=Things)
     find: Finder = field(init=False)
 
     def __post_init__(self) -> None:
@@ -109,6 +111,8 @@ class Assembly:
                 self._takes(statement, span)
             case Frame():
                 self._frame(statement, span)
+            case _ if self.things.take(statement, span, self.find):
+                pass
             case _:
                 raise TypeError(f"no way to take {statement!r}")
 
@@ -317,6 +321,7 @@ class Assembly:
     def finish(self) -> None:
         """Makes the checks that need all statements."""
         self._unopen()
+        self.problems += self.things.faults(self.text, all_needed=self.all_needed)
         if self.none_ordered is not None and self.precedence:
             self.problems.append(
                 self._contradiction(
@@ -364,6 +369,7 @@ class Assembly:
                 places["resources", index] = place
         document["actions"] = [self._action(i, step, places) for i, step in enumerate(self.steps)]
         document["precedence"] = self.precedence
+        self.things.add_to(document, places)
         for index, (whole, first, second) in enumerate(self.places):
             places["precedence", index] = whole
             places["precedence", index, "before"] = first

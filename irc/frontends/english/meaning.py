@@ -14,13 +14,18 @@ from irc.frontends.english.parsing import Derivation
 from irc.frontends.english.statements import (
     Apart,
     AtATime,
+    Begins,
     Between,
     Chain,
+    Changes,
     Deadline,
+    Due,
     EachAfterPrevious,
     Frame,
     Free,
     Length,
+    MayPause,
+    OpenTimes,
     Ordering,
     OthersAfter,
     Place,
@@ -28,16 +33,24 @@ from irc.frontends.english.statements import (
     Ref,
     Refs,
     Refused,
+    Selects,
     Statement,
     StoryPart,
     Takes,
+    UsesTheSame,
+    UsesThing,
 )
 from irc.frontends.english.units import UNITS, unit_size
 from irc.frontends.english.words import Word
 from irc.model.quantities import exact
 from irc.model.times import format_number
 
-_VALUED = frozenset(["NUM", "NUMS", "LABEL", "NAME", "QUOTE", "UNIT", "FREE", "ONE", "ORDINAL"])
+_VALUED = frozenset(
+    [
+        *("NUM", "NUMS", "LABEL", "NAME", "QUOTE", "UNIT", "FREE", "ONE", "ORDINAL"),
+        *("THING", "CLOCK", "DATE", "DAY"),
+    ]
+)
 _ORDINALS = ["second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"]
 
 
@@ -429,6 +442,80 @@ def _note_precedes(values: list[Any], place: _Place) -> Ordering:
     return Ordering(_end(_this(place)), _start(values[0]))
 
 
+# Which steps are done, and what they use
+
+
+def _count(values: list[Any], _place: _Place) -> int:
+    number = _number_of(values[0])
+    if not isinstance(number, int):
+        raise Inexact("label")
+    return number
+
+
+def _exactly_one(values: list[Any], _place: _Place) -> Selects:
+    return Selects(_flat(values), 1, 1)
+
+
+def _selects(least: bool, most: bool) -> Callable[[list[Any], _Place], Selects]:
+    def make(values: list[Any], _place: _Place) -> Selects:
+        count = next(v for v in values if isinstance(v, int))
+        refs = next(v for v in values if isinstance(v, tuple))
+        return Selects(refs, count if least else 0, count if most else None)
+
+    return make
+
+
+def _uses(values: list[Any], _place: _Place) -> UsesThing:
+    refs, thing, *family = values
+    return UsesThing(refs, (thing.text,), family[0].text if family else None)
+
+
+def _uses_one_of(values: list[Any], place: _Place) -> UsesThing:
+    refs = values[0]
+    things = tuple(v.text for v in values if isinstance(v, Word) and v.kind == "THING")
+    return UsesThing(refs, things)
+
+
+def _uses_the_same(values: list[Any], _place: _Place) -> UsesTheSame:
+    thing = next(v for v in values if isinstance(v, Word))
+    refs, *others = (v for v in values if isinstance(v, tuple))
+    return UsesTheSame(refs, thing.text, *others)
+
+
+def _hour(values: list[Any], _place: _Place) -> str:
+    word = values[0]
+    if word.kind == "CLOCK":
+        return str(word.value)
+    hour = _number_of(word)
+    if not isinstance(hour, int) or not 0 <= hour <= _LAST_HOUR:
+        raise Inexact("hour")
+    return f"{hour:02}:00"
+
+
+_LAST_HOUR = 24
+
+
+def _days(values: list[Any], _place: _Place) -> tuple[str, ...]:
+    return ("days", *(word.text.lower()[:3] for word in values))
+
+
+def _open_times(values: list[Any], _place: _Place) -> OpenTimes:
+    thing = next(v for v in values if isinstance(v, Word))
+    begin, end = (v for v in values if isinstance(v, str))
+    days = next((v[1:] for v in values if isinstance(v, tuple)), ())
+    return OpenTimes(thing.text, begin, end, days)
+
+
+def _changes(values: list[Any], _place: _Place) -> Changes:
+    thing, before, after, time = values
+    return Changes(thing.text, before.text, after.text, _exact_length(time))
+
+
+def _begins(values: list[Any], _place: _Place) -> Begins:
+    date, *clock = values
+    return Begins(f"{date.value}T{clock[0].value if clock else '00:00'}:00")
+
+
 def _as_is(values: list[Any], _place: _Place) -> Any:
     return values
 
@@ -530,6 +617,27 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     "apart_pair": lambda values, _place: Apart(values[0], pair=True),
     "apart_from": lambda values, _place: Apart(values[0], values[1]),
     "deadline": lambda values, _place: Deadline(_exact_length(values[-1])),
+    # which steps are done, and what they use
+    "count": _count,
+    "exactly_one": _exactly_one,
+    "exactly": _selects(True, True),
+    "at_least": _selects(True, False),
+    "at_most": _selects(False, True),
+    "all_or_none": lambda values, _place: Selects(values[-1], all_or_none=True),
+    "due": lambda values, _place: Due(values[0], _exact_length(values[1])),
+    "uses": _uses,
+    "uses_one_of": _uses_one_of,
+    "uses_the_same": _uses_the_same,
+    "share_the_same": _uses_the_same,
+    "hour": _hour,
+    "weekdays": lambda _values, _place: ("days", "mon", "tue", "wed", "thu", "fri"),
+    "some_days": _days,
+    "open_daily": _open_times,
+    "open_on": _open_times,
+    "open_days": _open_times,
+    "changes": _changes,
+    "pauses": lambda values, _place: MayPause(values[0]),
+    "begins": _begins,
     # durations
     "lasts": _lasts,
     "lasts_each": lambda values, _place: Takes(values[0], values[1], True),

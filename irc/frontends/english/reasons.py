@@ -123,6 +123,21 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
         'there is no step here that "this" or "it" could mean',
         "name the step",
     ),
+    "hour": (
+        Code.AMBIGUOUS,
+        "this is no hour of a day",
+        'write hours from 0 to 24, or times such as "8:30"',
+    ),
+    "no date": (
+        Code.AMBIGUOUS,
+        "on which day does the work begin?",
+        'say "Work begins on 2026-03-02 at 6:00."',
+    ),
+    "same as what": (
+        Code.AMBIGUOUS,
+        "the text does not say before what the other step may use",
+        'say that first: "Step 2 uses one of robot A and robot B."',
+    ),
     "nested": (
         Code.AMBIGUOUS,
         "the steps named here depend on each other's meaning",

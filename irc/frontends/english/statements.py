@@ -157,6 +157,76 @@ class Takes:
 
 
 @dataclass(frozen=True, slots=True)
+class Selects:
+    """At least `least` and at most `most` (None: all) of the steps are done; or all, or none."""
+
+    refs: Refs
+    least: int = 0
+    most: int | None = None
+    all_or_none: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """Steps should end by this time; to end later costs lateness."""
+
+    refs: Refs
+    time: Length
+
+
+@dataclass(frozen=True, slots=True)
+class UsesThing:
+    """Steps use one of some things; set-ups depend on the `family`."""
+
+    refs: Refs
+    things: tuple[str, ...]
+    family: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class UsesTheSame:
+    """Steps use the same one of some things of a kind: `others` (or the first) say which."""
+
+    refs: Refs
+    kind: str
+    others: Refs = ()
+
+
+@dataclass(frozen=True, slots=True)
+class OpenTimes:
+    """A thing is open from one hour to another, on some days of the week; () is every day."""
+
+    thing: str
+    begin: str
+    end: str
+    days: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """To change a thing from one family to another takes time."""
+
+    thing: str
+    before: str
+    after: str
+    time: Length
+
+
+@dataclass(frozen=True, slots=True)
+class MayPause:
+    """Steps pause at closed times."""
+
+    refs: Refs
+
+
+@dataclass(frozen=True, slots=True)
+class Begins:
+    """The date and hour of t = 0, as the IR writes them."""
+
+    origin: str
+
+
+@dataclass(frozen=True, slots=True)
 class Frame:
     """A sentence around the task, such as the question, with its free text if it has any."""
 
@@ -184,6 +254,14 @@ Statement = (
     | AtATime
     | Deadline
     | Takes
+    | Selects
+    | Due
+    | UsesThing
+    | UsesTheSame
+    | OpenTimes
+    | Changes
+    | MayPause
+    | Begins
     | Frame
     | Refused
 )

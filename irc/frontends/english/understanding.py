@@ -14,6 +14,7 @@ from irc.frontends.english.parsing import LONGEST, TooManyReadings, sentence_par
 from irc.frontends.english.reasons import TextFault, Unclear, because, not_understood, shown
 from irc.frontends.english.sentences import Sentence
 from irc.frontends.english.statements import EachAfterPrevious, Frame, Refused, Statement, Takes
+from irc.frontends.english.things import thing_spans, with_things
 from irc.frontends.english.words import Word, words_of
 
 _LONGEST_TEXT = 20_000
@@ -76,7 +77,18 @@ class Reader:
             named = self._words(piece, self.names)
             if any(word.kind == "NAME" for word in named):
                 found = self._readings(named, "sentence", piece)
+        if found is None:
+            found = self._of_things(piece)
         return self._framed(words, piece) if found is None else found
+
+    def _of_things(self, piece: Sentence) -> tuple[Statement, ...] | None:
+        """The statements of a sentence that names things: its names are one word each."""
+        for spans in thing_spans(self.text, piece.start, piece.end):
+            for names in (None, self.names) if self.names else (None,):
+                words = with_things(self._words(piece, names), spans, self.text)
+                if (found := self._readings(words, "sentence", piece)) is not None:
+                    return found
+        return None
 
     def note(self, start: int, end: int) -> tuple[Statement, ...] | None:
         """The statements of a note beside a step's text, such as its duration. Raises `Unclear`."""

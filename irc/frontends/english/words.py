@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 from irc.frontends.english.names import StepNames
 from irc.frontends.english.units import UNITS
@@ -230,6 +231,8 @@ def _number(raws: Sequence[_Raw], at: int, labels: Collection[str]) -> tuple[int
     fraction = _fraction(raws, at)
     if fraction is not None:
         return fraction[0], "NUM", fraction[1]
+    if (dated := _clock_or_date(raws, at)) is not None:
+        return dated
     digits = raw.text.replace(",", "")
     whole = Fraction(int(digits) if digits.isdigit() else digits)
     if raw.text.isdigit() and (mixed := _fraction(raws, at + 1)) and mixed[1] < 1:
@@ -237,6 +240,21 @@ def _number(raws: Sequence[_Raw], at: int, labels: Collection[str]) -> tuple[int
     if following is not None and following.text in "/:" and following.start == raw.end:
         return 1, OTHER, None  # A clock time, or an impossible fraction.
     return 1, "NUM", whole
+
+
+def _clock_or_date(raws: Sequence[_Raw], at: int) -> tuple[int, str, object] | None:
+    """A time of day ("8:30") or a date ("2026-03-02"), written without spaces."""
+    for count, kind, pattern in ((3, "CLOCK", _CLOCK), (5, "DATE", _DATE)):
+        parts = raws[at : at + count]
+        joined = all(a.end == b.start for a, b in pairwise(parts))
+        text = "".join(part.text for part in parts)
+        if len(parts) == count and joined and pattern.fullmatch(text):
+            return count, kind, f"{text:0>5}" if kind == "CLOCK" else text
+    return None
+
+
+_CLOCK = re.compile(r"(?:[01]?[0-9]|2[0-3]):[0-5][0-9]|24:00")
+_DATE = re.compile(r"[0-9]{4}-(?:0[1-9]|1[0-2])-(?:0[1-9]|[12][0-9]|3[01])")
 
 
 def _fraction(raws: Sequence[_Raw], at: int) -> tuple[int, Fraction] | None:
