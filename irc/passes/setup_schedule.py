@@ -14,13 +14,20 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from math import exp
+from typing import TYPE_CHECKING
 
 from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
 from irc.problem import NO_FAMILY, NO_SETUP, Activity, ContendedPool, OpenDemand, Problem, Setup
 from irc.problem.decisions import Decision
 from irc.problem.setups import setups_from_now
 
+if TYPE_CHECKING:
+    from irc.passes.setup_work import WorkSpots
+
 Choice = tuple[int, ...]
+
+Fit = tuple[int, int, int, Choice]
+"""The start, the end, the time of the set-ups before it, and the pool of each open demand."""
 
 Found = tuple[list[Decision], list[Choice]]
 """Starts and ends in ticks, and for each activity the pool of each open demand."""
@@ -30,6 +37,9 @@ Key = tuple[int, ...]
 
 WORK = 20_000
 """At most about this many activities are placed to improve a schedule that a pass makes."""
+
+SLOWER = 4
+"""Placing among open times takes about this many times as long."""
 
 ROUNDS = 8
 """How often each activity is moved for it, on average, at most."""
@@ -49,21 +59,22 @@ def setup_schedule(problem: Problem) -> Found | None:
     if search is None:
         return None
     size = len(problem.activities)
-    search.improve(min(WORK // size, ROUNDS * size))
+    work = WORK // SLOWER if problem.has_work else WORK
+    search.improve(min(work // size, ROUNDS * size))
     return search.found
 
 
 def search_of(problem: Problem) -> SetupSearch | None:
     """The search for list schedules of a problem, with a first one; None where it does not apply.
 
-    It knows modes and `one_of`, and no state, stock, pauses, nor activities that may be absent.
+    It knows modes, `one_of`, calendars and pauses, and no state, stock, nor activities that may be
+    absent.
     """
     if problem.sequences or any(r.setups is not None and r.setups.tight for r in problem.resources):
         return None
     if (
         problem.has_state
         or problem.has_batches
-        or problem.has_work
         or problem.reservoirs
         or not all(g.required for g in problem.groups)
     ):
@@ -76,7 +87,7 @@ def search_of(problem: Problem) -> SetupSearch | None:
     return search if search.begin() else None
 
 
-class _Way:
+class Way:
     """One way to carry out an activity: its mode, its duration, and its open demands."""
 
     __slots__ = ("demands", "duration", "mode")
@@ -118,7 +129,7 @@ class SetupSearch:
         self.problem, self.size = problem, len(problem.activities)
         modes = [range(len(a.details.modes)) or (None,) for a in problem.activities]
         self.ways = [
-            [_Way(a, m) for m in own] for a, own in zip(problem.activities, modes, strict=True)
+            [Way(a, m) for m in own] for a, own in zip(problem.activities, modes, strict=True)
         ]
         self.before: list[list[int]] = [[] for _ in range(self.size)]
         self.after: list[list[int]] = [[] for _ in range(self.size)]
@@ -138,6 +149,11 @@ class SetupSearch:
         self.order: list[int] = []
         self.key: Key = ()
         self.best: tuple[Key, Found] | None = None
+        self.work: WorkSpots | None = None
+        if problem.has_work:
+            from irc.passes.setup_work import WorkSpots
+
+            self.work = WorkSpots(self)
         self.fast = _FastKeys.of(self)
         self._clear()
 
@@ -241,7 +257,9 @@ class SetupSearch:
     # --- placing ---
 
     def _clear(self) -> None:
-        self.profiles = [_copied(p) for p in self.first_profiles]
+        self.profiles = [copied(p) for p in self.first_profiles]
+        if self.work is not None:
+            self.work.clear()
         self.lines = [None if line is None else copy(line) for line in self.first_lines]
         self.decisions = [Decision(0, 0)] * self.size
         self.choices: list[Choice] = [()] * self.size
@@ -264,6 +282,8 @@ class SetupSearch:
         taken = {demand.use: r for (demand, _), r in zip(way.demands, choice, strict=True)}
         for (demand, family), r in zip(way.demands, choice, strict=True) if end > start else ():
             self.profiles[r].take(start, end, demand.amount)
+            if self.work is not None:
+                self.work.take(r, start, end, demand.amount)
             line = self.lines[r]
             if line is not None:
                 setup = line.table[line.family, family]
@@ -276,14 +296,14 @@ class SetupSearch:
         )
         return True
 
-    def _fitting(self, i: int) -> tuple[int, int, _Way, int, Choice] | None:
+    def _fitting(self, i: int) -> tuple[int, int, Way, int, Choice] | None:
         """(end, start, way, set-up, pools) of the way to carry out an activity that ends first."""
-        best: tuple[int, int, _Way, int, Choice] | None = None
+        best: tuple[int, int, Way, int, Choice] | None = None
         for way in self.ways[i]:
-            placed = self._fit(way, self._ready(i, way.duration))
+            ready = self._ready(i, way.duration)
+            placed = self._fit(way, ready) if self.work is None else self.work.fit(i, way, ready)
             if placed is not None:
-                start, setup, choice = placed
-                end = start + way.duration
+                start, end, setup, choice = placed
                 if best is None or (end, setup) < (best[0], best[3]):
                     best = end, start, way, setup, choice
         return best
@@ -300,10 +320,10 @@ class SetupSearch:
             start = max(start, point - duration if arc.to_end else point)
         return start
 
-    def _fit(self, way: _Way, start: int) -> tuple[int, int, Choice] | None:
-        """(start, set-up, pools): the first time from `start` on at which all demands fit."""
+    def _fit(self, way: Way, start: int) -> Fit | None:
+        """The first place from `start` on at which all demands fit."""
         if not way.duration:
-            return start, 0, tuple(demand.alternatives[0] for demand, _ in way.demands)
+            return start, start, 0, tuple(demand.alternatives[0] for demand, _ in way.demands)
         while True:
             choice: list[int] = []
             setup, later = 0, start
@@ -314,7 +334,7 @@ class SetupSearch:
                 later, setup = max(later, wait), setup + own
                 choice.append(r)
             if later == start:
-                return start, setup, tuple(choice)
+                return start, start + way.duration, setup, tuple(choice)
             if later >= UNREACHABLE_TIME:
                 return None
             start = later
@@ -324,18 +344,24 @@ class SetupSearch:
     ) -> Iterator[tuple[int, int, int]]:
         """(when it may be free, pool, set-up) of each alternative."""
         for r in demand.alternatives:
-            profile, line = self.profiles[r], self.lines[r]
-            amount, setup = demand.amount, 0
+            profile, amount = self.profiles[r], demand.amount
             if r in held or amount > profile.capacity:
                 yield UNREACHABLE_TIME, r, 0
                 continue
-            if line is not None:
-                setup = line.table[line.family, family].time
-                if line.free + setup > start and (setup or line.free > start):
-                    yield line.free + setup, r, setup
-                    continue
+            ready, setup = self.after_setup(r, family, start)
+            if ready > start:
+                yield ready, r, setup
+                continue
             blocked = profile.blocked_until(start, end, amount)
             yield (start if blocked is None else blocked), r, setup
+
+    def after_setup(self, r: int, family: int, start: int) -> tuple[int, int]:
+        """(when, from a start on, a pool is free and set up for a family, the set-up's time)."""
+        line = self.lines[r]
+        if line is None:
+            return start, 0
+        setup = line.table[line.family, family].time
+        return max(start, line.free + setup), setup
 
     # --- values ---
 
@@ -447,7 +473,9 @@ class _FastKeys:
             and all(len(d.alternatives) == 1 and d.amount == 1 for d, _ in ways[0].demands)
             for ways in search.ways
         )
-        return _FastKeys(search) if plain_arcs and plain_pools and plain_ways else None
+        if problem.has_work or not (plain_arcs and plain_pools and plain_ways):
+            return None
+        return _FastKeys(search)
 
     def key(self, order: Sequence[int]) -> Key:
         """The key of the schedule in an order."""
@@ -505,7 +533,7 @@ class _FastKeys:
                 yield late
 
 
-def _copied(profile: Profile) -> Profile:
+def copied(profile: Profile) -> Profile:
     found = copy(profile)
     found.times, found.used = list(profile.times), list(profile.used)
     return found

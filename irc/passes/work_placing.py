@@ -59,11 +59,12 @@ class WorkPlacer:
         windowed = [pools[r].members[0] for r in choice if pools[r].windows] if pauses else ()
         times = self.times.of(activity, windowed)
         amounts: dict[int, int] = {}
+        least = work_range(activity, None)[0]
         for demand, r in zip(activity.open_demands, choice, strict=False):
             amounts[r] = amounts.get(r, 0) + demand.amount
         if any(amount > pools[r].capacity for r, amount in amounts.items()):
             return None
-        while (span := next(_spans(times, activity, start), None)) is not None:
+        while (span := next(spans(times, activity, start, least), None)) is not None:
             begin, end = span
             blocked = self._blocked(amounts, begin, end, pauses)
             if blocked is None:
@@ -79,9 +80,11 @@ class WorkPlacer:
         return max((wait for wait in waits if wait is not None), default=None)
 
 
-def _spans(times: WorkTimes, activity: Activity, start: int) -> Iterator[tuple[int, int]]:
-    """The starts, from a time on, that open times allow, each with its end; the soonest first."""
-    least = work_range(activity, None)[0]
+def spans(
+    times: WorkTimes, activity: Activity, start: int, least: int
+) -> Iterator[tuple[int, int]]:
+    """The starts, from a time on, that open times allow for `least` of working time, each with its
+    end; the soonest first."""
     limit = activity.details.max_pause if activity.details.work else 0
     at: int | None = times.start_from(start)
     while at is not None:

@@ -14,6 +14,9 @@ from irc.passes import run_passes
 from irc.passes.setup_schedule import search_of, setup_schedule
 from irc.problem import Problem
 from irc.retiming.listed import listed_schedule
+from irc.targets import Budget
+from irc_cpsat.encoding.encode import build_model
+from irc_cpsat.solving.hinting import complete_hint
 from oracles.setups import best, random_task
 
 
@@ -103,3 +106,42 @@ def test_fast_keys_are_those_of_the_schedules() -> None:
         if search is not None and search.fast is not None:
             order = list(search.order)
             assert search.fast.key(order) == search._placed(order)
+
+
+@pytest.mark.slow
+def test_list_schedules_with_calendars_and_pauses_are_valid_and_complete_a_hint() -> None:
+    listed = 0
+    for seed in range(100):
+        document = _with_shifts(random_task(random.Random(seed)), random.Random(seed))
+        if not irc.check(document).ok:
+            continue
+        task = Task.model_validate(document)
+        problem = run_passes(lower(task))
+        found = setup_schedule(problem)
+        if found is None:
+            continue
+        schedule = listed_schedule(problem, found)
+        assert schedule is not None, seed
+        verdict = irc.validate(task, schedule)
+        assert verdict.valid, (seed, verdict.violations)
+        model = build_model(problem, hints=True)
+        if model.hint is None:
+            continue
+        complete_hint(model, Budget(20.0))
+        proto: Any = model.model.proto
+        assert len(proto.solution_hint.vars) == len(proto.variables), seed
+        listed += 1
+    assert listed > 12
+
+
+def _with_shifts(document: dict[str, Any], r: random.Random) -> dict[str, Any]:
+    """The task with resources that are open for a part of each cycle, and some work that pauses."""
+    opened = {"from": r.choice([0, 2]), "to": r.choice([7, 9])}
+    document["calendars"] = [{"id": "shift", "every": 12, "open": [opened]}]
+    for resource in document["resources"]:
+        if "kind" not in resource and r.random() < 0.7:
+            resource["calendar"] = "shift"
+    for action in document["actions"]:
+        if r.random() < 0.6:
+            action["breaks"] = "pause"
+    return document

@@ -50,9 +50,14 @@ def _add_assignment(
             hints[built.starts[i].index] = int(place.start)
             if (end := built.ends[i]) is not None:
                 hints[end.index] = int(place.end)
-        for c, literals in enumerate(built.literals[i]):
+        activity = builder.problem.activities[i]
+        for c, (demand, literals) in enumerate(
+            zip(activity.open_demands, built.literals[i], strict=True)
+        ):
+            # (A use of another mode takes nothing.)
+            active = place.present and activity.details.use_mode(demand.use) in (None, place.mode)
             for r, literal in literals:
-                hints[literal.index] = int(place.present and takes(i, c, r))
+                hints[literal.index] = int(active and takes(i, c, r))
     hints |= _derived(built, places)
     for both, a, b in builder.conjunctions.values():
         hints[both.index] = hints.get(a.index, 0) * hints.get(b.index, 0)

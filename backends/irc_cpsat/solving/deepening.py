@@ -28,6 +28,7 @@ from irc_cpsat.solving.depth import (
     fits_a_model,
     within,
 )
+from irc_cpsat.solving.hinting import complete_hint
 from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
 from irc_cpsat.solving.reporting import Reporter, tell_hint
@@ -101,6 +102,7 @@ class DeepeningSearch:
             note = Diagnostic(Code.NO_ANSWER, f"{self.engine}: {error}")
             seconds = self.budget.elapsed
             return Outcome(Status.UNKNOWN, self.engine, notes=(note,), seconds=seconds)
+        complete_hint(built, budget)
         if built.hint is not None and self.options.on_progress is not None:
             tell_hint(self.engine, built, self.budget, self.options.on_progress)
         try:

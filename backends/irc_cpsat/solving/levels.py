@@ -14,6 +14,7 @@ from irc.schedule import Status
 from irc.targets import Budget
 from irc_cpsat.encoding.builder import Model
 from irc_cpsat.encoding.objectives import set_objective
+from irc_cpsat.solving.hinting import hint_all
 from irc_cpsat.solving.solution import Answer, all_values, decisions_of
 
 TIE_BREAK_SECONDS = 0.5
@@ -115,13 +116,8 @@ def _keep(built: Model, level: LevelResult, given_up: int, answer: Answer) -> No
         else:
             built.model.add(value <= level.value + given_up)
     solution = all_values(answer)
-    if not solution:
-        return  # Its hint is in the model already.
-    model: Any = built.model  # (This method of ortools has no types.)
-    model.clear_hints()
-    hint = built.model.proto.solution_hint
-    hint.vars.extend(range(len(solution)))
-    hint.values.extend(solution)
+    if solution:  # Otherwise its hint is in the model already.
+        hint_all(built, solution)
 
 
 def _level(name: str, value: Any, status: Any, solver: Answer) -> LevelResult:
