@@ -11,12 +11,12 @@ within a second. So each gets a little time in turn, and then each gets more.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from irc_pddl21.search.planner_session import PlannerSession
 
-ROUNDS = (0.05, 0.14)
-"""Of the time left at first: what each kind of search gets in each round."""
+ROUNDS = (0.2, 0.6)
+"""Of the time left at first: what the kinds of search get together in each round, each as much."""
 
 EXHAUSTED = 0.5
 """A search that ends without a plan before this part of its time is not asked again."""
@@ -31,15 +31,15 @@ def plan_original(session: PlannerSession) -> None:
     program = session.program
     if program.task.original is None or program.judge is not None or program.task.events:
         return
-    searches: Iterable[str] = session.planner.lifted_searches
+    searches: Sequence[str] = session.planner.lifted_searches
     whole = session.left
     for share in ROUNDS:
-        searches = _round(session, searches, share * whole)
+        searches = _round(session, searches, share * whole / max(1, len(searches)))
         if session.best is not None:
             return
 
 
-def _round(session: PlannerSession, searches: Iterable[str], seconds: float) -> list[str]:
+def _round(session: PlannerSession, searches: Sequence[str], seconds: float) -> list[str]:
     """Asks with each kind of search for some seconds; the kinds that may still have a plan.
 
     The round ends with the first plan that meets the bound on the makespan.
