@@ -5,7 +5,7 @@ Loaded only for tasks that have one of these.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import lcm
@@ -57,9 +57,10 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
     """The problem with all elements of `task` besides times, resources and precedence."""
     lowering = _Lowering(problem, task, index, to_ticks)
     activities = tuple(lowering.activity(a) for a in problem.activities)
+    couplings = tuple(lowering.couplings())
     return replace(
         problem,
-        activities=activities,
+        activities=tuple(_with_coupled_choices(activities, couplings)),
         reservoirs=lowering.reservoirs,
         variables=lowering.variables,
         numbers=lowering.numbers,
@@ -68,7 +69,7 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
             for i, group in sorted(enumerate(task.groups), key=lambda g: natural_order(g[1].id))
             if group.actions
         ),
-        couplings=tuple(lowering.couplings()),
+        couplings=couplings,
         selections=tuple(lowering.selections()),
         goals=lowering.goals(),
         number_goals=lowering.number_goals(),
@@ -77,6 +78,20 @@ def add_choices(problem: Problem, task: Task, index: dict[str, int], to_ticks: T
         ),
         objectives=tuple(dict.fromkeys(map(short_name, task.objective))),
     )
+
+
+def _with_coupled_choices(
+    activities: Sequence[Activity], couplings: Sequence[Coupling]
+) -> Iterator[Activity]:
+    """The activities; coupled ones have to decide on a resource even where they take no time."""
+    coupled = {m.activity for c in couplings if c.is_about_resources for m in c.members}
+    for i, activity in enumerate(activities):
+        demands = open_demands_of(activity.uses)
+        known = {demand.use for demand in activity.open_demands}
+        kept = tuple(d for d in demands if d.use in known or len(d.alternatives) > 1)
+        if i in coupled and len(kept) > len(known):
+            activity = replace(activity, open_demands=kept)
+        yield activity
 
 
 class _Lowering:

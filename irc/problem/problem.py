@@ -594,6 +594,11 @@ class Coupling(NamedTuple):
     members: tuple[CoupledChoice, ...]
     origin: int = 0
 
+    @property
+    def is_about_resources(self) -> bool:
+        """Whether it is about what its members hold, not only about their modes."""
+        return self.what == "resource" or any(m.resource is not None for m in self.members)
+
 
 class Selection(NamedTuple):
     """At least `least` and at most `most` (None: all) of the items are present.

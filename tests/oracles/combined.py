@@ -328,6 +328,65 @@ def _pauses(rng: random.Random, document: Document) -> None:
                 action["max_pause"] = rng.randint(1, 4)
 
 
+def _orders(rng: random.Random, document: Document) -> None:
+    """Uses one directly after another, or in one order on two resources."""
+    document.setdefault("resources", []).extend([{"id": "o1"}, {"id": "o2"}])
+    users = []
+    for action in document["actions"]:
+        if not isinstance(action.get("occurs"), dict) and rng.random() < 0.8:
+            both = [{"resource": "o1"}, {"resource": "o2"}]
+            chosen: list[Document] = rng.choice((both, both, both[:1], [{"one_of": ["o1", "o2"]}]))
+            action.setdefault("uses", []).extend(chosen)
+            users.append(action["id"])
+    if len(users) < 2:
+        return
+    rule: Document = {"consecutive": rng.sample(users, 2), "resource": rng.choice(("o1", "o2"))}
+    if rng.random() < 0.4:
+        rule = {"same_order": ["o1", "o2"], "jobs": [[name, name] for name in users]}
+        if len(users) > 3:
+            rule["jobs"] = [users[:2], users[2:4]]
+    document.setdefault("sequences", []).append(rule)
+
+
+def _loads(rng: random.Random, document: Document) -> None:
+    kiln: Document = {"id": "kiln", "kind": "batch", "capacity": rng.randint(1, 3)}
+    if rng.random() < 0.3:
+        begin = rng.randint(0, 3)
+        kiln["availability"] = [{"from": begin, "to": begin + 2, "capacity": rng.randint(0, 2)}]
+    document.setdefault("resources", []).append(kiln)
+    for action in _some(rng, document, 0.8):
+        use: Document = {"resource": "kiln"}
+        if rng.random() < 0.5:
+            use["family"] = rng.choice(("red", "blue"))
+        action.setdefault("uses", []).append(use)
+
+
+def _selections(rng: random.Random, document: Document) -> None:
+    free = [
+        a for a in document["actions"] if "occurs" not in a and a["id"] not in _grouped(document)
+    ]
+    for action in free:
+        action["occurs"] = "optional"
+    names = [action["id"] for action in free]
+    if names:
+        count = rng.randint(0, len(names))
+        rule: Document = rng.choice(({"min": count}, {"max": count}, {"all_or_none": True}))
+        document.setdefault("select", []).append({"actions": names, **rule})
+
+
+def _couplings(rng: random.Random, document: Document) -> None:
+    document.setdefault("resources", []).extend([{"id": "c1"}, {"id": "c2"}])
+    names = []
+    for action in document["actions"]:
+        if not isinstance(action.get("occurs"), dict):
+            action.setdefault("uses", []).append({"one_of": ["c1", "c2"]})
+            names.append({"action": action["id"], "use": len(action["uses"]) - 1})
+    if len(names) > 1:
+        kind = rng.choice(("same", "different"))
+        rule = {kind: "resource", "actions": rng.sample(names, 2)}
+        document.setdefault("couplings", []).append(rule)
+
+
 def _resolution(rng: random.Random, document: Document) -> None:
     document["resolution"] = rng.choice(("1/6", "1/12"))
 
@@ -357,5 +416,9 @@ FEATURES: dict[str, Feature] = {
     "set-ups": _set_ups,
     "pauses": _pauses,
     "resolution": _resolution,
+    "orders": _orders,
+    "loads": _loads,
+    "selections": _selections,
+    "couplings": _couplings,
 }
 """What a task can have, by name."""

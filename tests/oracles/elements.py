@@ -11,6 +11,7 @@ from oracles.small_generators import (
     batch_task,
     coupling_task,
     objective_task,
+    pair_task,
     selection_task,
     sequence_task,
 )
@@ -66,6 +67,11 @@ def _batches(seed: int) -> tuple[Task, Best]:
     return Task.model_validate(document), best_of(document)
 
 
+def _pairs(seed: int) -> tuple[Task, Best]:
+    document = pair_task(seed)
+    return Task.model_validate(document), best_of(document)
+
+
 KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "modes": _modes,
     "numbers": _numbers,
@@ -74,5 +80,6 @@ KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "selections": _selections,
     "sequences": _sequences,
     "batches": _batches,
+    "pairs": _pairs,
 }
 """For each kind a task by its seed, with the best values of its objectives."""

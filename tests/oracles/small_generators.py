@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from itertools import combinations
 from typing import Any
 
 Document = dict[str, Any]
@@ -103,7 +104,7 @@ def coupling_task(seed: int) -> Document:
     actions = document["actions"]
     for action in actions:
         for part in (action, *action.get("modes", ())):
-            if "duration" in part:
+            if "duration" in part and rng.random() < 0.9:
                 part["duration"] += 1
         if not action.get("uses") and rng.random() < 0.7:
             action["uses"] = [{"one_of": rng.sample(["m1", "m2", "m3"], 2)}]
@@ -280,3 +281,63 @@ def batch_task(seed: int) -> Document:
         ("minimize_makespan", ["minimize_tardiness", "minimize_makespan"], ["maximize_reward"])
     )
     return document
+
+
+NEW_ELEMENTS = ("sequences", "batches", "couplings", "selections", "objectives")
+
+
+def pair_of(seed: int) -> tuple[str, str]:
+    """The two elements of `pair_task`, each pair in its turn."""
+    pairs = list(combinations(NEW_ELEMENTS, 2))
+    return pairs[seed % len(pairs)]
+
+
+def pair_task(seed: int) -> Document:
+    """A task with two of the elements at once."""
+    rng = random.Random(f"pairs {seed}")
+    pair = pair_of(seed)
+    makers = {"sequences": sequence_task, "batches": batch_task, "objectives": objective_task}
+    first = next((name for name in pair if name in makers), "")
+    document = makers[first](seed) if first else coupling_task(seed)
+    actions = document["actions"]
+    if "batches" in pair and first != "batches":
+        document["resources"].append({"id": "kiln", "kind": "batch", "capacity": rng.randint(1, 3)})
+        for action in rng.sample(actions, rng.randint(2, min(3, len(actions)))):
+            use: Document = {"resource": "kiln", "family": rng.choice(("red", "red", "blue"))}
+            action.setdefault("uses", []).append(use)
+        for order in document.get("sequences", ()):
+            if "consecutive" in order:
+                order.setdefault("resource", "m1")
+    if "couplings" in pair and first:
+        for order in document.get("sequences", ()):
+            if "consecutive" in order:
+                order.setdefault("resource", "m1")
+        for action in actions:
+            if rng.random() < 0.6:
+                action.setdefault("uses", []).append({"one_of": ["x1", "x2"]})
+        document["resources"] += [{"id": "x1"}, {"id": "x2", "capacity": 2}]
+        document["couplings"] = [_coupled(rng, actions) for _ in range(rng.randint(1, 2))]
+    if "selections" in pair:
+        grouped = {name for group in document.get("groups", ()) for name in group["actions"]}
+        for action in actions:
+            if action["id"] not in grouped and rng.random() < 0.6:
+                action |= {"occurs": "optional", "reward": rng.randint(0, 4)}
+        chosen = [a["id"] for a in rng.sample(actions, rng.randint(2, min(3, len(actions))))]
+        rule: Document = {"actions": chosen, "all_or_none": True}
+        if rng.random() < 0.6:
+            rule = {"actions": chosen, "min": rng.randint(0, 1), "max": rng.randint(1, 2)}
+        document["select"] = [rule]
+    if "objectives" in pair and first != "objectives":
+        for action in actions:
+            action["due"] = rng.randint(0, 8)
+        document["objective"] = [rng.choice(_DATED), "minimize_makespan"]
+    return document
+
+
+def _coupled(rng: random.Random, actions: Sequence[Document]) -> Document:
+    one, other = rng.sample(list(actions), 2)
+    made = [{"action": a["id"], "resource": rng.choice(("x1", "x2"))} for a in (one, other)]
+    if rng.random() < 0.4:
+        return {"if": made[0], "then": made[1]}
+    kind = rng.choice(("same", "different"))
+    return {kind: "resource", "actions": [one["id"], other["id"]]}

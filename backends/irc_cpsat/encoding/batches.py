@@ -5,8 +5,9 @@ load or belongs to that of an earlier one, so that equal loads are written in on
 asymmetric representatives of Campêlo, Campos, Corrêa, "On the asymmetric representatives
 formulation for the vertex coloring problem", 2008; for loads compare Trindade, de Araújo, Fampa,
 "Modelling and symmetry breaking in scheduling problems on batch processing machines", 2018). Loads
-do not overlap: one `NoOverlap` of the intervals of leaders, instead of a choice for each two uses.
-Members start and end with their leader, and fit into the capacity together.
+do not overlap: one `NoOverlap` of the intervals of leaders. Members start and end with their
+leader, and fit into the capacity together. Redundant: of each two uses one ends before the other
+starts, or they are together; a literal for each says at once what leaders only say in turn.
 
 Where there are ranks, a load lasts from the first moment at which a member has begun to the last
 one at which a member has ended.
@@ -24,6 +25,9 @@ from irc.problem import Activity
 from irc_cpsat.encoding.builder import Builder, LoadTaker
 from irc_cpsat.encoding.resources import interval_of
 from irc_cpsat.encoding.setups import certain_order
+
+MOST_ORDERED = 60
+"""The greatest number of uses of a resource whose order is also a literal for each pair."""
 
 Truth = Any
 """A literal; True where it always holds."""
@@ -80,6 +84,7 @@ class _LoadEncoder:
         for j, own in members.items():
             self._add_load(j, own)
         self._keep_apart(members)
+        self._order_pairs()
         loads.parts = _parts(members)
         self._count_loads()
         return loads
@@ -97,7 +102,7 @@ class _LoadEncoder:
 
     def _add_load(self, j: int, members: Sequence[int]) -> None:
         """Members join a leader only, have its times, and fit in together."""
-        builder, model = self.builder, self.model
+        model = self.model
         lead, leader = self.loads.leads[j], self.takers[j]
         if not members:
             return
@@ -105,14 +110,47 @@ class _LoadEncoder:
         inside = sum(self.takers[k].amount * self.loads.joins[k, j] for k in members)
         model.add(inside <= (room if lead is True else room * lead))
         for k in members:
-            join, i = self.loads.joins[k, j], self.takers[k].activity
+            join = self.loads.joins[k, j]
             if lead is not True:
                 model.add_implication(join, lead)
-            for a, b in (
-                (builder.starts[i], builder.starts[leader.activity]),
-                (builder.end(i), builder.end(leader.activity)),
-            ):
+            for a, b in self._both_ends(self.takers[k], leader):
                 model.add(a == b).only_enforce_if(join)
+
+    def _order_pairs(self) -> None:
+        """Of each two uses one ends before the other starts, or they are in one load."""
+        if len(self.takers) > MOST_ORDERED:
+            return
+        for j, k in combinations(range(len(self.takers)), 2):
+            one, other = self.takers[j], self.takers[k]
+            if one.activity == other.activity:
+                continue
+            taken = [t.literal for t in (one, other) if t.literal is not None]
+            choices: list[Any] = []
+            if (other.activity, one.activity) not in self.before:
+                choices.append(self._after(one, other, taken))
+            if (one.activity, other.activity) not in self.before:
+                choices.append(self._after(other, one, taken))
+            if (k, j) in self.loads.joins:
+                together = self.model.new_bool_var("")
+                self.model.add_implication(self.loads.joins[k, j], together)
+                for a, b in self._both_ends(one, other):
+                    self.model.add(a == b).only_enforce_if(together, *taken)
+                choices.append(together)
+            self.model.add_bool_or([*choices, *(~literal for literal in taken)])
+            for a, b in combinations(choices, 2):
+                self.model.add_bool_or([~a, ~b])
+
+    def _after(self, one: LoadTaker, other: LoadTaker, taken: Sequence[Any]) -> Any:
+        """A literal under which one use ends before another one starts."""
+        builder, literal = self.builder, self.model.new_bool_var("")
+        gap = self.model.add(builder.starts[other.activity] >= builder.end(one.activity))
+        gap.only_enforce_if(literal, *taken)
+        return literal
+
+    def _both_ends(self, one: LoadTaker, other: LoadTaker) -> Iterator[tuple[Any, Any]]:
+        builder, i, j = self.builder, one.activity, other.activity
+        yield builder.starts[i], builder.starts[j]
+        yield builder.end(i), builder.end(j)
 
     def _keep_apart(self, members: Mapping[int, Sequence[int]]) -> None:
         """Loads do not overlap, in time and, where there are ranks, in moments."""

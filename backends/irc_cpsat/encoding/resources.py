@@ -40,7 +40,7 @@ def _add_demands(builder: Builder, i: int, activity: Activity) -> list[list[tupl
 
 def _has_length(builder: Builder, i: int, activity: Activity) -> Literal | None:
     """A literal that says the activity has a length; None where it always has."""
-    if activity.duration_min > 0:
+    if activity.duration_min > 0 or activity.duration_max == 0:
         return None
     literal = builder.model.new_bool_var(f"holds {name_of(activity)}")
     builder.model.add(builder.sizes[i] >= 1).only_enforce_if(literal)
@@ -57,6 +57,8 @@ def _add_demand(
     if len(demand.alternatives) > 1:
         return _add_choice(builder, i, demand, c, needed, has_length)
     (r,) = demand.alternatives
+    if not _takes_time(builder.problem.activities[i], mode):
+        return []
     _take(builder, i, demand, r, builder.taking(i, demand, r, needed, has_length))
     return []
 
@@ -79,10 +81,17 @@ def _add_choice(
         if demand.amount > pool.capacity and activity.duration_min > 0:
             model.add(literal == 0)
             continue
-        _take(builder, i, demand, r, builder.taking(i, demand, r, has_length, literal))
+        if _takes_time(activity, activity.details.use_mode(demand.use)):
+            _take(builder, i, demand, r, builder.taking(i, demand, r, has_length, literal))
     absent = [] if needed is None else [~needed]
     model.add_exactly_one([*(literal for _, literal in literals), *absent])
     return literals
+
+
+def _takes_time(activity: Activity, mode: int | None) -> bool:
+    """Whether a use in a mode (None: in all) can last, and so hold anything."""
+    longest = activity.duration_max if mode is None else activity.details.modes[mode].duration_max
+    return longest > 0
 
 
 def _take(builder: Builder, i: int, demand: OpenDemand, r: int, taken: Literal | None) -> None:
