@@ -112,6 +112,7 @@ def chart_lines(page: Page, problem: Problem, schedule: Schedule, shown: Drawn) 
     idle = [page.visible(name) for name in sorted(capacity, key=natural) if name not in held]
     if idle:
         yield Text(listed_within(page, "idle: ", idle), "dim")
+    yield from _signs_of_names(page, schedule, [capacity.get(name, 1) for name in held])
 
 
 def _bars(
@@ -330,6 +331,18 @@ class _Row:
         for cell in range(first, end):
             self._put(cell, "", style)
         self.shown[first] = text
+
+
+def _signs_of_names(page: Page, schedule: Schedule, capacities: list[int]) -> Iterator[Text]:
+    """A line on the signs that stand beside names, where there are any."""
+    amounts = [amount for entry in schedule.entries for amount in entry.resources.values()]
+    signs = (
+        (f"{page.glyphs.times}n", "n units", max([*amounts, *capacities], default=1) > 1),
+        ("#n", "the n-th time", any(entry.occurrence > 1 for entry in schedule.entries)),
+        (page.glyphs.more, "cut short", page.has_cut),
+    )
+    if shown := [f"{sign} {meaning}" for sign, meaning, used in signs if used]:
+        yield Text("   ".join(shown), "dim")
 
 
 def _legend(page: Page, rows: list[_Row], *, known: bool) -> Iterator[Text]:

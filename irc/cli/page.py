@@ -124,6 +124,7 @@ class Page:
         drawing = str(_BLOCKS)  # has every one of its characters
         self.glyphs = _BLOCKS if self._encodable(drawing) == drawing else _ASCII
         self._numbers: dict[str, int] = {}
+        self.has_cut = False
 
     def number(self, name: str) -> int:
         """The number that stands for a name which is too long; the same each time."""
@@ -159,6 +160,7 @@ class Page:
         """
         if cell_len(text) <= width:
             return text
+        self.has_cut = True
         room = width - len(self.glyphs.more)
         if room < 2:
             return set_cell_size(text, max(width, 0))

@@ -45,7 +45,7 @@ def known_schedule(path: str, task: Task) -> Answer:
         raise InputError(Report((found,), source))
     notes = [
         Diagnostic(Code.BAD_SCHEDULE, f"the schedule is not valid: {violation}")
-        for violation in verdict.violations
+        for violation in (verdict.violations if schedule.answered else ())
     ]
     shown = replace(schedule.of(task), task=task.name, time_unit=task.time_unit)
     return Answer(shown, run_checks(task, lint=False).problem, tuple(notes))
