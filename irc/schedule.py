@@ -281,7 +281,7 @@ class Schedule:
         unit = self._unit
         return [
             Bar(
-                row,
+                row or "no resource",
                 float(e.start),
                 float(e.end),
                 e.id,

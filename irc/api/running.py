@@ -48,6 +48,15 @@ class Solving:
     def __repr__(self) -> str:
         return f"<Solving: {'done' if self.done else 'running'}>"
 
+    def _repr_html_(self) -> str:
+        """Its answer, or else its progress so far, for notebooks."""
+        from irc.display.html import heading
+
+        if self.done and not self._running.future.exception():
+            return self.result()._repr_html_()
+        found = "" if self._progress is None else self._progress._repr_html_()
+        return heading("not solved: an error" if self.done else "being solved") + found
+
     @property
     def done(self) -> bool:
         """Whether the answer is there."""

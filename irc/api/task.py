@@ -525,10 +525,14 @@ class Task:
         return print_task(self.ir)
 
     def _repr_html_(self) -> str:
-        from irc.display.html import heading, preformatted
+        """Its actions as a table, and the whole in the DSL, for notebooks."""
+        from irc.api.task_table import COLUMNS, action_rows
+        from irc.display.html import folded, heading, preformatted, table
 
         shown = f"{self.name or 'task'}: {_count(len(self.ir.actions), 'action')}"
-        return heading(shown) + preformatted(str(self))
+        rows = list(action_rows(self.ir))
+        listed = table(COLUMNS, rows) if rows else ""
+        return heading(shown) + listed + folded("the task as text", preformatted(str(self)))
 
     # --- inside -------------------------------------------------------------------------------
 

@@ -40,5 +40,10 @@ def preformatted(text: str) -> str:
     return f"<pre>{escape(text)}</pre>"
 
 
+def folded(title: str, html: str) -> str:
+    """HTML that shows when its title is chosen."""
+    return f"<details><summary>{escape(title)}</summary>{html}</details>"
+
+
 def _rest(more: int) -> str:
     return f"<p>… and {more} more</p>" if more > 0 else ""

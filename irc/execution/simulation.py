@@ -16,7 +16,7 @@ from irc.frontends.events import PlacedEvent
 from irc.model import Event, Task
 from irc.model.built import Built, task_of
 from irc.model.quantities import Number
-from irc.model.times import json_number
+from irc.model.times import format_number, json_number
 from irc.outcome import Outcome
 from irc.schedule import Schedule, Status
 from irc.targets import SolveKeywords, SolveOptions
@@ -53,6 +53,26 @@ class Simulation:
     def moved(self) -> int:
         """The number of planned occurrences that moved, over all steps."""
         return sum(step.moved for step in self.steps)
+
+    def _repr_html_(self) -> str:
+        """A row for each step, and the last plan, for notebooks."""
+        from irc.display.html import heading, table
+        from irc.events.wording import changes_in_words
+
+        rows = [
+            (
+                format_number(step.at),
+                "; ".join(said for e in step.events for said in changes_in_words(e, step.task)),
+                str(step.schedule.status),
+                format_number(step.schedule.makespan) if step.schedule.answered else "",
+                str(step.moved),
+            )
+            for step in self.steps
+        ]
+        unit = self.steps[-1].task.time_unit if self.steps else ""
+        columns = (f"at ({unit})", "what happened", "status", f"makespan ({unit})", "moved")
+        shown = heading(f"{self.task or 'task'}: {len(rows)} plans") + table(columns, rows)
+        return shown + (self.final._repr_html_() if rows else "")
 
     def to_dict(self) -> dict[str, Any]:
         """The document that `irc simulate --format json` writes."""

@@ -11,7 +11,7 @@ from irc.execution.history import History
 from irc.execution.state import Key, key_of
 from irc.model import Event, Task
 from irc.model.quantities import Number
-from irc.model.times import json_number
+from irc.model.times import format_number, json_number
 from irc.outcome import Outcome
 from irc.schedule import Entry, LeftOut, Schedule
 
@@ -47,6 +47,17 @@ class Step:
     def outcome(self) -> Outcome:
         """How the replanning ended; without a plan, with the diagnostics that say why."""
         return self.schedule.outcome
+
+    def _repr_html_(self) -> str:
+        """What happened, and the plan from then on, for notebooks."""
+        from irc.display.html import heading, items
+        from irc.events.wording import changes_in_words
+
+        said = [line for event in self.events for line in changes_in_words(event, self.task)]
+        at = f"at {format_number(self.at)} {self.task.time_unit}"
+        counts = f"{at}: {self.moved} moved, {len(self.completed)} completed"
+        listed = items(said) if said else ""
+        return heading(counts) + listed + self.schedule._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """The step as `irc simulate --format json` writes it."""

@@ -130,6 +130,18 @@ class Lateness:
             **({} if self.outcome.answered else {"outcome": self.outcome.to_dict()}),
         }
 
+    def _repr_html_(self) -> str:
+        """The same for notebooks, with what cannot hold together, and a picture of the plan."""
+        from irc.display.html import heading, items
+        from irc.display.svg import bars_svg
+
+        head, *lines = str(self).split("\n")
+        if self.schedule is None:
+            return heading(head)
+        said = [*(statement.text for statement in self.conflict), *(line.strip() for line in lines)]
+        picture = bars_svg(self.schedule.bars({self.name}), self.time_unit, head)
+        return heading(head) + picture + (items(said) if said else "")
+
     def __str__(self) -> str:
         """The headline, and a line for each change that would help."""
         if self.end is None:

@@ -142,11 +142,16 @@ class Explanation:
         return {**shown, "seconds": self.seconds}
 
     def _repr_html_(self) -> str:
-        """The same for notebooks."""
+        """The same for notebooks, with a picture in which what is critical stands out."""
         from irc.display.html import heading, items
+        from irc.display.svg import bars_svg
 
         head, *lines = str(self).split("\n")
-        return heading(head) + (items(line.strip() for line in lines) if lines else "")
+        picture = ""
+        if self.schedule is not None:
+            critical = {name for name, slack in self.slack.items() if not slack}
+            picture = bars_svg(self.schedule.bars(critical), self.time_unit, head)
+        return heading(head) + picture + (items(line.strip() for line in lines) if lines else "")
 
     def __str__(self) -> str:
         """The headline and one line for each statement or link."""

@@ -11,6 +11,7 @@ from irc import outcome
 from irc.diagnostics import Code, Diagnostic, did_you_mean
 from irc.errors import IrcError
 from irc.model.quantities import Number
+from irc.model.times import format_number
 
 if TYPE_CHECKING:
     from irc.schedule import Schedule, Status
@@ -76,6 +77,22 @@ class Progress:
     def gap(self) -> float | None:
         """How far the two are apart, from 0 (proven the best) to 1; None without a bound."""
         return self.level.gap
+
+    def _repr_html_(self) -> str:
+        """The values reached so far, their bounds and how far the two are apart, for notebooks."""
+        from irc.display.html import heading, table
+
+        rows = [
+            (
+                level.name.replace("_", " "),
+                format_number(level.value),
+                "" if level.bound is None else format_number(level.bound),
+                "" if level.gap is None else f"{100 * level.gap:.1f} %",
+            )
+            for level in self.levels
+        ]
+        columns = ("objective", "value", "bound", "gap")
+        return heading(f"{self.engine}, after {self.seconds:.1f} s") + table(columns, rows)
 
     def schedule(self) -> Schedule:
         """The schedule of this answer, exact and validated; it is made when it is asked for.

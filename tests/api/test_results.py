@@ -227,3 +227,53 @@ def test_every_exception_of_ours_has_one_base() -> None:
 
 def test_no_public_name_hides_a_builtin_but_compile() -> None:
     assert set(irc.__all__) & set(dir(builtins)) == {"compile"}
+
+
+# --- notebooks ----------------------------------------------------------------------------------
+
+
+def _running() -> irc.Task:
+    task = irc.Task(HOSTILE, time_unit="min")
+    van = task.resource(f"van {HOSTILE}")
+    task.action(HOSTILE, 3).uses(van).due(2)
+    task.action("later", 2).uses(van)
+    return task
+
+
+def test_whatever_a_call_returns_shows_itself_in_a_notebook_without_scripts() -> None:
+    task = _running()
+    progress: list[irc.Progress] = []
+    options = irc.SolveOptions("cpsat", shortcut=False, on_progress=progress.append)
+    schedule = task.solve(options=options)
+    shown: list[Any] = [task, schedule, task.explain(), irc.explain_lateness(task, HOSTILE)]
+    with irc.start(task) as solving:
+        assert "solved" in solving._repr_html_()
+        solving.result()
+    shown += [task.replan(schedule, 1), task.simulate(), solving]
+    for thing in shown:
+        html = thing._repr_html_()
+        assert "<script" not in html, type(thing)
+        assert "&lt;script&gt;" in html, type(thing)
+    for thing in progress:
+        assert "makespan" in thing._repr_html_()
+
+
+def test_the_picture_of_a_schedule_has_a_bar_for_each_entry_and_no_reference() -> None:
+    html = _running().solve()._repr_html_()
+    assert html.count("<rect") == 2
+    assert "<svg" in html
+    assert "href" not in html
+    assert " style=" not in html
+
+
+def test_the_picture_of_an_explanation_marks_what_is_critical() -> None:
+    task = irc.Task(time_unit="min")
+    long, short, last = task.action("long", 5), task.action("short", 1), task.action("last", 2)
+    long >> last
+    short >> last
+    assert task.explain()._repr_html_().count('stroke-width="2.5"') == 2
+
+
+def test_a_long_schedule_has_a_small_picture_with_a_count() -> None:
+    schedule = irc.Schedule(tuple(irc.Entry(f"a{k}", k, k + 1) for k in range(1000)))
+    assert "… and 880 more in the picture" in schedule._repr_html_()
