@@ -49,7 +49,7 @@ class Step:
         return self.schedule.outcome
 
     def _repr_html_(self) -> str:
-        """What happened, and the plan from then on, for notebooks."""
+        """Its events in words, and the plan from then on, for notebooks."""
         from irc.display.html import heading, items
         from irc.events.wording import changes_in_words
 
