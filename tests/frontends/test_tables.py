@@ -129,6 +129,34 @@ def test_calendars_pauses_and_set_ups_are_written_and_read_back(tmp_path: Path) 
     assert canonical_task(read_task(tmp_path / "back.json").task) == written
 
 
+SHOP = {
+    "resources": [{"id": "m"}, {"id": "n"}, {"id": "kiln", "kind": "batch", "capacity": 4}],
+    "actions": [
+        {"id": f"{m}{k}", "duration": 3, "uses": [{"resource": m}]} for m in "mn" for k in (1, 2)
+    ]
+    + [{"id": "bake", "duration": 3, "uses": [{"resource": "kiln", "family": "red"}]}],
+    "sequences": [
+        {"consecutive": ["m1", "m2"]},
+        {"consecutive": ["n1", "n2"], "resource": "n"},
+        {"same_order": ["m", "n"], "jobs": [["m1", "n1"], ["m2", "n2"]]},
+        {"same_order": ["n", "m"]},
+    ],
+}
+
+
+def test_orders_of_uses_and_loads_are_written_and_read_back(tmp_path: Path) -> None:
+    (tmp_path / "task.json").write_text(json.dumps(SHOP))
+    written = canonical_task(read_task(tmp_path / "task.json").task)
+    convert_file(str(tmp_path / "task.json"), None, tmp_path / "plan.xlsx")
+    assert canonical_task(read_task(tmp_path / "plan.xlsx").task) == written
+
+
+def test_an_order_has_the_same_resources_in_all_its_rows() -> None:
+    rows = [["number", "resources", "job"], [1, "m; n", "a; b"], [1, "m", "c"]]
+    actions = Sheet("actions", [["action", "duration"], ["a", 1], ["b", 1], ["c", 1]])
+    assert "the same resources" in refused(actions, Sheet("same_order", rows))
+
+
 def test_a_time_of_day_is_a_cell_of_its_own_kind() -> None:
     found = task(
         Sheet("actions", [["action", "calendar"], ["a", "day"]]),

@@ -83,13 +83,13 @@ SHEETS: Mapping[str, Mapping[str, Column]] = {
         "use": Column(Kind.NUMBER, help="rows with one number are alternatives"),
         "resource": Column(required=True),
         "amount": Column(Kind.NUMBER),
-        "family": Column(help="for the set-ups of the resource"),
+        "family": Column(help="for the set-ups or loads of the resource"),
     },
     "resources": {
         "resource": Column(required=True, aliases=("id", "name")),
         "label": Column(),
         "description": Column(),
-        "kind": Column(help="renewable (or empty), or reservoir"),
+        "kind": Column(help="renewable (or empty), batch, or reservoir"),
         "capacity": Column(Kind.NUMBER, help="units that can be held at once"),
         "initial": Column(Kind.NUMBER, help="of a reservoir"),
         "min": Column(Kind.NUMBER),
@@ -133,6 +133,16 @@ SHEETS: Mapping[str, Mapping[str, Column]] = {
         "type": Column(help="finish-start (or empty), start-start, finish-finish, start-finish"),
         "min_lag": Column(Kind.SPAN, aliases=("lag",)),
         "max_lag": Column(Kind.SPAN),
+    },
+    "consecutive": {
+        "before": Column(required=True),
+        "after": Column(required=True, help="the action that uses the resource next"),
+        "resource": Column(help="or each that both use"),
+    },
+    "same_order": {
+        "number": Column(Kind.NUMBER, help="rows with one number belong together"),
+        "resources": Column(Kind.NAMES, required=True, help="press; saw"),
+        "job": Column(Kind.NAMES, help="its action on each of them, or empty for all orders"),
     },
     "orders": {
         "order": Column(required=True, aliases=("id", "name", "group")),

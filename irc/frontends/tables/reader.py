@@ -88,6 +88,10 @@ def _document(rows: dict[str, list[Row]], places: dict[Pointer, str]) -> dict[st
         "actions": _actions(rows),
         "precedence": _precedence(rows),
         "groups": _orders(rows),
+        "sequences": [
+            *(_consecutive(row) for row in rows["consecutive"]),
+            *_same_orders(rows["same_order"]),
+        ],
     }
     for field, sheet in (("actions", "actions"), ("resources", "resources")):
         for k, row in enumerate(rows[sheet]):
@@ -284,6 +288,26 @@ def _precedence(rows: dict[str, list[Row]]) -> list[dict[str, Any]]:
                 hint = did_you_mean(before, actions)
                 row.fault("after", f"there is no action {before!r}", hint)
     return listed
+
+
+def _consecutive(row: Row) -> dict[str, Any]:
+    return {
+        "consecutive": [row.text("before"), row.text("after")],
+        **row.fields("resource"),
+    }
+
+
+def _same_orders(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """The orders of jobs, by their numbers."""
+    found: dict[object, dict[str, Any]] = {}
+    for row in rows:
+        resources = list(row.value("resources") or ())
+        order = found.setdefault(row.value("number"), {"same_order": resources})
+        if order["same_order"] != resources:
+            row.fault("resources", "rows with one number have the same resources")
+        if job := row.value("job"):
+            order.setdefault("jobs", []).append(list(job))
+    return list(found.values())
 
 
 def _orders(rows: dict[str, list[Row]]) -> list[dict[str, Any]]:

@@ -24,7 +24,7 @@ _SUPPORTED = frozenset(
         *(Feature.REWARD, Feature.COST, Feature.TARDINESS, Feature.MAXIMIZE_REWARD),
         *(Feature.MINIMIZE_COST, Feature.SEVERAL_OBJECTIVES, Feature.MAKESPAN),
         *(Feature.SETUPS, Feature.ACTION_CALENDARS, Feature.PAUSES),
-        *(Feature.SETUP_TIME, Feature.SETUP_COST),
+        *(Feature.SETUP_TIME, Feature.SETUP_COST, Feature.BATCHES, Feature.SEQUENCES),
     ]
 )
 
@@ -42,6 +42,10 @@ def sheets_of_task(task: Task) -> list[Sheet]:
     for i, action in enumerate(task.actions):
         if action.on_failure is not None:
             refusals.add(f"action {action.id!r}: a table has no on_failure", ("actions", i))
+    for k, order in enumerate(task.sequences):
+        names = (*(order.same_order or ()), *(name for job in order.jobs for name in job))
+        if any(";" in name for name in names):
+            refusals.add("a list of names in a cell has ';' between them", ("sequences", k))
     if task.events:
         refusals.add("a table has no events", ("events",))
     refusals.raise_any()
@@ -65,6 +69,12 @@ def sheets_of_task(task: Task) -> list[Sheet]:
         ],
         "stock": [*_stock(task)],
         "precedence": [_fields(p, None, SHEETS["precedence"]) for p in task.precedence],
+        "consecutive": [
+            {"before": pair[0], "after": pair[1], "resource": order.resource}
+            for order in task.sequences
+            if (pair := order.consecutive) is not None
+        ],
+        "same_order": [*_same_orders(task)],
         "orders": [_fields(g, "order", SHEETS["orders"]) for g in task.groups],
     }
     return [_sheet(name, rows[name]) for name in SHEETS if rows[name]]
@@ -217,6 +227,15 @@ def _uses(task: Task) -> Iterator[Cells]:
                         **({"amount": use.amount} if use.amount != 1 else {}),
                         **({"family": use.family} if use.family is not None else {}),
                     }
+
+
+def _same_orders(task: Task) -> Iterator[Cells]:
+    """A row for each job, or one without; those of one order have its number."""
+    listed = [order for order in task.sequences if order.same_order is not None]
+    for number, order in enumerate(listed, 1):
+        head = {"number": number, "resources": "; ".join(order.same_order or ())}
+        for job in order.jobs or ((),):
+            yield {**head, "job": "; ".join(job) or None}
 
 
 def _stock(task: Task) -> Iterator[Cells]:
