@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-from irc.problem import ContendedPool
+from irc.problem import NO_FAMILY, ContendedPool
 
 UNREACHABLE_TIME = 1 << 62
 """Later than any time: an activity that waits for it finds no place."""
@@ -21,8 +21,13 @@ class Profile:
         for window in pool.windows:
             self.take(window.start, window.end, base - window.capacity)
 
-    def blocked_until(self, start: int, end: int, amount: int) -> int | None:
-        """None if `amount` more fits throughout [start, end), else the next time worth trying."""
+    def blocked_until(
+        self, start: int, end: int, amount: int, family: int = NO_FAMILY
+    ) -> int | None:
+        """None if `amount` more fits throughout [start, end), else the next time worth trying.
+
+        The `family` matters for loads only.
+        """
         k = bisect_right(self.times, start) - 1
         limit = self.capacity - amount
         while k < len(self.times) and self.times[k] < end:
@@ -33,7 +38,7 @@ class Profile:
             k += 1
         return None
 
-    def take(self, start: int, end: int, amount: int) -> None:
+    def take(self, start: int, end: int, amount: int, family: int = NO_FAMILY) -> None:
         """Adds `amount` over [start, end)."""
         first, last = self._split(start), self._split(end)
         for k in range(first, last):

@@ -14,7 +14,7 @@ from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
 from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
-from irc.problem import Activity, OpenDemand, PreviousPlace, Problem
+from irc.problem import Activity, ContendedPool, OpenDemand, PreviousPlace, Problem
 from irc.problem.decisions import Decision
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def list_schedule(
     by default fixed activities, and then the most urgent. No activity starts before its floor. None
     where the rule finds no schedule that keeps every window and lag.
     """
-    if problem.has_setups or problem.has_batches:
+    if problem.has_setups or (problem.has_batches and problem.has_work):
         return None  # `irc.passes.setup_schedule` has the rule for set-ups.
     if priorities is None:
         priorities = [
@@ -54,7 +54,7 @@ def list_schedule(
     incoming: list[list[int]] = [[] for _ in problem.activities]
     for k, arc in enumerate(problem.arcs):
         incoming[arc.after].append(k)
-    profiles = [Profile(pool) for pool in problem.contention.pools]
+    profiles = [_profile(problem, pool) for pool in problem.contention.pools]
     placer = _work_placer(problem, profiles)
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
@@ -80,6 +80,15 @@ def list_schedule(
     return (decisions, choices) if _keeps_windows(problem, decisions) else None
 
 
+def _profile(problem: Problem, pool: ContendedPool) -> Profile:
+    """The profile of a pool; that of a batch resource knows its loads."""
+    if not problem.resources[pool.members[0]].batch:
+        return Profile(pool)
+    from irc.passes.load_profile import LoadProfile
+
+    return LoadProfile(pool)
+
+
 def _work_placer(problem: Problem, profiles: list[Profile]) -> WorkPlacer | None:
     """The placer of activities with calendars and pauses; loaded for problems that have them."""
     if not problem.has_work:
@@ -98,6 +107,8 @@ def quick_schedule(problem: Problem) -> Found | None:
 
         return setup_schedule(problem)
     by_rule = list_schedule(problem)
+    if problem.has_batches:
+        by_rule = _on_time(problem, by_rule)
     if not any(problem.previous.places):
         return by_rule
     as_before = _with_resources_of_before(problem)
@@ -105,6 +116,27 @@ def quick_schedule(problem: Problem) -> Found | None:
     floors = [0 if place is None else place.start for place in problem.previous.places]
     found = (list_schedule(as_before, order, floors), list_schedule(as_before, order), by_rule)
     return min((f for f in found if f), key=lambda f: _quality(problem, f), default=None)
+
+
+def _on_time(problem: Problem, by_rule: Found | None) -> Found | None:
+    """The schedule by the rule or in the order of due dates: that with less weighted tardiness.
+
+    (Loads that are in the way of urgent work are what a schedule with loads is late by.)
+    """
+    dues = [a.details.due for a in problem.activities]
+    if by_rule is None or all(due is None for due in dues):
+        return by_rule
+    order = [UNREACHABLE_TIME if due is None else due for due in dues]
+    found = (by_rule, list_schedule(problem, order))
+    return min((f for f in found if f), key=lambda f: _tardiness(problem, f), default=None)
+
+
+def _tardiness(problem: Problem, found: Found) -> int:
+    return sum(
+        activity.details.weight * max(0, int(decision.end) - activity.details.due)
+        for activity, decision in zip(problem.activities, found[0], strict=True)
+        if activity.details.due is not None
+    )
 
 
 def _quality(problem: Problem, found: Found) -> tuple[int, int]:
@@ -205,7 +237,8 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
                 amount = demand.amount + needed.get(r, 0)
                 if amount > profiles[r].capacity:
                     continue
-                wait = profiles[r].blocked_until(start, start + duration, amount)
+                family = activity.uses[demand.use].family
+                wait = profiles[r].blocked_until(start, start + duration, amount, family)
                 if wait is None:
                     choice.append(r)
                     needed[r] = amount
@@ -219,8 +252,12 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
         if later == UNREACHABLE_TIME:
             return None
         if later is None:
+            families = {
+                r: activity.uses[demand.use].family
+                for r, demand in zip(choice, activity.open_demands, strict=True)
+            }
             for r, amount in needed.items():
-                profiles[r].take(start, start + duration, amount)
+                profiles[r].take(start, start + duration, amount, families[r])
             return start, tuple(choice)
         start = later
 

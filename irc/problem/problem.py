@@ -852,6 +852,11 @@ class Problem:
         return (*self.objectives, "changes")
 
     @property
+    def is_plain_but_loads(self) -> bool:
+        """Whether it would be plain if its batch resources were renewable ones."""
+        return self.has_batches and replace(self, resources=()).is_plain
+
+    @property
     def is_plain(self) -> bool:
         """Whether every schedule has each activity once, in one way, and there are no state, stock,
         loads or orders of uses.

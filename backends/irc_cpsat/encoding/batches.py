@@ -38,7 +38,8 @@ class Loads:
     """The loads of one resource: who may lead (`leads`), and who may belong to which leader.
 
     `joins[k, j]` says that use k belongs to the load that use j leads, j < k. `parts` are the sets
-    of uses that can be in loads with each other, directly or through others.
+    of uses that can be in loads with each other, directly or through others. `orders[j, k]` says
+    that use j ends before use k starts, `together[j, k]` (j < k) that they are in one load.
     """
 
     pool: int
@@ -46,6 +47,8 @@ class Loads:
     leads: list[Truth] = field(default_factory=list)
     joins: dict[tuple[int, int], Any] = field(default_factory=dict)
     parts: list[list[int]] = field(default_factory=list)
+    orders: dict[tuple[int, int], Any] = field(default_factory=dict)
+    together: dict[tuple[int, int], Any] = field(default_factory=dict)
 
 
 def add_batches(builder: Builder) -> None:
@@ -126,12 +129,13 @@ class _LoadEncoder:
                 continue
             taken = [t.literal for t in (one, other) if t.literal is not None]
             choices: list[Any] = []
-            if (other.activity, one.activity) not in self.before:
-                choices.append(self._after(one, other, taken))
-            if (one.activity, other.activity) not in self.before:
-                choices.append(self._after(other, one, taken))
+            for a, b in ((j, k), (k, j)):
+                first, second = self.takers[a], self.takers[b]
+                if (second.activity, first.activity) not in self.before:
+                    self.loads.orders[a, b] = self._after(first, second, taken)
+                    choices.append(self.loads.orders[a, b])
             if (k, j) in self.loads.joins:
-                together = self.model.new_bool_var("")
+                together = self.loads.together[j, k] = self.model.new_bool_var("")
                 self.model.add_implication(self.loads.joins[k, j], together)
                 for a, b in self._both_ends(one, other):
                     self.model.add(a == b).only_enforce_if(together, *taken)

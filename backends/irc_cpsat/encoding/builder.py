@@ -117,7 +117,7 @@ class Builder:
         horizon: int | None = None,
         found: Hint | None = None,
     ) -> None:
-        quick = problem.is_plain or problem.has_setups
+        quick = problem.is_plain or problem.has_setups or problem.is_plain_but_loads
         if found is None and quick and (bounds or hints):
             found = quick_schedule(problem)
         by_makespan = (

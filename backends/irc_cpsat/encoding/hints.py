@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from irc.problem.decisions import Decision, Placed
+from irc_cpsat.encoding.batches import Loads
 from irc_cpsat.encoding.builder import Builder, Hint, Model
 from irc_cpsat.encoding.setups import SetupSequence
 
@@ -63,6 +64,8 @@ def _add_assignment(
         hints[both.index] = hints.get(a.index, 0) * hints.get(b.index, 0)
     for sequence in builder.sequences:
         hints |= _sequence_hints(sequence, places, hints)
+    for loads in builder.batches:
+        hints |= _load_hints(loads, places, hints)
     latest = max((int(place.end) for place in places), default=0)
     hints[built.makespan.index] = max(latest, builder.problem.bounds.makespan.value)
     hint = builder.model.proto.solution_hint
@@ -106,6 +109,33 @@ def _sequence_hints(
         if k < after:
             one, other = (places[sequence.takers[n].activity] for n in (k, after))
             found[first.index] = int(one.start <= other.start)
+    return found
+
+
+def _load_hints(
+    loads: Loads, places: Sequence[Decision | Placed], hints: Mapping[int, int]
+) -> dict[int, int]:
+    """Who leads and joins loads, and the order of each two uses, as known places have them."""
+    spans = [(places[t.activity].start, places[t.activity].end) for t in loads.takers]
+    taken = [
+        places[t.activity].present
+        and (t.literal is None or bool(hints.get(t.literal.index, 0)))
+        and spans[k][0] < spans[k][1]
+        for k, t in enumerate(loads.takers)
+    ]
+    leader: dict[object, int] = {}
+    for k, span in enumerate(spans):
+        if taken[k]:
+            leader.setdefault((span, loads.takers[k].family), k)
+    own = [leader.get((span, t.family)) for span, t in zip(spans, loads.takers, strict=True)]
+    found = {join.index: int(taken[k] and own[k] == j) for (k, j), join in loads.joins.items()}
+    for k, lead in enumerate(loads.leads):
+        if lead is not True and lead is not loads.takers[k].literal:
+            found[lead.index] = int(taken[k] and own[k] == k)
+    for (j, k), literal in loads.orders.items():
+        found[literal.index] = int(taken[j] and taken[k] and spans[j][1] <= spans[k][0])
+    for (j, k), literal in loads.together.items():
+        found[literal.index] = int(taken[j] and taken[k] and spans[j] == spans[k])
     return found
 
 

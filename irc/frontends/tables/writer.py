@@ -233,7 +233,7 @@ def _same_orders(task: Task) -> Iterator[Cells]:
     """A row for each job, or one without; those of one order have its number."""
     listed = [order for order in task.sequences if order.same_order is not None]
     for number, order in enumerate(listed, 1):
-        head = {"number": number, "resources": "; ".join(order.same_order or ())}
+        head: dict[str, Value] = {"number": number, "resources": "; ".join(order.same_order or ())}
         for job in order.jobs or ((),):
             yield {**head, "job": "; ".join(job) or None}
 
