@@ -17,8 +17,8 @@ from irc.frontends.files import read_task
 from irc.model import Task
 from irc.model.times import format_number, parse_number
 from irc.reporting.html import ReportTooLarge, payload_of, report_html
-from irc.reporting.html.page import MOST_ROWS, data
-from irc.schedule import Entry, Schedule
+from irc.reporting.html.page import data
+from irc.schedule import Entry, Schedule, Status
 from irc.targets import SolveOptions
 from paths import EXAMPLES
 from reporting.shops import shop
@@ -77,6 +77,7 @@ def _task(*, names: list[str] = NAMES, **more: Any) -> tuple[Task, Schedule]:
     return task, Schedule(tuple(entries), time_unit="h")
 
 
+@pytest.mark.slow
 def test_the_report_has_exactly_the_times_and_resources_of_the_schedule() -> None:
     for seed in range(6):
         task = Task(**shop(seed))
@@ -102,6 +103,7 @@ def test_the_report_has_exactly_the_times_and_resources_of_the_schedule() -> Non
             assert any(texts <= set(row) for row in cells)
 
 
+@pytest.mark.slow
 def test_due_dates_and_lateness_are_those_of_the_task() -> None:
     for seed in range(6):
         document = shop(seed)
@@ -200,6 +202,7 @@ def test_a_previous_plan_is_kept_apart_and_its_changes_are_listed() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_steps_share_the_rows_that_stay() -> None:
     task = read_task(str(EXAMPLES / "pancake_morning.json")).task
     simulation = simulate(task, time_limit=5)
@@ -215,6 +218,7 @@ def test_steps_share_the_rows_that_stay() -> None:
     assert plans[-1]["events"]
 
 
+@pytest.mark.slow
 def test_a_report_of_two_thousand_actions_is_small() -> None:
     names = [f"order {k // 10} step {k % 10}" for k in range(2000)]
     actions = [{"id": n, "duration": 5, "uses": [{"resource": f"machine {k % 50}"}]}
@@ -228,8 +232,18 @@ def test_a_report_of_two_thousand_actions_is_small() -> None:
     assert len(report_html(task, Schedule(entries)).encode()) < 4_000_000
 
 
-def test_too_many_actions_for_a_page_are_refused_with_what_to_do_instead() -> None:
-    task, _ = _task(names=["a"])
-    entries = tuple(Entry("a", k, k + 1, {}, occurrence=k + 1) for k in range(MOST_ROWS + 1))
-    with pytest.raises(ReportTooLarge, match="write a table"):
-        report_html(task, Schedule(entries))
+def test_too_many_actions_for_a_page_are_refused_with_what_to_do_instead(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("irc.reporting.html.page.MOST_ROWS", 2)
+    task, schedule = _task()
+    with pytest.raises(ReportTooLarge, match=r"at most 2 actions, and these are 3.*write a table"):
+        report_html(task, schedule)
+
+
+def test_a_schedule_without_entries_has_a_report() -> None:
+    task, _ = _task()
+    html = report_html(task, Schedule((), Status.INFEASIBLE))
+    (plan,) = _payload(html)["plans"]
+    assert (plan["status"], plan["rows"]) == ("infeasible", [])
+    assert plan["figures"] == [["schedule", "none", "no schedule exists"]]

@@ -27,6 +27,9 @@ def figures_of(schedule: Schedule, analysis: Analysis, before: Analysis | None) 
 
 def _figures(schedule: Schedule, analysis: Analysis, before: Analysis | None) -> Iterator[Figure]:
     unit = analysis.time_unit
+    if not schedule.answered:
+        yield "schedule", "none", schedule.outcome.message
+        return
     makespan = f"{format_number(schedule.makespan)} {unit}"
     end = clock_text(analysis.dates, schedule.makespan)
     bounds = {value.name: value for value in schedule.objective}

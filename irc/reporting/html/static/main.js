@@ -7,7 +7,6 @@ class Page {
     this.view = null;
     this.wire();
     this.load(payload, false);
-    for (const id of ["tools", "stage"]) byId(id).hidden = false;
     this.chart.resize();
     this.chart.draw();
   }
@@ -51,6 +50,8 @@ class Page {
     this.fillTables(asWritten);
     this.chart.chosen = null;
     this.chosen(null);
+    const nothing = !this.now.bars.length && !this.now.ghosts.length;
+    for (const id of ["tools", "stage"]) byId(id).hidden = nothing;
     this.showRows(keep);
     this.search();
   }
@@ -243,6 +244,7 @@ class Page {
     this.before = { t0: chart.t0, t1: chart.t1, theme: document.documentElement.dataset.theme };
     document.documentElement.dataset.theme = "light";
     chart.paint.read();
+    this.legend(this.colours());
     // (Browsers draw canvases up to some size only; the tables have the rest.)
     chart.size(1040, Math.min(chart.total + AXIS + 4, 6000));
     chart.draw(true);
@@ -254,6 +256,7 @@ class Page {
     else delete document.documentElement.dataset.theme;
     chart.paint.read();
     Object.assign(chart, { t0: before.t0, t1: before.t1 });
+    this.legend(this.colours());
     chart.resize();
   }
 }
