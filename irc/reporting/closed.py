@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 
-from irc.lowering.calendars import calendars_by_id, open_intervals
 from irc.model import Resource, Task
 from irc.model.quantities import Number
 
@@ -22,18 +21,24 @@ class ClosedTimes:
     def __init__(self, task: Task, until: Number) -> None:
         self.until = until
         self._clock = task.clock
-        self._calendars = calendars_by_id(task)
+        self._task = task
         self._known: dict[str, tuple[Interval, ...]] = {}
         self._capacity: dict[str, Levels] = {}
 
     def of_calendar(self, name: str | None) -> tuple[Interval, ...]:
         """The closed times of a calendar, in order; none without a calendar."""
-        if name is None or name not in self._calendars:
+        if name is None:
             return ()
         if name not in self._known:
-            opened = open_intervals(self._calendars[name], self._clock, self.until)
-            self._known[name] = tuple(gaps(opened, self.until))
+            self._known[name] = tuple(self._closed(name))
         return self._known[name]
+
+    def _closed(self, name: str) -> Iterator[Interval]:
+        from irc.lowering.calendars import calendars_by_id, open_intervals
+
+        calendar = calendars_by_id(self._task).get(name)
+        if calendar is not None:
+            yield from gaps(open_intervals(calendar, self._clock, self.until), self.until)
 
     def capacity(self, resource: Resource) -> Levels:
         """The capacity of a resource from t = 0 on: by its windows, its calendar, or its own."""

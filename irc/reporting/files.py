@@ -14,11 +14,11 @@ from irc.diagnostics import did_you_mean
 from irc.driver.files import require_file, write_whole
 from irc.errors import LibraryMissing, OptionError
 from irc.model import Task
-from irc.reporting.analysis import analyse
 from irc.schedule import Schedule, dump_json
 
 if TYPE_CHECKING:
     from irc.execution.step import Step
+    from irc.reporting.analysis import Analysis
 
 HTML_REPORT = "irc.reporting.html"
 """The module with `report_html(task, schedule, previous, steps)`."""
@@ -72,31 +72,38 @@ def _html(shown: Shown) -> str:
     return page
 
 
+def _analysis(shown: Shown) -> Analysis:
+    """The analysis of a schedule; most commands write none of the files that need it."""
+    from irc.reporting.analysis import analyse
+
+    return analyse(shown.task, shown.schedule)
+
+
 def _picture(kind: str, shown: Shown) -> bytes:
     from irc.reporting.charts import picture
     from irc.reporting.gantt import gantt
 
-    return picture(gantt(analyse(shown.task, shown.schedule)), kind)
+    return picture(gantt(_analysis(shown)), kind)
 
 
 def _workbook(shown: Shown) -> bytes:
     from irc.frontends.tables.files import workbook_bytes
     from irc.reporting.sheets import workbook_sheets
 
-    return workbook_bytes(workbook_sheets(analyse(shown.task, shown.schedule)))
+    return workbook_bytes(workbook_sheets(_analysis(shown)))
 
 
 def _csv(shown: Shown) -> str:
     from irc.frontends.tables.files import csv_text
     from irc.reporting.sheets import plan_sheet
 
-    return csv_text(plan_sheet(analyse(shown.task, shown.schedule)))
+    return csv_text(plan_sheet(_analysis(shown)))
 
 
 def _markdown(shown: Shown) -> str:
     from irc.reporting.sheets import markdown
 
-    return markdown(analyse(shown.task, shown.schedule))
+    return markdown(_analysis(shown))
 
 
 def _calendar(shown: Shown) -> str:
