@@ -52,6 +52,7 @@ def shop(jobs: int) -> Task:
 def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Local search begins when CP-SAT does, and they exchange at once."""
     monkeypatch.setattr(beside, "ALONE_SECONDS", 0.0)
+    monkeypatch.setattr(beside, "ALONE_SHARE", 0.0)
     monkeypatch.setattr(beside, "EXCHANGE_SECONDS", 0.05)
 
 

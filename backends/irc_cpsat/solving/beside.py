@@ -22,7 +22,11 @@ from irc_cpsat.solving.reporting import Reporter
 from irc_cpsat.solving.solution import FoundSolution, Reached, found_of
 
 ALONE_SECONDS = 0.5
-"""CP-SAT is alone for this long."""
+ALONE_SHARE = 0.1
+MOST_ALONE_SECONDS = 1.5
+"""CP-SAT is alone for a share of the time limit, within these bounds. On a busy machine it is alone
+for longer: to load what local search needs takes longer than to prove many a task.
+"""
 
 LEAST_SECONDS = 1.5
 """With less time, it is alone throughout."""
@@ -57,6 +61,8 @@ class Beside:
         self.improving = Improving(ways, seed)
         self._reporter, self._ask = reporter, ask
         self._exchange_at = EXCHANGE_SECONDS
+        share = min(MOST_ALONE_SECONDS, ALONE_SHARE * budget.limit)
+        self._alone = max(ALONE_SECONDS, share)
         self._bound = built.problem.bounds.makespan.value
         self._best: FoundSolution | None = None
         self._best_value: int | None = None
@@ -100,7 +106,7 @@ class Beside:
         self.improving.check()
         self._take(reporter)
         elapsed = self.budget.elapsed
-        if not self.improving.has_begun and elapsed >= ALONE_SECONDS:
+        if not self.improving.has_begun and elapsed >= self._alone * self.budget.slowness:
             if self.workers == 1:
                 return True
             self.improving.start()
