@@ -92,7 +92,10 @@ def earlier_runs(path: Path | None, race: Race) -> list[Run]:
 def raced(
     options: argparse.Namespace, instances: Sequence[tuple[Instance, str]], done: Sequence[Run]
 ) -> Iterator[Run]:
-    """All runs: those that are done, then the others, one after the other."""
+    """All runs, one after the other; those that are done already are not done again.
+
+    It ends between two instances, so that all competitors have had the same ones.
+    """
     race = Race(options.seconds, options.workers)
     there = {(run.instance, run.competitor, run.seed): run for run in done}
     began = time.perf_counter()
@@ -100,11 +103,12 @@ def raced(
         runner = Runner(race, Path(name))
         paths = Path(name) / "instance.json", Path(name) / "task.json"
         for seed, (instance, task) in product(range(options.seeds), instances):
+            over = _is_over(began, options.stop_after)
             paths[0].write_text(instance.text(), "utf-8")
             paths[1].write_text(task, "utf-8")
             for competitor in options.competitors:
                 known = there.get((instance.name, competitor, seed))
-                if known is None and _is_over(began, options.stop_after):
+                if known is None and over:
                     continue
                 yield known or _kept(runner.run(competitor, instance, paths, seed), options)
 
@@ -130,8 +134,20 @@ def _kept(run: Run, options: argparse.Namespace) -> Run:
     return run
 
 
+def comparable(runs: Sequence[Run], competitors: Sequence[str]) -> list[Run]:
+    """The runs on instances that every competitor has had."""
+    had: dict[tuple[str, int], set[str]] = {}
+    for run in runs:
+        had.setdefault((run.instance, run.seed), set()).add(run.competitor)
+    return [run for run in runs if had[run.instance, run.seed] >= set(competitors)]
+
+
 def report(runs: Sequence[Run], options: argparse.Namespace, known: dict[str, int]) -> None:
     """Prints the tables, the plot, and a line for each competitor."""
+    compared = comparable(runs, options.competitors)
+    if len(compared) < len(runs):
+        print(f"{len(runs) - len(compared)} runs left out: not every competitor has had them yet")
+    runs = compared
     for family in dict.fromkeys(run.family for run in runs):
         own = [run for run in runs if run.family == family]
         count = len({run.instance for run in own})

@@ -93,3 +93,11 @@ def test_broken_files_are_named_and_skipped(tmp_path: Path) -> None:
     assert [line.split(":")[0].rsplit("/", 1)[-1] for line in found.skipped] == [
         *("binary.fjs", "broken.sm", "other.xlsx"),
     ]
+
+
+def test_only_instances_that_every_competitor_has_had_are_compared() -> None:
+    from league import comparable
+    from racing.running import Run
+
+    runs = [Run(i, "rcpsp", who, 0) for i, who in (("a", "x"), ("a", "y"), ("b", "x"))]
+    assert comparable(runs, ["x", "y"]) == runs[:2]
