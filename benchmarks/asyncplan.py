@@ -1,6 +1,6 @@
 """AsyncPlan-XXL through both targets, engines forced to run, every answer validated.
 
-    python benchmarks/asyncplan.py [--target cpsat|pddl21] [--engine E] [--data DIR]
+    python benchmarks/asyncplan.py [--target cpsat|pddl21] [--engine E] [--data DIR] [--sizes N …]
 
 For `pddl21` the planner's raw plan is judged too: each action once, every precedence met, and
 unified-planning's own validator on the emitted text.
@@ -12,6 +12,7 @@ import argparse
 import statistics
 import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from irc.diagnostics import InputError
@@ -25,10 +26,15 @@ from raw_plans import raw_plan_faults
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "asyncplan_xxl"
 
 
-def instances(data: Path) -> list[tuple[str, Task]]:
-    """All tasks of the benchmark, smallest graphs first."""
-    files = sorted(data.glob("nodes*.json"), key=lambda f: int(f.stem.removeprefix("nodes")))
-    return [pair for f in files for pair in import_asyncplan(f.read_text("utf-8"), f.name)]
+def instances(data: Path, sizes: Sequence[int] = ()) -> list[tuple[str, Task]]:
+    """All tasks of the benchmark, or those of some sizes, smallest graphs first."""
+    files = {int(f.stem.removeprefix("nodes")): f for f in data.glob("nodes*.json")}
+    return [
+        pair
+        for size, file in sorted(files.items())
+        if not sizes or size in sizes
+        for pair in import_asyncplan(file.read_text("utf-8"), file.name)
+    ]
 
 
 def main() -> None:
@@ -38,11 +44,12 @@ def main() -> None:
     parser.add_argument("--engine", default="auto")
     parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--seconds", type=float, default=30.0)
+    parser.add_argument("--sizes", type=int, nargs="*", default=[], help="of these sizes alone")
     options = parser.parse_args()
     how = SolveOptions(options.target, options.engine, options.seconds, workers=1, shortcut=False)
     counts: Counter[str] = Counter()
     seconds = []
-    for name, task in instances(options.data):
+    for name, task in instances(options.data, options.sizes):
         began = time.perf_counter()
         counts["tasks"] += 1
         try:
