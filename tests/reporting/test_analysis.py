@@ -38,6 +38,8 @@ def test_orders_are_what_a_second_computation_finds(seed: int) -> None:
     for row in analysis.orders:
         for field, value in expected[row.order].items():
             assert getattr(row, field) == value, (row.order, field)
+    tardiness = next(o.value for o in analysis.schedule.objective if o.name == "tardiness")
+    assert sum(row.weight * (row.tardiness or 0) for row in analysis.orders) == tardiness
 
 
 @pytest.mark.parametrize("seed", SHOPS)
