@@ -6,6 +6,7 @@ beside the sources. Set IRC_SITE_SOLVE=0 to leave out the answers to the example
 
 from __future__ import annotations
 
+import json
 import os
 import posixpath
 import re
@@ -19,6 +20,7 @@ from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
+NOTEBOOKS = ROOT / "docs" / "notebooks"
 
 COPIES = {
     "README.md": "index.md",
@@ -46,6 +48,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         if answer is not None and answer.svg is not None and answer.report is not None:
             made[f"examples/{example.stem}.svg"] = answer.svg
             made[f"examples/{example.stem}.report.html"] = answer.report
+    for notebook in sorted(NOTEBOOKS.glob("*.ipynb")):
+        made[f"notebooks/{notebook.stem}.md"] = "\n".join(_notebook(notebook))
     made["reference/commands.md"] = "\n".join(_commands())
     made["reference/api.md"] = "\n".join(_api())
     for page, text in made.items():
@@ -158,6 +162,25 @@ def _gallery(answers: dict[Path, Answer]) -> Iterator[str]:
             yield ""
             yield f"[![The Gantt chart of {title}]({example.stem}.svg)]({example.stem}.md)"
             yield ""
+
+
+def _notebook(path: Path) -> Iterator[str]:
+    """The cells of an executed notebook, with what they print and show."""
+    for cell in json.loads(path.read_text("utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        if cell["cell_type"] == "markdown":
+            yield f"{source}\n"
+            continue
+        yield f"```python\n{source}\n```\n"
+        for output in cell["outputs"]:
+            data = output.get("data", {})
+            if "text/html" in data:
+                # (A blank line would end the HTML.)
+                lines = "".join(data["text/html"]).splitlines()
+                yield "<div>" + "\n".join(line for line in lines if line.strip()) + "</div>\n"
+            elif text := "".join(output.get("text", data.get("text/plain", []))):
+                yield f"```text\n{text.rstrip()}\n```\n"
+    yield f"[The notebook as a file]({path.name})"
 
 
 # --- references ---
