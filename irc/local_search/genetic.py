@@ -301,10 +301,27 @@ def _lacking(project: Project, work: Ints) -> int:
         way = work[WAY, i]
         for k in range(project[USED_AT][way], project[USED_AT][way + 1]):
             work[LEFT, project[STOCK][k]] -= project[USED][k]
+    return _missing(project, work)
+
+
+@compiled
+def _missing(project: Project, work: Ints) -> int:
+    """The stock that is missing, as the row `LEFT` has it."""
     total = 0
-    for s in range(stocks):
+    for s in range(len(project[AVAILABLE])):
         total += max(0, -work[LEFT, s])
     return total
+
+
+@compiled
+def _change(project: Project, work: Ints, i: int, way: int) -> None:
+    """Gives an activity another way, and the row `LEFT` what follows from it."""
+    old = work[WAY, i]
+    for k in range(project[USED_AT][old], project[USED_AT][old + 1]):
+        work[LEFT, project[STOCK][k]] += project[USED][k]
+    for k in range(project[USED_AT][way], project[USED_AT][way + 1]):
+        work[LEFT, project[STOCK][k]] -= project[USED][k]
+    work[WAY, i] = way
 
 
 @compiled
@@ -348,10 +365,10 @@ def _supply(project: Project, work: Ints) -> None:
         if count == 1:
             continue
         old = work[WAY, i]
-        work[WAY, i] = first + _draw(work, count)
-        now = _lacking(project, work)
+        _change(project, work, i, first + _draw(work, count))
+        now = _missing(project, work)
         if now > lacking:
-            work[WAY, i] = old
+            _change(project, work, i, old)
         else:
             lacking = now
 
