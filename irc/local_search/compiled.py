@@ -44,6 +44,24 @@ def compiled(function: Function) -> Function:
         return _NUMBA.njit(nogil=True)(function)  # type: ignore[no-any-return]
 
 
+MOST_LOOPS = 60
+"""More than there are compiled functions in a module."""
+
+
+def kept_or_not(call: Callable[..., Any], *args: Any) -> Any:
+    """The result of a compiled function, also where what it compiles cannot be kept.
+
+    numba has compiled a function, and will not do so again, when it fails to write it to a file: on
+    a full disk, or where the folder is gone. So each try gets at least one function further.
+    """
+    for _ in range(MOST_LOOPS):
+        try:
+            return call(*args)
+        except OSError:
+            continue
+    return call(*args)
+
+
 def ints(values: Iterable[int]) -> Ints:
     """Whole numbers as loops take them."""
     import numpy

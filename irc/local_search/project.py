@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
-from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, table
+from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
 from irc.local_search.genetic import (
     BEST,
     BEST_START,
@@ -72,7 +72,16 @@ class ProjectSearch:
         rooms = self._lists, self._ways, self._values
         while self._given:
             self._take(*self._given.pop())
-        evolve(self.project, self._held, self._work, self._use, *rooms, self._births, self.target)
+        kept_or_not(
+            evolve,
+            self.project,
+            self._held,
+            self._work,
+            self._use,
+            *rooms,
+            self._births,
+            self.target,
+        )
         if counts[BIRTHS] - counts[IMPROVED_AT] > PATIENCE * POPULATION:
             counts[BIRTHS] = counts[IMPROVED_AT] = 0
             self._members = 0
@@ -102,14 +111,14 @@ class ProjectSearch:
     def _add(self) -> None:
         """Adds a member to the population that is drawn at random."""
         spread = SPREAD if self._members else 0
-        value = draw(self.project, self._held, self._work, self._use, spread)
-        store(self._work, self._lists, self._ways, self._values, self._members, value)
+        value = kept_or_not(draw, self.project, self._held, self._work, self._use, spread)
+        kept_or_not(store, self._work, self._lists, self._ways, self._values, self._members, value)
         self._members += 1
 
     def _take(self, order: Ints, ways: Ints) -> None:
-        value = take(self.project, self._held, self._work, self._use, order, ways)
+        value = kept_or_not(take, self.project, self._held, self._work, self._use, order, ways)
         worst = int(self._values.argmax())
-        store(self._work, self._lists, self._ways, self._values, worst, value)
+        kept_or_not(store, self._work, self._lists, self._ways, self._values, worst, value)
 
 
 def _project(ways: Ways) -> tuple[Project, Ints]:

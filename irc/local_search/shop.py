@@ -18,7 +18,7 @@ from itertools import accumulate
 from random import Random
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
-from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, table
+from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
 from irc.local_search.dispatch import dispatched
 from irc.local_search.tabu import (
     BEST,
@@ -129,7 +129,9 @@ class ShopSearch:
         if not self._begun:
             self._begin()
         walk = self._walk
-        search(self.machines.shop, walk, self._tabu, self._steps, PATIENCE, self.target)
+        kept_or_not(
+            search, self.machines.shop, walk, self._tabu, self._steps, PATIENCE, self.target
+        )
         if self.best is None or walk[COUNTS, BEST] < self.best.value:
             self.best = self._solution()
         if walk[COUNTS, STEP] - walk[COUNTS, IMPROVED_AT] >= PATIENCE:
@@ -161,7 +163,9 @@ class ShopSearch:
             start = self._drawn()
         else:
             start = self._between(*self._random.sample(self._elite, 2))
-        load(self.machines.shop, self._walk, self._tabu, ints(start.order), ints(start.ways))
+        kept_or_not(
+            load, self.machines.shop, self._walk, self._tabu, ints(start.order), ints(start.ways)
+        )
         self._begun = True
 
     def _keep(self, solution: Solution) -> None:

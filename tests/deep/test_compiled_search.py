@@ -1,0 +1,54 @@
+"""Compiled by numba, local search takes the same steps as in plain Python."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from paths import ROOT
+
+SCRIPT = """
+import json, sys
+from builders import after_passes
+from irc.local_search import compiled, project as projects, shop as shops
+from irc.local_search.search import search_of
+from local_search_tasks import job_shop, project, with_stock
+
+assert compiled.IS_COMPILED == (sys.argv[1] == "0")
+shops._ACTIVITY_STEPS, projects._ACTIVITY_BIRTHS = 3_000, 2_000
+seed = int(sys.argv[2])
+found = []
+for document in (job_shop(seed), job_shop(seed, flexible=True), project(seed), with_stock(seed)):
+    search = search_of(after_passes(document), seed, target=0)
+    for _ in range(3):
+        search.step()
+    decisions, pools = search.found()
+    found.append([search.value, [[d.start, d.mode] for d in decisions], pools])
+print(json.dumps(found))
+"""
+
+
+def found(seed: int, disabled: str) -> Any:
+    """What searches find with numba, or without."""
+    path = os.pathsep.join([str(ROOT / "tests"), os.environ.get("PYTHONPATH", "")])
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT, disabled, str(seed)],
+        env={**os.environ, "NUMBA_DISABLE_JIT": disabled, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
+    return json.loads(run.stdout)
+
+
+def test_both_find_the_same(seeds: Iterator[int]) -> None:
+    pytest.importorskip("numba")
+    for seed in seeds:
+        assert found(seed, "0") == found(seed, "1")
