@@ -25,9 +25,7 @@ from irc.local_search.genetic import (
     store,
     take,
 )
-from irc.local_search.ways import Found, NotApplicable, Ways
-
-MOST_ACTIVITIES = 20_000
+from irc.local_search.ways import Found, Ways
 
 POPULATION = 60
 PATIENCE = 100
@@ -122,10 +120,8 @@ class ProjectSearch:
 
 
 def _project(ways: Ways) -> tuple[Project, Ints]:
-    """The arrays of a problem. Raises `NotApplicable`."""
+    """The arrays of a problem, and the room that what each way holds needs: see `_is_full`."""
     problem = ways.problem
-    if len(problem.activities) > MOST_ACTIVITIES:
-        raise NotApplicable("it has too many activities")
     flat = [way for own in ways.of for way in own]
     pools = problem.contention.pools
     held = [(r, pools[r].capacity - n, n) for way in flat for r, n in way.held]

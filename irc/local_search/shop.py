@@ -42,10 +42,9 @@ from irc.local_search.tabu import (
     load,
     search,
 )
-from irc.local_search.ways import Found, NotApplicable, Ways, units_of
+from irc.local_search.ways import Found, Ways, units_of
 from irc.problem.decisions import Decision
 
-MOST_ACTIVITIES = 20_000
 MOST_ARCS = 1 << 22
 
 ELITE = 8
@@ -81,8 +80,6 @@ class Machines:
 def machines_of(ways: Ways) -> Machines:
     """The shop of a problem. Raises `NotApplicable`."""
     problem = ways.problem
-    if len(problem.activities) > MOST_ACTIVITIES:
-        raise NotApplicable("it has too many activities")
     units = units_of(ways)
     first = [0, *accumulate(units)]
     way_at, machine, lasts, numbers = [0], list[int](), list[int](), list[int]()

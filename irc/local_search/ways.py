@@ -21,6 +21,8 @@ from irc.problem.horizon import safe_horizon
 MOST_WAYS = 200
 """The greatest number of ways of an activity."""
 
+MOST_ACTIVITIES = 10_000
+
 LATEST_TIME = 1 << 50
 """Sums of times must stay below this."""
 
@@ -128,7 +130,26 @@ def _others(element: Any, known: frozenset[str]) -> Iterator[str]:
             yield one.name.replace("_", " ")
 
 
+def may_apply(problem: Problem) -> bool:
+    """Whether nothing but single activities could rule local search out; a quick test."""
+    return next(_general_reasons(problem), None) is None
+
+
 def _reasons_against(problem: Problem) -> Iterator[str]:
+    yield from _general_reasons(problem)
+    if any(arc.max_lag is not None for arc in problem.arcs):
+        yield "it has maximum lags"
+    if any(not a.from_end or a.to_end or a.min_lag < 0 for a in problem.arcs):
+        yield "lags count from other points than an end to a start, or are negative"
+    for activity in problem.activities:
+        yield from _reasons_against_activity(activity)
+    if safe_horizon(problem) > LATEST_TIME:
+        yield "its times are too large"
+
+
+def _general_reasons(problem: Problem) -> Iterator[str]:
+    if len(problem.activities) > MOST_ACTIVITIES:
+        yield "it has too many activities"
     if problem.objectives[0] != "makespan":
         yield f"the first objective is {problem.objectives[0]}"
     for name in _others(problem, _OF_PROBLEMS):
@@ -140,16 +161,8 @@ def _reasons_against(problem: Problem) -> Iterator[str]:
         yield "a group may be absent"
     if any(problem.previous.places):
         yield "there is a previous plan"
-    if any(arc.max_lag is not None for arc in problem.arcs):
-        yield "it has maximum lags"
-    if any(not a.from_end or a.to_end or a.min_lag < 0 for a in problem.arcs):
-        yield "lags count from other points than an end to a start, or are negative"
     if any(r.least > r.initial for r in problem.reservoirs):
         yield "stock is missing from the beginning"
-    for activity in problem.activities:
-        yield from _reasons_against_activity(activity)
-    if safe_horizon(problem) > LATEST_TIME:
-        yield "its times are too large"
 
 
 def _reasons_against_activity(activity: Activity) -> Iterator[str]:

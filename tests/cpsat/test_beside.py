@@ -11,7 +11,6 @@ from ortools.sat.python import cp_model
 
 from builders import Document, act, problem_for_cpsat
 from irc.driver.solve import solve_by, solve_task
-from irc.local_search.ways import ways_of
 from irc.model import Task
 from irc.passes.unroll import unroll
 from irc.problem import Problem
@@ -87,8 +86,7 @@ def run(
     def reporter() -> Reporter:
         return Reporter("ortools", built, "makespan", (), budget, tell)
 
-    ways = ways_of(problem)
-    both = Beside(builder, built, ways, 0, workers, budget, reporter, without_answer)
+    both = Beside(builder, built, problem, 0, workers, budget, reporter, without_answer)
     return *both.run(), built
 
 
@@ -171,6 +169,6 @@ def test_what_local_search_raises_reaches_the_caller(monkeypatch: pytest.MonkeyP
     def fails(*_: Any) -> Any:
         raise OSError("no room to compile in")
 
-    monkeypatch.setattr("irc_cpsat.solving.improving.search_with", fails)
+    monkeypatch.setattr("irc_cpsat.solving.improving.search_of", fails)
     with pytest.raises(OSError, match="no room"):
         run(problem_for_cpsat(shop(5)).with_bound(1, "nothing"))

@@ -13,7 +13,7 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.local_search.ways import Ways
+from irc.problem import Problem
 from irc.targets import Budget, EngineFailed
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.hints import hint_at
@@ -50,7 +50,7 @@ class Beside:
         self,
         builder: Builder,
         built: Model,
-        ways: Ways,
+        problem: Problem,
         seed: int,
         workers: int,
         budget: Budget,
@@ -58,7 +58,7 @@ class Beside:
         ask: Ask,
     ) -> None:
         self.builder, self.built, self.workers, self.budget = builder, built, workers, budget
-        self.improving = Improving(ways, seed)
+        self.improving = Improving(problem, seed)
         self._reporter, self._ask = reporter, ask
         self._exchange_at = EXCHANGE_SECONDS
         share = min(MOST_ALONE_SECONDS, ALONE_SHARE * budget.limit)
@@ -68,6 +68,7 @@ class Beside:
         self._best_value: int | None = None
         self._told: int | None = None
         self._ended = False
+        self._has_searched = False
 
     def run(self) -> tuple[Any, Reached]:
         """The status, and the best schedule with the best bound."""
@@ -107,9 +108,11 @@ class Beside:
         self._take(reporter)
         elapsed = self.budget.elapsed
         if not self.improving.has_begun and elapsed >= self._alone * self.budget.slowness:
-            if self.workers == 1:
-                return True
-            self.improving.start()
+            if self.workers > 1:
+                self.improving.start()
+            elif not self._has_searched:
+                self._has_searched = True
+                return self.improving.begin()
         value = self.improving.value
         if value is None:
             return False
@@ -140,7 +143,7 @@ class Beside:
 
     def _exchange(self) -> None:
         """Makes the model begin from the best schedule; with one worker, searches for it now."""
-        if self.workers == 1 and not self.improving.has_begun:
+        if self.workers == 1 and self.improving.value is None:
             self._search_alone()
         while self._exchange_at <= self.budget.elapsed:
             self._exchange_at *= EXCHANGE_FACTOR

@@ -11,7 +11,7 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.diagnostics import Code, Diagnostic
-from irc.local_search.ways import NotApplicable, Ways, ways_of
+from irc.local_search.ways import may_apply
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
@@ -71,7 +71,7 @@ class DeepeningSearch:
         self._least = min(_LEAST_SECONDS, budget.limit)
         self.bounds, self.hints, self.improves = bounds, hints, improves
         self._builder: Builder | None = None
-        self._ways: Ways | None = None
+        self._improved: Problem | None = None
 
     def run(self) -> Outcome:
         """The outcome at the first depth with a schedule, or at one that leaves nothing out."""
@@ -95,7 +95,9 @@ class DeepeningSearch:
         found = self._listed(unrolled, budget)
         builder = Builder(unrolled, self.bounds, self.hints, found=found)
         builder.is_over = lambda: self.budget.is_over
-        self._builder, self._ways = builder, self._ways_of(unrolled)
+        self._builder = builder
+        wanted = self.improves and self.hints and may_apply(unrolled)
+        self._improved = unrolled if wanted else None
         try:
             built = write_model(builder)
         except OutOfTimeError as error:
@@ -171,22 +173,22 @@ class DeepeningSearch:
         if budget.is_cancelled:
             return cp_model.UNKNOWN, Reached(0)
         budget = budget.at_least(self._least)
-        if self._ways is not None and not earlier and budget.left > LEAST_SECONDS:
-            return self._beside(built, objective, self._ways, budget)
+        if self._improved is not None and not earlier and budget.left > LEAST_SECONDS:
+            return self._beside(built, objective, self._improved, budget)
         solver = self._solver(self.options.workers)
         if self.options.on_progress is None:
             return asked(solver, built.model, budget), solver
         return self._reporter(built, objective, earlier).asked(solver, budget), solver
 
     def _beside(
-        self, built: Model, objective: str, ways: Ways, budget: Budget
+        self, built: Model, objective: str, problem: Problem, budget: Budget
     ) -> tuple[Any, Answer]:
         """The status and the answer of CP-SAT and local search together."""
         assert self._builder is not None
         beside = Beside(
             self._builder,
             built,
-            ways,
+            problem,
             self.options.seed,
             self.options.workers or os.cpu_count() or 1,
             budget,
@@ -214,15 +216,6 @@ class DeepeningSearch:
         # (Of actions that repeat a model holds some occurrences; more might do better.)
         reporter.proves = all(a.details.repeats is None for a in self.problem.activities)
         return reporter
-
-    def _ways_of(self, problem: Problem) -> Ways | None:
-        """The ways that local search reads from a problem; None where there is no use for it."""
-        if not (self.improves and self.hints) or problem.objectives[0] != "makespan":
-            return None
-        try:
-            return ways_of(problem)
-        except NotApplicable:
-            return None
 
 
 def _is_exhausted(problem: Problem, best: Outcome, depth: int) -> bool:

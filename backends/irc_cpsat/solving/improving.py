@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from threading import Event, Thread
 
-from irc.local_search.search import LocalSearch, search_with
-from irc.local_search.ways import Found, Ways
+from irc.local_search.search import LocalSearch, search_of
+from irc.local_search.ways import Found, NotApplicable
 from irc.problem import Problem
 
 _PATIENCE_SECONDS = 0.5
@@ -15,24 +15,20 @@ _PATIENCE_SECONDS = 0.5
 class Improving:
     """A local search of a problem. `value` is the makespan of `found`, the best schedule so far.
 
-    Schedules that end after the deadline or the horizon do not count. An exception of the search is
+    It finds none where the problem has something that it does not know about. Schedules that end
+    after the deadline or the horizon do not count. An exception of the search is
     raised by `check`.
     """
 
-    def __init__(self, ways: Ways, seed: int) -> None:
+    def __init__(self, problem: Problem, seed: int) -> None:
         self.value: int | None = None
         self.found: Found | None = None
-        self._ways, self._seed = ways, seed
+        self.problem, self._seed = problem, seed
         self._given: Found | None = None
         self._error: BaseException | None = None
         self._ended = Event()
         self._thread: Thread | None = None
         self._search: LocalSearch | None = None
-
-    @property
-    def problem(self) -> Problem:
-        """The problem that is searched."""
-        return self._ways.problem
 
     @property
     def _limits(self) -> list[int]:
@@ -66,10 +62,17 @@ class Improving:
         if self._error is not None:
             raise self._error
 
+    def begin(self) -> bool:
+        """Reads the problem; False where it has something that the search does not know about."""
+        try:
+            self._search = search_of(self.problem, self._seed)
+        except NotApplicable:
+            return False
+        return True
+
     def step(self) -> bool:
         """Searches on for a little while, in the caller's thread; False: the bound is met."""
-        if self._search is None:
-            self._search = search_with(self._ways, self._seed)
+        assert self._search is not None
         if (given := self._given) is not None:
             self._given = None
             self._search.give(given)
@@ -84,7 +87,8 @@ class Improving:
 
     def _run(self) -> None:
         try:
-            while not self._ended.is_set() and self.step():
-                pass
+            going = self.begin()
+            while going and not self._ended.is_set():
+                going = self.step()
         except BaseException as error:  # noqa: BLE001 - `check` raises it where the call waits
             self._error = error
