@@ -8,6 +8,7 @@ from irc.model.times import format_number
 from irc.reporting.analysis import Analysis
 from irc.reporting.html.clock import clock_text
 from irc.reporting.html.tables import percent_text
+from irc.reporting.tables import zone_name
 from irc.schedule import ObjectiveValue, Schedule, Status
 
 Figure = tuple[str, str, str]
@@ -73,10 +74,10 @@ def _moved(analysis: Analysis, before: Analysis | None) -> str:
 def made_text(schedule: Schedule, analysis: Analysis) -> str:
     """A line on where the schedule is from: its first and last time, target and engine."""
     begin = clock_text(analysis.dates, min((e.start for e in schedule.entries), default=0))
-    zone = "" if analysis.dates is None else str(analysis.dates.at(0).tzname() or "")
+    zone = "" if zone_name(analysis) == "none" else f" ({zone_name(analysis)})"
     parts = []
     if begin:
-        parts.append(f"from {begin} to {clock_text(analysis.dates, schedule.makespan)} {zone}")
+        parts.append(f"from {begin} to {clock_text(analysis.dates, schedule.makespan)}{zone}")
     if schedule.status in (Status.OPTIMAL, Status.FEASIBLE) and schedule.target:
         engine = f", {schedule.engine}" if schedule.engine else ""
         took = "" if schedule.seconds is None else f", in {schedule.seconds:g} s"

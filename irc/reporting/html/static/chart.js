@@ -47,6 +47,8 @@ class Chart extends Drawing {
     this.size(width, height);
     this.spacer.style.height = `${Math.max(0, this.total + AXIS - height)}px`;
     const ratio = window.devicePixelRatio || 1;
+    this.overview.style.marginLeft = `${this.gutter}px`;
+    this.overview.style.width = `calc(100% - ${this.gutter}px)`;
     this.overview.width = Math.round(this.overview.clientWidth * ratio);
     this.overview.height = Math.round(44 * ratio);
     this.area = null;
