@@ -211,6 +211,8 @@ def read(task: Task) -> Plain:
         raise ValueError("this oracle does not know calendars or pauses")
     if any(resource.setups for resource in task.resources):
         raise ValueError("this oracle does not know set-ups")
+    if task.sequences or any(r.kind == "batch" or r.no_idle for r in task.resources):
+        raise ValueError("this oracle does not know orders of uses, loads or idle time")
     if task.couplings or task.select:
         raise ValueError("this oracle does not know couplings or selections")
     for objective in task.objective:
