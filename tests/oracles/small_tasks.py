@@ -67,8 +67,8 @@ def best_of(document: Document) -> Vector | None:
     if unknown:
         raise ValueError(f"this oracle does not know {sorted(unknown)}")
     best: Vector | None = None
-    for chosen in _choices(document):
-        found = _Placement(document, chosen, best).run()
+    for chosen in choices(document):
+        found = Placement(document, chosen, best).run()
         best = found if found is not None else best
     return None if best is None else _shown(document, best)
 
@@ -91,7 +91,7 @@ def _shown(document: Document, vector: Vector) -> Vector:
     return tuple(-v if o == "maximize_reward" else v for v, o in zip(vector, levels, strict=True))
 
 
-def _choices(document: Document) -> Iterator[dict[str, Choice]]:
+def choices(document: Document) -> Iterator[dict[str, Choice]]:
     """Every choice of presence, modes and resources that keeps groups, couplings and selections."""
     options = [_options(document, action) for action in document["actions"]]
     names = [action["id"] for action in document["actions"]]
@@ -199,7 +199,7 @@ def _all_resources(action: Document) -> set[str]:
 
 
 @dataclass
-class _Placement:
+class Placement:
     """Places the chosen actions one after another, at every start."""
 
     document: Document
@@ -210,6 +210,12 @@ class _Placement:
 
     def run(self) -> Vector | None:
         """The best values with these choices, if they are better than the best so far."""
+        self.prepare()
+        self._place(list(self.actions))
+        return self.found
+
+    def prepare(self) -> None:
+        """Looks up what the document says."""
         document = self.document
         self.actions = {a["id"]: a for a in document["actions"] if a["id"] in self.chosen}
         self.levels = _objectives(document)
@@ -225,8 +231,6 @@ class _Placement:
         self.horizon = max([0, *dates]) + work + lags
         if "deadline" in document:
             self.horizon = min(self.horizon, document["deadline"])
-        self._place(list(self.actions))
-        return self.found
 
     def _place(self, left: Sequence[str]) -> None:
         vector = self._vector()
@@ -283,6 +287,12 @@ class _Placement:
                 if (start, last) != (begin, end) or not alike:
                     return False
         return True
+
+    def holds(self, starts: Mapping[str, int]) -> tuple[bool, bool]:
+        """Whether the orders of uses hold at these starts, and whether loads do."""
+        self.starts = dict(starts)
+        loads = (self._one_load(n, r) for n in starts for r in self.batches)
+        return self._orders_hold(), all(loads)
 
     def _orders_hold(self) -> bool:
         for rule in self.document.get("sequences", ()):
