@@ -68,6 +68,9 @@ _OPENING = {
     **dict.fromkeys(("CANCEL_GROUP", "SET_DEADLINE_OF_GROUP", "OF_GROUP"), _GROUPS),
     **dict.fromkeys(("NEEDS", "SETS", "SET_STATE"), _VARIABLES),
     **dict.fromkeys(("GOAL", "SET_GOALS"), _GOALS),
+    **dict.fromkeys({*RULES.values()} - {"SAME_ORDER", "SELECT"}, _ACTIONS),
+    **dict.fromkeys(("OF", "IF", "THEN", "JOBS"), _ACTIONS),
+    "SAME_ORDER": _RESOURCES,
     "UNIT": _Wanted(words=_UNITS),
 }
 """The kinds of names that follow a word."""

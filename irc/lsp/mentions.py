@@ -58,11 +58,42 @@ def _parts(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
     for pointer, group in _objects(holder, "groups", at):
         yield from _name(group, "id", pointer, Kind.GROUP, declares=True)
         yield from _names(group, "actions", pointer, Kind.ACTION)
+    yield from _rules(holder, at)
     for pointer, goal in _items(holder, "goals", at):
         if isinstance(goal, str):
             yield Mention(Kind.ACTION, goal, pointer)
         elif isinstance(goal, Mapping):
             yield from _fact(goal, pointer)
+
+
+def _rules(holder: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
+    """The names in couplings, selections and orders of uses."""
+    groups = {group.get("id") for _, group in _objects(holder, "groups", at)}
+    for pointer, coupling in _objects(holder, "couplings", at):
+        yield from _names(coupling, "actions", pointer, Kind.ACTION)
+        members = [place for place, _ in _objects(coupling, "actions", pointer)]
+        made = [(*pointer, key) for key in ("if", "then")]
+        chosen = [one for _, one in _objects(coupling, "actions", pointer)]
+        chosen += [coupling.get(key) or {} for key in ("if", "then")]
+        for place, one in zip((*members, *made), chosen, strict=True):
+            if isinstance(one, Mapping):
+                yield from _name(one, "action", place, Kind.ACTION)
+                yield from _name(one, "resource", place, Kind.RESOURCE)
+    for pointer, selection in _objects(holder, "select", at):
+        for mention in (
+            *_names(selection, "actions", pointer, Kind.ACTION),
+            *_name(selection, "if", pointer, Kind.ACTION),
+        ):
+            of_group = mention.name in groups
+            yield Mention(Kind.GROUP, mention.name, mention.pointer) if of_group else mention
+    for pointer, order in _objects(holder, "sequences", at):
+        yield from _names(order, "consecutive", pointer, Kind.ACTION)
+        yield from _name(order, "resource", pointer, Kind.RESOURCE)
+        yield from _names(order, "same_order", pointer, Kind.RESOURCE)
+        for place, job in _items(order, "jobs", pointer):
+            for k, name in enumerate(job if isinstance(job, (list, tuple)) else ()):
+                if isinstance(name, str):
+                    yield Mention(Kind.ACTION, name, (*place, k))
 
 
 def _action(action: Mapping[str, Any], at: Pointer) -> Iterator[Mention]:
