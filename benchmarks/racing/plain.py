@@ -169,6 +169,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processor-seconds", type=float, default=0.0)
     options = parser.parse_args()
     with open(options.instance, encoding="utf-8") as file:
         instance = json.load(file)
@@ -177,6 +178,10 @@ def main() -> None:
     solver.parameters.max_time_in_seconds = options.seconds
     solver.parameters.num_workers = options.workers
     solver.parameters.random_seed = options.seed
+    if options.processor_seconds:
+        from racing.spending import when_spent
+
+        when_spent(options.processor_seconds, solver.stop_search)
     trace = Trace()
     solver.best_bound_callback = trace.on_bound
     status = solver.solve(model, trace)

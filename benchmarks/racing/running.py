@@ -19,7 +19,8 @@ HERE = Path(__file__).resolve().parent
 ENOUGH = 0.9
 """A run that was not proven and had less than this part of its processor time is done again."""
 MOST_RUNS = 3
-MOST_PACE = 6.0
+MOST_PACE = 20.0
+"""On a busy machine, a run gets up to that many times the wall-clock time."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,8 @@ class Runner:
 
     def __init__(self, race: Race, folder: Path) -> None:
         self.race, self.folder = race, folder
-        self._pace = 1.0
+        waiting = (os.getloadavg()[0] + race.workers) / max(race.workers, os.cpu_count() or 1)
+        self._pace = min(MOST_PACE, max(1.0, waiting))
 
     def run(self, name: str, instance: Instance, paths: tuple[Path, Path], seed: int) -> Run:
         """The run of a competitor; again, with more time, where others took the processor."""
@@ -84,8 +86,9 @@ class Runner:
             if found.proven or found.fault or not wanted or share >= ENOUGH:
                 break
             self._pace = min(MOST_PACE, self._pace / max(share, 1 / MOST_PACE))
-        # (The next run tries with a little less again.)
-        self._pace = max(1.0, self._pace * min(1.0, 1.05 / max(share, 0.2)))
+        if not found.proven and share >= ENOUGH:
+            # (The others are likely to need about as long.)
+            self._pace = min(MOST_PACE, max(1.0, 1.3 * found.wall / self.race.seconds))
         return found
 
     def _once(
@@ -96,6 +99,7 @@ class Runner:
         arguments = [
             *command(name, *paths),
             *("--seconds", str(limit)),
+            *("--processor-seconds", str(self.race.processor_seconds)),
             *("--workers", str(self.race.workers)),
             *("--seed", str(seed)),
         ]

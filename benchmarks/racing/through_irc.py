@@ -13,6 +13,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from racing.spending import when_spent
+
 WITHOUT = ("bounds", "hints", "improves", "destructive")
 """What can be switched off: what the compiler adds to the model, its list schedule, the local
 search beside CP-SAT, the search for destructive bounds."""
@@ -27,6 +29,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processor-seconds", type=float, default=0.0)
     options = parser.parse_args()
     unknown = {*options.parts.split("+")} - {*WITHOUT, "all"}
     if unknown:
@@ -39,7 +42,7 @@ def main() -> None:
 def _solved(options: argparse.Namespace) -> dict[str, Any]:
     from irc.driver.solve import solve_by, solve_task
     from irc.frontends.files import read_task
-    from irc.targets import Progress, SolveOptions, get_backend
+    from irc.targets import Cancellation, Progress, SolveOptions, get_backend
 
     def tell(progress: Progress) -> None:
         bound = None if progress.bound is None else int(progress.bound)
@@ -48,8 +51,14 @@ def _solved(options: argparse.Namespace) -> dict[str, Any]:
 
     off: set[str] = set() if options.parts == "all" else set(options.parts.split("+"))
     task = read_task(str(options.task)).task
+    spent = Cancellation()
+    when_spent(options.processor_seconds, spent.cancel)
     asked = SolveOptions(
-        time_limit=options.seconds, workers=options.workers, seed=options.seed, on_progress=tell
+        time_limit=options.seconds,
+        workers=options.workers,
+        seed=options.seed,
+        on_progress=tell,
+        cancel=spent,
     )
     if off:
         from irc_cpsat.engines import OrTools

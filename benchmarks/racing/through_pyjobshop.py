@@ -9,19 +9,23 @@ import argparse
 import json
 import time
 from importlib import import_module
-from typing import Any
+from typing import Any, ClassVar
 
 from ortools.sat.python import cp_model
 from pyjobshop import Model
 
 from racing.plain import Trace
+from racing.spending import when_spent
 
 
 class TracingSolver(cp_model.CpSolver):
     """A solver that prints each better schedule and bound; PyJobShop itself keeps the last only."""
 
+    processor_seconds: ClassVar[float] = 0.0
+
     def solve(self, model: cp_model.CpModel, solution_callback: Any = None) -> Any:
         """Solves with the callback that prints."""
+        when_spent(self.processor_seconds, self.stop_search)
         trace = Trace()
         self.best_bound_callback = trace.on_bound
         return super().solve(model, solution_callback or trace)
@@ -56,7 +60,9 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processor-seconds", type=float, default=0.0)
     options = parser.parse_args()
+    TracingSolver.processor_seconds = options.processor_seconds
     with open(options.instance, encoding="utf-8") as file:
         instance = json.load(file)
     model = model_of(instance)
