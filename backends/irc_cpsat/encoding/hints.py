@@ -37,6 +37,12 @@ def hint_at(builder: Builder, built: Model, found: Hint) -> None:
     built.hint = found
 
 
+def without_hint(built: Model) -> None:
+    """Takes the hint out of a model; the schedule stays known as `built.hint`."""
+    model: Any = built.model  # (This method of ortools has no types.)
+    model.clear_hints()
+
+
 def _add_assignment(
     builder: Builder, built: Model, places: Sequence[Decision | Placed], takes: Takes
 ) -> None:

@@ -18,6 +18,7 @@ from irc.schedule import Status
 from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
+from irc_cpsat.encoding.hints import without_hint
 from irc_cpsat.solving.asking import asked, solver_for
 from irc_cpsat.solving.beside import LEAST_SECONDS, Beside
 from irc_cpsat.solving.depth import (
@@ -47,6 +48,9 @@ _MOVES = 40
 _STATE_WORKERS = 8
 """With state, which of CP-SAT's searches succeeds differs from task to task: with fewer workers
 than this it leaves the better ones out, whatever the number of processors."""
+
+_HINTED_FROM = 1_000
+"""Of fewer activities CP-SAT soon has a schedule of its own."""
 
 _LEAST_SECONDS = 0.1
 """The least time for one model, or the whole limit if that is less."""
@@ -105,6 +109,8 @@ class DeepeningSearch:
             seconds = self.budget.elapsed
             return Outcome(Status.UNKNOWN, self.engine, notes=(note,), seconds=seconds)
         complete_hint(built, budget)
+        if not _hint_helps(unrolled, built):
+            without_hint(built)
         if built.hint is not None and self.options.on_progress is not None:
             tell_hint(self.engine, built, self.budget, self.options.on_progress)
         try:
@@ -216,6 +222,20 @@ class DeepeningSearch:
         # (Of actions that repeat a model holds some occurrences; more might do better.)
         reporter.proves = all(a.details.repeats is None for a in self.problem.activities)
         return reporter
+
+
+def _hint_helps(problem: Problem, built: Model) -> bool:
+    """Whether CP-SAT is to begin from the list schedule that is known of a problem.
+
+    From its own first schedules it comes to better ones sooner; the horizon, which is no later than
+    the list schedule, keeps it from worse ones (docs/benchmarks.md). A list schedule that meets the
+    bound is the answer, and of a large problem it may be the only schedule for a long time.
+    """
+    if built.hint is None or not problem.is_plain or problem.objectives[0] != "makespan":
+        return True
+    reached = max((int(decision.end) for decision in built.hint[0]), default=0)
+    met = reached <= problem.bounds.makespan.value
+    return met or len(problem.activities) >= _HINTED_FROM or any(problem.previous.places)
 
 
 def _is_exhausted(problem: Problem, best: Outcome, depth: int) -> bool:
