@@ -47,7 +47,10 @@ class Page {
     byId("changes-switch").hidden = !this.now.ghosts.length;
     byId("critical-switch").hidden = !this.now.bars.some((bar) => bar.critical);
     if (!asWritten) showFigures(raw);
-    this.fillTables(asWritten);
+    // (The tables come behind the script in the page, so that the chart need not wait for them.)
+    if (document.readyState === "loading") {
+      addEventListener("DOMContentLoaded", () => this.fillTables(this.k === this.payload.plans.length - 1), { once: true });
+    } else this.fillTables(asWritten);
     this.chart.chosen = null;
     this.chosen(null);
     const nothing = !this.now.bars.length && !this.now.ghosts.length;
@@ -161,8 +164,8 @@ class Page {
     this.found = wanted ? bars.filter((bar) => [bar.name, ...bar.cells].some((text) => String(text).toLocaleLowerCase().includes(wanted))) : [];
     this.chart.matches = wanted ? new Set(this.found.map((bar) => bar.key)) : null;
     byId("found").textContent = wanted ? `${this.found.length} of ${bars.length}` : "";
-    const rows = byId("table-actions").tBodies[0].rows;
-    for (const tr of rows) tr.hidden = Boolean(wanted) && !this.chart.matches.has(keyOf(tr.cellsOf));
+    const table = byId("table-actions");
+    for (const tr of table ? table.tBodies[0].rows : []) if (tr.cellsOf) tr.hidden = Boolean(wanted) && !this.chart.matches.has(keyOf(tr.cellsOf));
     this.matchAt = -1;
     this.chart.request();
   }
