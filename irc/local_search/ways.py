@@ -14,6 +14,7 @@ from itertools import islice, product
 from math import prod
 from typing import Any
 
+from irc.errors import IrcError
 from irc.problem import PLAIN, Activity, Problem
 from irc.problem.decisions import Decision
 from irc.problem.horizon import safe_horizon
@@ -30,7 +31,7 @@ Found = tuple[list[Decision], list[tuple[int, ...]]]
 """Starts and ends in ticks, and for each activity the pool of each open demand (-1: not held)."""
 
 
-class NotApplicable(Exception):
+class NotApplicable(IrcError):
     """A problem has something that this search does not know about; the text says what."""
 
 

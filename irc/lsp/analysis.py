@@ -12,6 +12,7 @@ from irc.checks import run_checks
 from irc.diagnostics import Findings, InputError, Report
 from irc.diagnostics.source import Source
 from irc.frontends.language import Language, language_of
+from irc.frontends.mistaken import mistaken_for_task
 from irc.model import Task
 from irc.model.from_document import to_task
 from irc.problem import Problem
@@ -92,6 +93,10 @@ def _raw(language: Language, read: Any, text: str, name: str) -> Analysis:
         return Analysis(language, error.report, source=error.report.source)
     findings = Findings(list(document.notes.items))
     task = to_task(document.content, findings)
+    if task is None and (mistaken := mistaken_for_task(document.content)) is not None:
+        return Analysis(
+            language, Report((mistaken,), document.source), document.content, document.source
+        )
     if task is None or document.notes.has_errors:
         from irc.frontends.partial import further_findings
 
