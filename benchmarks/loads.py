@@ -4,7 +4,7 @@ An oven with loads of one family, jobs with amounts, releases and due dates. The
 `slots`, the usual one, with a variable load for each job and loads in order; `pairs`, with a
 choice for each two jobs (before, after, together).
 
-Run: python -m benchmarks.batches --jobs 12 --instances 10 --seconds 30
+Run: python -m benchmarks.loads --jobs 12 --instances 10 --seconds 30
 """
 
 from __future__ import annotations
