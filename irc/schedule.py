@@ -34,6 +34,9 @@ CANCELLED = "cancelled"
 ABANDONED = "abandoned"
 """The status of an entry that ran for a group that is given up."""
 
+BEGUN = "begun"
+"""The status of an entry that was observed to begin at the very instant of a replanning."""
+
 
 LeftOut = str | tuple[str, bool | str]
 """An action, or a goal on state: a variable and its value."""

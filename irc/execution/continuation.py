@@ -37,7 +37,7 @@ from irc.problem.objective_values import schedule_values
 from irc.retiming.limits import too_late
 from irc.retiming.retime import earliest_schedule
 from irc.retiming.to_schedule import schedule_of
-from irc.schedule import ABANDONED, CANCELLED, Entry, Schedule, Status
+from irc.schedule import ABANDONED, BEGUN, CANCELLED, Entry, Schedule, Status
 from irc.targets import (
     Backend,
     Budget,
@@ -133,16 +133,22 @@ class Repair:
         return _passed(problem, since, hurried=is_hurried(self.budget))
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
-        """Marks the entries as cancelled, or as abandoned where their group is given up."""
+        """Marks the entries as cancelled, as abandoned where their group is given up, or as begun
+        where they were observed to begin now (of what does not repeat, the task fixes the start).
+        """
         groups, activities = self.frozen.problem.groups, self.frozen.problem.activities
         kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
         lost = {activities[i].id for k in given_up for i in groups[k].members if i not in kept}
 
+        free = {action.id for action in self.task.actions if action.start is None}
+        begun = {key for key in self.frozen.begun if key[0] in free}
+
         def marked(entry: Entry) -> Entry:
             before = self.history.entries.get(key_of(entry))
             cancelled = before is not None and before.status == CANCELLED
-            status = CANCELLED if cancelled else ABANDONED if entry.id in lost else None
-            return replace(entry, status=status)
+            now = entry.start == self.at and key_of(entry) in begun
+            own = ABANDONED if entry.id in lost else BEGUN if now else None
+            return replace(entry, status=CANCELLED if cancelled else own)
 
         return replace(schedule, entries=tuple(map(marked, schedule.entries)))
 
@@ -204,8 +210,7 @@ class Repair:
         """The faults of a whole history; None if it is valid, with no plans for the past."""
         from irc.validation import validate
 
-        activities = self.frozen.problem.activities
-        begun = {(activities[i].id, activities[i].details.occurrence) for i in self.frozen.executed}
+        begun = self.frozen.begun
         for entry in schedule.entries:
             if entry.start < self.at and key_of(entry) not in begun:
                 return f"{entry.id!r} has not begun, and would have before now"

@@ -21,7 +21,7 @@ from irc.execution.executed import (
 )
 from irc.execution.history import History
 from irc.execution.past import known_ranks, past_first, stock_past_first, without_clashes
-from irc.execution.state import key_of
+from irc.execution.state import Key, key_of
 from irc.model.quantities import Number
 from irc.problem import IMPOSSIBLE_DEADLINE, Activity, Group, PreviousPlace, Problem
 from irc.schedule import Entry
@@ -39,6 +39,14 @@ class FrozenProblem:
     now: int
     executed: Mapping[int, ExecutedActivity]
     all_carried: Problem | None = None
+
+    @property
+    def begun(self) -> frozenset[Key]:
+        """The occurrences that have begun by now, those at this instant as observed."""
+        activities = self.problem.activities
+        return frozenset(
+            (activities[i].id, activities[i].details.occurrence) for i in self.executed
+        )
 
     def half_done(self) -> tuple[int, ...]:
         """The optional groups with executed members and open members."""

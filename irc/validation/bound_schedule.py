@@ -27,7 +27,7 @@ from irc.model.times import Clock
 from irc.schedule import Entry, LeftOut, Schedule
 from irc.validation.open_times import Calendars, Span, time_in
 
-CANCELLED, ABANDONED = "cancelled", "abandoned"
+CANCELLED, ABANDONED, BEGUN = "cancelled", "abandoned", "begun"
 """The statuses that an entry of a schedule that is being carried out may have."""
 
 
@@ -342,8 +342,11 @@ def _past(
     clock: Clock,
     at: Number,
 ) -> Past | None:
-    """Whether a start at `at` itself is history: the task fixes it, because it was observed."""
-    observed = entry.start == at and action.start is not None and clock.number(action.start) == at
+    """Whether a start at `at` itself is history: it was observed, as the status says or the task,
+    which fixes it.
+    """
+    fixed = action.start is not None and clock.number(action.start) == at
+    observed = entry.start == at and (entry.status == BEGUN or fixed)
     if not (entry.start < at or observed):
         return None
     shortest, longest = bounds

@@ -18,21 +18,26 @@ statuses, objectives.
 from __future__ import annotations
 
 from irc.model.quantities import Number
-from irc.validation.bound_schedule import ABANDONED, CANCELLED, BoundSchedule, Occurrence
+from irc.validation.bound_schedule import ABANDONED, BEGUN, CANCELLED, BoundSchedule, Occurrence
 from irc.validation.verdict import Violations
 
 
 def check_statuses(bound: BoundSchedule, violations: Violations) -> None:
     """Checks every status of an entry against the task."""
     for entry in bound.schedule.entries:
-        if entry.status not in (None, CANCELLED, ABANDONED):
+        if entry.status not in (None, CANCELLED, ABANDONED, BEGUN):
             violations.add(
                 "status",
                 f"the entry of {entry.id!r} has the status {entry.status!r}; "
-                f"an entry can only be {CANCELLED!r} or {ABANDONED!r}",
+                f"an entry can only be {CANCELLED!r}, {ABANDONED!r} or {BEGUN!r}",
                 [entry.id],
                 (entry.start, entry.end),
             )
+    if bound.at is not None:
+        now = violations.time(bound.at)
+        for occurrence in bound.occurrences:
+            if occurrence.entry.status == BEGUN and occurrence.past is None:
+                _add(occurrence, f"is {BEGUN!r}, but begins after {now}", violations)
     marked = [o for o in bound.occurrences if o.entry.status in (CANCELLED, ABANDONED)]
     if not marked:
         return

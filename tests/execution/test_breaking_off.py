@@ -1,4 +1,4 @@
-"""Work that pauses while a task runs, on a resource that breaks: what is left of it counts work."""
+"""Running work that a broken resource ends, and what begins at the very instant of an event."""
 
 from __future__ import annotations
 
@@ -59,3 +59,18 @@ def test_an_event_may_be_a_document_and_its_fault_has_a_place():
     with pytest.raises(irc.InputError) as caught:
         irc.replan(task, plan, 10, [{"changes": [{"op": "set_capacity", "resource": "mil"}]}])
     assert "/0/changes/0" in str(caught.value)
+
+
+def test_what_repeats_and_was_seen_to_begin_now_is_history_at_once():
+    """It began before its release; the task cannot fix the start of one of several occurrences."""
+    task = {"actions": [{"id": "stir", "duration": 2, "release": 1, "occurs": {"min": 1, "max": 2}}]}
+    execution = irc.Execution(irc.Task.from_dict(task), irc.solve(task))
+    execution.observe("stir", started=0)
+    step = execution.replan()
+    assert [(e.id, e.start, e.status) for e in step.schedule] == [("stir", 0, "begun")]
+    verdict = irc.validate(step.task, step.schedule, at=0)
+    assert verdict.valid
+    assert [v.rule for v in verdict.carried] == ["release"]
+    assert not irc.validate(step.task, step.schedule).valid
+    execution.advance(1)
+    assert [e.status for e in execution.replan().schedule] == [None]
