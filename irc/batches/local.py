@@ -81,6 +81,8 @@ class _Pool:
 
     def __init__(self, options: LocalOptions) -> None:
         self.options = options
+        # (A worker that is ended leaves its temporary files; they go with this folder.)
+        self.folder = tempfile.TemporaryDirectory(prefix="irc-batch-", ignore_cleanup_errors=True)
         self.requests: queue.SimpleQueue[Trial | None] = queue.SimpleQueue()
         self.found: queue.SimpleQueue[Answered] = queue.SimpleQueue()
         self.askers: list[_Asker] = []
@@ -112,16 +114,17 @@ class _Pool:
     def _give(self, trial: Trial) -> None:
         self.requests.put(trial)
         if len(self.askers) < self.options.processes:
-            asker = _Asker(self.requests, self.found, self.options.schedules)
+            asker = _Asker(self.requests, self.found, self.options.schedules, self.folder.name)
             self.askers.append(asker)
             asker.start()
 
     def end(self) -> None:
-        """Ends all workers, at the same time."""
+        """Ends all workers, at the same time, and removes their temporary files."""
         for asker in self.askers:
             asker.ask_to_end()
         for asker in self.askers:
             asker.end()
+        self.folder.cleanup()
 
 
 class _WorkerDied(Exception):
@@ -136,9 +139,11 @@ class _Asker(threading.Thread):
         requests: queue.SimpleQueue[Trial | None],
         found: queue.SimpleQueue[Answered],
         schedules: bool,
+        folder: str,
     ) -> None:
         super().__init__(name="irc-batch", daemon=True)
         self.requests, self.found, self.schedules = requests, found, schedules
+        self.folder = folder
         self.lock = threading.Lock()
         self.worker: _Worker | None = None
         self.over = False
@@ -168,7 +173,7 @@ class _Asker(threading.Thread):
             if self.over:
                 raise _WorkerDied("the batch has ended")
             self.overdue = None
-            worker = self.worker = self.worker or _Worker()
+            worker = self.worker = self.worker or _Worker(self.folder)
             seconds = None if limit is None else limit * OVERTIME_FACTOR + OVERTIME_SECONDS
             self.patience = Budget(seconds)
         try:
@@ -208,13 +213,13 @@ class _Asker(threading.Thread):
 
 
 class _Worker:
-    """A worker process with its pipes."""
+    """A worker process with its pipes; its temporary files are in a folder."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: str) -> None:
         self.errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - `close` closes it
         self.tree = ProcessTree()
         command = [sys.executable, "-P", "-m", "irc.batches.worker"]
-        self.process = self.tree.start(command, None, True, None, _environment(), self.errors)
+        self.process = self.tree.start(command, None, True, None, _environment(folder), self.errors)
         self.pipe_in, self.pipe_out = self.process.stdin, self.process.stdout
 
     def ask(self, line: bytes) -> Mapping[str, Any]:
@@ -277,7 +282,12 @@ def _signal_name(number: int) -> str:
         return f"signal {number}"
 
 
-def _environment() -> dict[str, str]:
-    """The environment of a worker, which finds the same packages as this process."""
+def _environment(folder: str) -> dict[str, str]:
+    """The environment of a worker, with the packages of this process and its temporary folder."""
     path = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
-    return {**os.environ, "PYTHONPATH": path, "PYTHONUTF8": "1"}
+    return {
+        **os.environ,
+        "PYTHONPATH": path,
+        "PYTHONUTF8": "1",
+        **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), folder),
+    }

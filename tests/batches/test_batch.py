@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
@@ -314,6 +315,39 @@ def test_a_cancelled_batch_ends_with_whole_lines_and_leaves_no_process(tmp_path:
     # So does one that is left before its end.
     for _ in irc.batch(inputs, processes=1):
         break
+    assert workers() == []
+
+
+@pytest.mark.slow
+@linux
+def test_workers_that_are_ended_leave_no_temporary_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A planner's files lie in a folder that its worker would remove, if it were not ended."""
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(scratch))
+    write(tmp_path, a=chain(4))
+    cancel = Cancellation()
+    inputs = [tmp_path / "a.json", hard(tmp_path, "b")]
+    seen: list[str] = []
+    planning = threading.Event()
+
+    def look() -> None:
+        while not planning.wait(0.02):
+            seen.extend(str(path) for path in scratch.rglob("domain.pddl"))
+            if seen:
+                cancel.cancel()
+                return
+
+    looking = threading.Thread(target=look)
+    looking.start()
+    for _ in irc.batch(inputs, targets=["pddl21"], processes=1, cancel=cancel, time_limit=20):
+        pass
+    planning.set()
+    looking.join()
+    assert seen
+    assert list(scratch.iterdir()) == []
     assert workers() == []
 
 

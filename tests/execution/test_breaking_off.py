@@ -63,7 +63,9 @@ def test_an_event_may_be_a_document_and_its_fault_has_a_place():
 
 def test_what_repeats_and_was_seen_to_begin_now_is_history_at_once():
     """It began before its release; the task cannot fix the start of one of several occurrences."""
-    task = {"actions": [{"id": "stir", "duration": 2, "release": 1, "occurs": {"min": 1, "max": 2}}]}
+    task = {
+        "actions": [{"id": "stir", "duration": 2, "release": 1, "occurs": {"min": 1, "max": 2}}]
+    }
     execution = irc.Execution(irc.Task.from_dict(task), irc.solve(task))
     execution.observe("stir", started=0)
     step = execution.replan()
