@@ -176,15 +176,15 @@ def replan(
 
 def _events(events: Iterable[AnyEvent], at: Number) -> list[Event | Built[Event]]:
     """Events as given, those that are documents read. Raises `InputError` for their faults."""
-    found: list[Event | Built[Event]] = []
-    for k, event in enumerate(events):
-        if not isinstance(event, Mapping):
-            found.append(event)
-            continue
-        from irc.frontends.events import to_events
+    given = list(events)
+    documents = [k for k, event in enumerate(given) if isinstance(event, Mapping)]
+    if not documents:
+        return [event for event in given if not isinstance(event, Mapping)]
+    from irc.frontends.events import to_events
 
-        found += to_events([event], lambda _, k=k: (k,), json_number(at), None)  # type: ignore[misc]
-    return found
+    raw = [given[k] for k in documents]
+    read = iter(to_events(raw, lambda i: (documents[i],), json_number(at), None))
+    return [next(read) if isinstance(event, Mapping) else event for event in given]
 
 
 def simulate(

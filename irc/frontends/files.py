@@ -6,15 +6,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
+from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Source
 from irc.frontends.formats import IMPORTERS, MS_PROJECT, TABLES, format_of, load_importer
 from irc.frontends.json.document import RawDocument, read_document
 from irc.frontends.language import language_of
-from irc.frontends.mistaken import half_of_pddl, mistaken_for_task
+from irc.frontends.mistaken import half_of_pddl
 from irc.frontends.texts import STANDARD_INPUT, read_text
+from irc.frontends.typed import typed
 from irc.model import Task
-from irc.model.from_document import to_task
 
 _HEAD = 10_000
 """The characters at the beginning of a text in which PDDL is recognised."""
@@ -47,16 +47,10 @@ def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Rea
 
 
 def _typed(document: RawDocument) -> Reading:
-    findings = Findings(list(document.notes.items))
-    task = to_task(document.content, findings)
-    if task is None and (mistaken := mistaken_for_task(document.content)) is not None:
-        raise InputError(Report((mistaken,), document.source))
-    if task is None or document.notes.has_errors:
-        from irc.frontends.partial import further_findings
-
-        findings.items += further_findings(document.content, findings)
-        raise InputError(Report(tuple(findings.items), document.source))
-    return Reading(task.with_source(document.source), tuple(findings.items))
+    task, report = typed(document)
+    if task is None:
+        raise InputError(report)
+    return Reading(task, report.diagnostics)
 
 
 def read_task(path: str | Path, problem: str | None = None) -> Reading:

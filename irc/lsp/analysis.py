@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from irc.checks import run_checks
-from irc.diagnostics import Findings, InputError, Report
+from irc.diagnostics import InputError, Report
 from irc.diagnostics.source import Source
 from irc.frontends.language import Language, language_of
-from irc.frontends.mistaken import mistaken_for_task
+from irc.frontends.typed import typed
 from irc.model import Task
-from irc.model.from_document import to_task
 from irc.problem import Problem
 
 MOST_CHARACTERS = 8_000_000
@@ -91,20 +90,9 @@ def _raw(language: Language, read: Any, text: str, name: str) -> Analysis:
         document = read(text, name)
     except InputError as error:
         return Analysis(language, error.report, source=error.report.source)
-    findings = Findings(list(document.notes.items))
-    task = to_task(document.content, findings)
-    if task is None and (mistaken := mistaken_for_task(document.content)) is not None:
-        return Analysis(
-            language, Report((mistaken,), document.source), document.content, document.source
-        )
-    if task is None or document.notes.has_errors:
-        from irc.frontends.partial import further_findings
-
-        findings.items += further_findings(document.content, findings)
-        report = Report(tuple(findings.items), document.source)
+    task, report = typed(document)
+    if task is None:
         return Analysis(language, report, document.content, document.source)
-    task.with_source(document.source)
-    report = Report(tuple(findings.items), document.source)
     return _checked(language, task, report, document.content, document.source)
 
 

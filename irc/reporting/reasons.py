@@ -13,7 +13,7 @@ from itertools import chain, islice
 
 from irc.model import Action, Precedence, Task
 from irc.model.quantities import Number, exact
-from irc.model.times import format_number
+from irc.model.times import Instant, format_number
 from irc.reporting.closed import ClosedTimes, Levels
 from irc.reporting.levels import Happening, stocks
 from irc.reporting.rows import Key, Reason, SetupRow
@@ -224,8 +224,8 @@ class Reasons:
     def _time(self, value: Number) -> str:
         return f"{format_number(value)} {self.unit}"
 
-    def _lag(self, lag: object) -> str:
-        number = self.task.number(lag)  # type: ignore[arg-type]
+    def _lag(self, lag: Instant) -> str:
+        number = self.task.number(lag)
         return self._time(number) if number else ""
 
 

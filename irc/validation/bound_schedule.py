@@ -24,11 +24,8 @@ from irc.model import (
 from irc.model.objectives import is_time
 from irc.model.quantities import Number
 from irc.model.times import Clock
-from irc.schedule import Entry, LeftOut, Schedule
+from irc.schedule import BEGUN, CANCELLED, Entry, LeftOut, Schedule
 from irc.validation.open_times import Calendars, Span, time_in
-
-CANCELLED, ABANDONED, BEGUN = "cancelled", "abandoned", "begun"
-"""The statuses that an entry of a schedule that is being carried out may have."""
 
 
 class UncheckedTaskError(IrcError, ValueError):

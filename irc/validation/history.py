@@ -18,7 +18,8 @@ statuses, objectives.
 from __future__ import annotations
 
 from irc.model.quantities import Number
-from irc.validation.bound_schedule import ABANDONED, BEGUN, CANCELLED, BoundSchedule, Occurrence
+from irc.schedule import ABANDONED, BEGUN, CANCELLED
+from irc.validation.bound_schedule import BoundSchedule, Occurrence
 from irc.validation.verdict import Violations
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from itertools import pairwise
 
-from irc.validation.bound_schedule import ABANDONED, BoundSchedule, Occurrence
+from irc.schedule import ABANDONED
+from irc.validation.bound_schedule import BoundSchedule, Occurrence
 from irc.validation.history import check_statuses, given_up, is_abandoned
 from irc.validation.verdict import Violations, listed
 
