@@ -14,7 +14,7 @@ from math import prod
 from irc.diagnostics import Code, Findings
 from irc.lowering.calendar_horizon import MOST_WINDOWS
 from irc.problem import Problem
-from irc.problem.problem import Requirement
+from irc.problem.needs import Requirement
 from irc.problem.work_times import FOREVER, Piece, WorkTimes, WorkTimesOf, work_range
 
 OpenTimes = tuple[tuple[int, int | None], ...]

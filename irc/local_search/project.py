@@ -152,7 +152,7 @@ def _project(ways: Ways) -> tuple[Project, Ints]:
 
 def _base(ways: Ways) -> tuple[Sequence[int], Sequence[int]]:
     """The times at which capacities change, and what of each pool is missing from then on."""
-    from irc.problem.problem import capacity_levels
+    from irc.problem.resources import capacity_levels
 
     pools = ways.problem.contention.pools
     levels = [

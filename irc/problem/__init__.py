@@ -1,50 +1,34 @@
 """The problem: what solvers need of a task, in whole ticks and indexes, with the way back."""
 
-from irc.problem.problem import (
-    ANY_FAMILY,
-    IMPOSSIBLE_DEADLINE,
-    NO_FAMILY,
-    NO_SETUP,
-    NOBODY,
-    PLAIN,
-    Activity,
-    Arc,
-    Bound,
-    Bounds,
+from irc.problem.activity import IMPOSSIBLE_DEADLINE, PLAIN, Activity, Details, GroupDeadline
+from irc.problem.contention import Bound, Bounds, ContendedPool, Contention
+from irc.problem.needs import (
     Condition,
-    ContendedPool,
-    Contention,
-    CoupledChoice,
-    Coupling,
-    Details,
     Effect,
-    Group,
-    GroupDeadline,
     Mode,
     NumberCondition,
     NumberEffect,
-    NumberGoal,
-    NumberVariable,
-    OpenCalendar,
     OpenDemand,
-    PreviousPlace,
-    PreviousPlan,
-    Problem,
     Protected,
     Ranks,
-    Renewable,
     Requirement,
-    Reservoir,
-    Selection,
-    Setup,
-    Setups,
     StockChange,
-    TimedChange,
-    UseOrder,
-    Variable,
-    Window,
     together,
 )
+from irc.problem.problem import Arc, PreviousPlace, PreviousPlan, Problem
+from irc.problem.resources import (
+    ANY_FAMILY,
+    NO_FAMILY,
+    NO_SETUP,
+    OpenCalendar,
+    Renewable,
+    Reservoir,
+    Setup,
+    Setups,
+    Window,
+)
+from irc.problem.rules import NOBODY, CoupledChoice, Coupling, Group, Selection, UseOrder
+from irc.problem.variables import NumberGoal, NumberVariable, TimedChange, Variable
 
 __all__ = [
     "ANY_FAMILY",

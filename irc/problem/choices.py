@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from irc.errors import IrcError
+from irc.problem.activity import Activity
 from irc.problem.decisions import Decision
-from irc.problem.problem import Activity, Problem
+from irc.problem.problem import Problem
 from irc.schedule import Entry
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from irc.problem.problem import Activity, Arc, ContendedPool, Problem, Renewable, Window
+from irc.problem.activity import Activity
+from irc.problem.contention import ContendedPool
+from irc.problem.problem import Arc, Problem
+from irc.problem.resources import Renewable, Window
 
 
 def safe_horizon(problem: Problem) -> int:

@@ -8,9 +8,12 @@ from fractions import Fraction
 
 from irc.model.objectives import TIMES, is_sum, sum_value, terms_of
 from irc.model.quantities import Number, exact
+from irc.problem.activity import Activity, Details
 from irc.problem.choices import UnexplainedError, decision_of
 from irc.problem.decisions import Decision
-from irc.problem.problem import Activity, Details, Group, PreviousPlace, Problem, Setup
+from irc.problem.problem import PreviousPlace, Problem
+from irc.problem.resources import Setup
+from irc.problem.rules import Group
 from irc.problem.setups import SetupLink, setup_links, total_setup
 from irc.schedule import CANCELLED, Entry, Schedule
 

@@ -14,30 +14,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
 
+from irc.problem.activity import PLAIN, Activity, Details
+from irc.problem.contention import Bounds, ContendedPool, Contention
 from irc.problem.decisions import ABSENT_PLACE, Decision, Placed
-from irc.problem.problem import (
-    NOBODY,
-    PLAIN,
-    Activity,
-    Arc,
-    Bounds,
+from irc.problem.needs import (
     Condition,
-    ContendedPool,
-    Contention,
-    Coupling,
-    Details,
     Effect,
-    Group,
     NumberCondition,
     NumberEffect,
-    PreviousPlace,
-    PreviousPlan,
-    Problem,
     Protected,
-    Selection,
     StockChange,
-    UseOrder,
 )
+from irc.problem.problem import Arc, PreviousPlace, PreviousPlan, Problem
+from irc.problem.rules import NOBODY, Coupling, Group, Selection, UseOrder
 
 T = TypeVar("T")
 

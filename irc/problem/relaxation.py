@@ -6,16 +6,12 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
-from irc.problem.problem import (
-    Activity,
-    Arc,
-    ContendedPool,
-    Contention,
-    OpenDemand,
-    Problem,
-    Renewable,
-)
+from irc.problem.activity import Activity
+from irc.problem.contention import ContendedPool, Contention
+from irc.problem.needs import OpenDemand
+from irc.problem.problem import Arc, Problem
 from irc.problem.projection import Projection, restricted
+from irc.problem.resources import Renewable
 
 
 class Relaxation:

@@ -6,8 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from irc.problem.activity import Activity
 from irc.problem.decisions import Decision, Moment, Placed
-from irc.problem.problem import NO_SETUP, Activity, Problem, Renewable, Setup, Setups
+from irc.problem.problem import Problem
+from irc.problem.resources import NO_SETUP, Renewable, Setup, Setups
 
 
 class SetupLink(NamedTuple):

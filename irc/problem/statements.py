@@ -16,7 +16,8 @@ from enum import StrEnum
 from typing import ClassVar, NamedTuple
 
 from irc.diagnostics.source import Pointer
-from irc.problem.problem import GroupDeadline, Problem
+from irc.problem.activity import GroupDeadline
+from irc.problem.problem import Problem
 from irc.problem.relaxation import Relaxation
 
 

@@ -12,8 +12,9 @@ from collections.abc import Iterable, Iterator
 from itertools import accumulate
 from typing import NamedTuple
 
+from irc.problem.activity import Activity
 from irc.problem.intervals import intersection
-from irc.problem.problem import Activity, Problem
+from irc.problem.problem import Problem
 
 FOREVER = 1 << 62
 """Later than any time that 64 bits hold."""

@@ -9,7 +9,7 @@ import pytest
 
 from builders import act, after_passes, problem_of
 from irc.local_search.ways import NotApplicable, ways_of
-from irc.problem.problem import PLAIN
+from irc.problem.activity import PLAIN
 
 
 def test_a_field_of_a_resource_that_it_does_not_know_is_named() -> None:
