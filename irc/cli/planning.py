@@ -18,7 +18,8 @@ from irc.model import Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
 from irc.outcome import EXIT_STATUS
-from irc.schedule import Schedule, Status, schedule_from_json
+from irc.schedule import Schedule, Status
+from irc.schedule.reading import schedule_from_json
 from irc.targets import SolveOptions, get_backend
 
 

@@ -14,7 +14,8 @@ from irc.frontends.json.document import read_document
 from irc.frontends.texts import read_bytes, read_text
 from irc.model import Task
 from irc.problem.decisions import AnswerError
-from irc.schedule import Schedule, schedule_from_json
+from irc.schedule import Schedule
+from irc.schedule.reading import schedule_from_json
 
 
 def read_schedule(path: str, task: Task) -> tuple[Schedule, Source]:

@@ -38,7 +38,8 @@ from irc.frontends.json.document import read_document
 from irc.frontends.texts import read_text
 from irc.model import Task
 from irc.model.canonical import written_task
-from irc.schedule import dump_json, schedule_from_json
+from irc.schedule import dump_json
+from irc.schedule.reading import schedule_from_json
 from irc.targets import UnknownTarget
 
 _UNSAFE = re.compile(r"[^\w.-]+")

@@ -16,7 +16,8 @@ from irc.frontends.files import Reading, parse_task
 from irc.model import Task
 from irc.model.quantities import Number, TimeError
 from irc.model.times import parse_instant
-from irc.schedule import Schedule, schedule_from_json
+from irc.schedule import Schedule
+from irc.schedule.reading import schedule_from_json
 from irc.targets import Cancellation, SolveOptions
 
 MOST_CHARACTERS = 2**20

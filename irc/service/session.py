@@ -23,7 +23,8 @@ from irc.model import Event, Task
 from irc.model.canonical import task_sha256, written_task
 from irc.model.times import json_number
 from irc.outcome import Outcome
-from irc.schedule import Schedule, schedule_from_json
+from irc.schedule import Schedule
+from irc.schedule.reading import schedule_from_json
 from irc.service.journal import Journal, JournalError, Recovered
 from irc.service.protocol import (
     MAX_LINE,

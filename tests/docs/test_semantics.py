@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import irc
-from irc.schedule import schedule_from_json
+from irc.schedule.reading import schedule_from_json
 from irc.validation import RULES
 from paths import ROOT
 

@@ -25,7 +25,7 @@ from irc.frontends.importers.schedule_spec import import_schedule_spec
 from irc.frontends.json.document import read_document
 from irc.frontends.json.value import read_line
 from irc.methods import read_nl_ir, read_planner, read_schedule_spec
-from irc.schedule import schedule_from_json
+from irc.schedule.reading import schedule_from_json
 from paths import EXAMPLES
 from runs import run_irc
 

@@ -16,7 +16,7 @@ from irc.model.canonical import canonical_task
 from irc.model.from_document import to_task
 from irc.model.nulls import without_nulls
 from irc.model.strict_schema import strict_schema
-from irc.schedule import schedule_from_json
+from irc.schedule.reading import schedule_from_json
 from runs import run_irc
 
 PARTS: tuple[Literal["task", "event"], ...] = ("task", "event")

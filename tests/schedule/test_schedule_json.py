@@ -14,14 +14,8 @@ from hypothesis import strategies as st
 import irc
 from irc.diagnostics import Code, InputError
 from irc.model.quantities import exact
-from irc.schedule import (
-    Entry,
-    ObjectiveValue,
-    Schedule,
-    Status,
-    dump_json,
-    schedule_from_json,
-)
+from irc.schedule import Entry, ObjectiveValue, Schedule, Status, dump_json
+from irc.schedule.reading import schedule_from_json
 
 Document = dict[str, Any]
 

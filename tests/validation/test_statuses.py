@@ -294,6 +294,6 @@ def test_any_other_status_is_refused_and_one_of_an_unknown_action_explains_nothi
 
 def test_statuses_survive_json() -> None:
     task, schedule = order(), Schedule((BAKED,))
-    from irc.schedule import schedule_from_json
+    from irc.schedule.reading import schedule_from_json
 
     assert irc.validate(task, schedule_from_json(schedule.to_dict())).valid
