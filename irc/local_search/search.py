@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from irc.local_search.ways import Found, NotApplicable, Ways, units_of, ways_of
+from irc.local_search.listing import least_value, listing_of, may_list
+from irc.local_search.ways import Found, NotApplicable, Ways, knows, units_of, ways_of
+from irc.local_search.ways import may_apply as _knows_ways
 from irc.problem import Problem
 
 
@@ -22,16 +24,42 @@ class LocalSearch(Protocol):
 
     @property
     def value(self) -> int | None:
-        """The makespan of the best schedule so far, in ticks."""
+        """The first objective of the best schedule so far, in its whole numbers."""
+
+
+def may_apply(problem: Problem) -> bool:
+    """Whether nothing but single activities could rule local search out; a quick test."""
+    return _knows_ways(problem) or may_list(problem)
+
+
+LISTS_FROM = 40
+"""Of fewer activities CP-SAT soon has a good schedule, before the search would be loaded."""
+
+
+def begins_with_lists(problem: Problem) -> bool:
+    """Whether to search lists for a while before anything else: compiled, of a large problem."""
+    if len(problem.activities) < LISTS_FROM or not may_list(problem) or knows(problem):
+        return False
+    from irc.local_search.compiled import IS_COMPILED
+
+    return IS_COMPILED
 
 
 def search_of(problem: Problem, seed: int = 0, target: int | None = None) -> LocalSearch:
-    """The search of a problem, which ends where a schedule ends by `target` (the proven bound).
+    """The search of a problem, which ends where a schedule's value is `target`.
 
-    Repeats must be unrolled. Raises `irc.local_search.ways.NotApplicable`. Loads numpy, and numba
-    where it is installed.
+    Without a target it is a proven bound. Repeats must be unrolled. Raises
+    `irc.local_search.ways.NotApplicable`. Loads numpy, and numba where it is installed.
     """
-    return search_with(ways_of(problem), seed, target)
+    if _knows_ways(problem):
+        try:
+            return search_with(ways_of(problem), seed, target)
+        except NotApplicable:
+            pass  # The search over lists knows more about single activities.
+    listing = listing_of(problem)
+    from irc.local_search.list_search import ListSearch
+
+    return ListSearch(listing, seed, least_value(problem) if target is None else target)
 
 
 def search_with(ways: Ways, seed: int = 0, target: int | None = None) -> LocalSearch:

@@ -123,7 +123,7 @@ _OF_RESOURCES = frozenset(("id", "capacity", "origin", "windows"))
 """The fields that the search knows about; all others must have their defaults."""
 
 
-def _others(element: Any, known: frozenset[str]) -> Iterator[str]:
+def others(element: Any, known: frozenset[str]) -> Iterator[str]:
     """The fields of an element that say something that the search does not know about."""
     for one in fields(element):
         usual = one.default
@@ -134,6 +134,11 @@ def _others(element: Any, known: frozenset[str]) -> Iterator[str]:
 def may_apply(problem: Problem) -> bool:
     """Whether nothing but single activities could rule local search out; a quick test."""
     return next(_general_reasons(problem), None) is None
+
+
+def knows(problem: Problem) -> bool:
+    """Whether the search knows all that a problem has; an activity may still have too many ways."""
+    return next(_reasons_against(problem), None) is None
 
 
 def _reasons_against(problem: Problem) -> Iterator[str]:
@@ -153,10 +158,10 @@ def _general_reasons(problem: Problem) -> Iterator[str]:
         yield "it has too many activities"
     if problem.objectives[0] != "makespan":
         yield f"the first objective is {problem.objectives[0]}"
-    for name in _others(problem, _OF_PROBLEMS):
+    for name in others(problem, _OF_PROBLEMS):
         yield f"it has {name}"
     for resource in problem.resources:
-        for name in _others(resource, _OF_RESOURCES):
+        for name in others(resource, _OF_RESOURCES):
             yield f"{resource.id!r} has {name}"
     if not all(group.required for group in problem.groups):
         yield "a group may be absent"
@@ -167,12 +172,12 @@ def _general_reasons(problem: Problem) -> Iterator[str]:
 
 
 def _reasons_against_activity(activity: Activity) -> Iterator[str]:
-    for name in _others(activity, _OF_ACTIVITIES):
+    for name in others(activity, _OF_ACTIVITIES):
         yield f"{activity.id!r} has {name}"
     details = activity.details
     if details is PLAIN:
         return
-    for name in _others(details, _OF_DETAILS):
+    for name in others(details, _OF_DETAILS):
         yield f"{activity.id!r} has {name}"
     if any(mode != mode.bare._replace(stock=mode.stock, cost=mode.cost) for mode in details.modes):
         yield f"a mode of {activity.id!r} has conditions or effects"

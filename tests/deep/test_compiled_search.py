@@ -16,15 +16,18 @@ from paths import ROOT
 SCRIPT = """
 import json, sys
 from builders import after_passes
-from irc.local_search import compiled, project as projects, shop as shops
+from irc.local_search import compiled, list_search as lists, project as projects, shop as shops
 from irc.local_search.search import search_of
+from list_search_tasks import list_task
 from local_search_tasks import job_shop, project, with_stock
 
 assert compiled.IS_COMPILED == (sys.argv[1] == "0")
 shops._ACTIVITY_STEPS, projects._ACTIVITY_BIRTHS = 3_000, 2_000
+lists._ACTIVITY_STEPS = 3_000
 seed = int(sys.argv[2])
 found = []
-for document in (job_shop(seed), job_shop(seed, flexible=True), project(seed), with_stock(seed)):
+shop, flexible = job_shop(seed), job_shop(seed, flexible=True)
+for document in (shop, flexible, project(seed), with_stock(seed), list_task(seed)):
     search = search_of(after_passes(document), seed, target=0)
     for _ in range(3):
         search.step()

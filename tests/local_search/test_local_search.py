@@ -113,8 +113,8 @@ def test_a_search_is_never_worse_than_a_schedule_that_it_is_given(document: Docu
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"objective": ["minimize_cost"]}, "first objective"),
-        ({"deadline": 9, "actions": [act("a", deadline=5)]}, "'a' has deadline"),
+        ({"objective": ["minimize_earliness"]}, "first objective"),
+        ({"actions": [act("a", start=3), act("b")]}, "'a' has start"),
         ({"actions": [act("a"), act("b", occurs="optional")]}, "'b' has optional"),
         ({"precedence": [{"before": "a", "after": "b", "max_lag": 3}]}, "maximum lags"),
     ],
