@@ -25,8 +25,10 @@ from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.engines import OrTools
 from irc_cpsat.solving import beside
 from irc_cpsat.solving.beside import Beside
+from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.reporting import Reporter
 from irc_cpsat.solving.solution import decisions_of
+from list_search_tasks import list_task
 
 MACHINES = 4
 
@@ -86,7 +88,7 @@ def run(
     def reporter() -> Reporter:
         return Reporter("ortools", built, "makespan", (), budget, tell)
 
-    both = Beside(builder, built, problem, 0, workers, budget, reporter, without_answer)
+    both = Beside(builder, built, Improving(problem, 0), workers, budget, reporter, without_answer)
     return *both.run(), built
 
 
@@ -113,8 +115,8 @@ def test_without_a_bound_it_is_feasible_and_valid() -> None:
     assert answer.best_objective_bound == 1
     schedule = schedule_of(problem, retime(problem, decisions_of(built, answer)))
     assert not validate(task, schedule).violations
-    assert schedule_values(problem, schedule)["makespan"] <= answer.makespan
-    assert answer.makespan <= told[-1].value
+    assert schedule_values(problem, schedule)["makespan"] <= answer.reached
+    assert answer.reached <= told[-1].value
     assert not validate(task, told[-1].schedule()).violations
 
 
@@ -172,3 +174,20 @@ def test_what_local_search_raises_reaches_the_caller(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("irc_cpsat.solving.improving.search_of", fails)
     with pytest.raises(OSError, match="no room"):
         run(problem_for_cpsat(shop(5)).with_bound(1, "nothing"))
+
+
+@pytest.mark.parametrize("seed", [1, 7, 8])
+def test_other_objectives_are_proven_the_same_beside_local_search(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("irc.local_search.search.LISTS_FROM", 1)
+    task = Task.model_validate(list_task(seed, size=5))
+    options = SolveOptions(time_limit=60, workers=2)
+    answers = [
+        solve_by(task, get_backend("cpsat"), OrTools(improves=improves), options, options.budget())
+        for improves in (True, False)
+    ]
+    assert {a.schedule.status for a in answers} == {Status.OPTIMAL}
+    one, other = (a.schedule.objective[0] for a in answers)
+    assert (one.name, one.value) == (other.name, other.value)
+    assert not validate(task, answers[0].schedule).violations

@@ -1,9 +1,9 @@
-"""Runs local search beside CP-SAT on the makespan, each from what the other has found.
+"""Runs local search beside CP-SAT on the first objective, each from what the other has found.
 
 CP-SAT begins alone: most tasks it proves at once. Then local search takes one of the workers. While
 both run, each better schedule of CP-SAT goes to the local search. At times that double, CP-SAT
-begins again where local search has a better schedule: with that as its hint, and with its makespan
-as an upper bound. A schedule that meets a proven bound, of the compiler or of CP-SAT, ends both.
+begins again where local search has a better schedule: with that as its hint, and with its value as
+an upper bound. A schedule that meets a proven bound, of the compiler or of CP-SAT, ends both.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.problem import Problem
+from irc.local_search.listing import least_value
+from irc.local_search.ways import knows
 from irc.targets import Budget, EngineFailed
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.hints import hint_at
+from irc_cpsat.solving.hinting import complete_hint
 from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.reporting import Reporter
 from irc_cpsat.solving.solution import FoundSolution, Reached, found_of
@@ -44,26 +46,26 @@ Ask = Callable[[int, Budget, Reporter, Callable[[], bool]], Any]
 
 
 class Beside:
-    """Solves a model for its makespan by CP-SAT and local search."""
+    """Solves a model for its first objective by CP-SAT and local search."""
 
     def __init__(
         self,
         builder: Builder,
         built: Model,
-        problem: Problem,
-        seed: int,
+        improving: Improving,
         workers: int,
         budget: Budget,
         reporter: Callable[[], Reporter],
         ask: Ask,
     ) -> None:
         self.builder, self.built, self.workers, self.budget = builder, built, workers, budget
-        self.improving = Improving(problem, seed)
+        self.improving = improving
         self._reporter, self._ask = reporter, ask
         self._exchange_at = EXCHANGE_SECONDS
         share = min(MOST_ALONE_SECONDS, ALONE_SHARE * budget.limit)
-        self._alone = max(ALONE_SECONDS, share)
-        self._bound = built.problem.bounds.makespan.value
+        self._alone = 0.0 if improving.is_ready else max(ALONE_SECONDS, share)
+        self._aim = built.values[built.problem.objectives[0]]
+        self._bound = least_value(improving.problem)
         self._best: FoundSolution | None = None
         self._best_value: int | None = None
         self._told: int | None = None
@@ -136,7 +138,7 @@ class Beside:
         solution = reporter.solution
         if solution is None or solution is self._best:
             return
-        value = solution.value(self.built.makespan)
+        value = solution.value(self._aim)
         if self._best_value is None or value < self._best_value:
             self._best, self._best_value = solution, value
             self.improving.give(found_of(self.built, solution), value)
@@ -148,13 +150,17 @@ class Beside:
         while self._exchange_at <= self.budget.elapsed:
             self._exchange_at *= EXCHANGE_FACTOR
         value, found = self.improving.value, self.improving.found
-        model, makespan = self.built.model, self.built.makespan
-        model.add(makespan >= self._bound)
+        model, aim = self.built.model, self._aim
+        if not isinstance(aim, int):
+            model.add(aim >= self._bound)
         if value is None or found is None:
             return
         if self._best_value is None or value < self._best_value:
-            model.add(makespan <= value)
+            if not isinstance(aim, int):
+                model.add(aim <= value)
             hint_at(self.builder, self.built, found)
+            if not knows(self.built.problem):
+                complete_hint(self.built, self.budget)
 
     def _search_alone(self) -> None:
         """Local search in this thread, for a part of the time."""

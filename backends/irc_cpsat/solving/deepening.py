@@ -11,7 +11,7 @@ from typing import Any
 from ortools.sat.python import cp_model
 
 from irc.diagnostics import Code, Diagnostic
-from irc.local_search.ways import may_apply
+from irc.local_search.search import begins_with_lists, may_apply
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
@@ -30,6 +30,7 @@ from irc_cpsat.solving.depth import (
     within,
 )
 from irc_cpsat.solving.hinting import complete_hint
+from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
 from irc_cpsat.solving.reporting import Reporter, tell_hint
@@ -41,6 +42,9 @@ _DEPTH_SHARE = 0.4
 _LISTING_SHARE = 0.1
 _MOST_LISTING_SECONDS = 20.0
 """The part of the time, and the time, in which a list schedule with set-ups is improved at most."""
+
+_MOST_SEARCHING_SECONDS = 3.0
+"""The time that local search has for it at most, where it knows the problem."""
 
 _MOVES = 40
 """The number of orders that are tried for it at most, for each pair of activities."""
@@ -75,7 +79,7 @@ class DeepeningSearch:
         self._least = min(_LEAST_SECONDS, budget.limit)
         self.bounds, self.hints, self.improves = bounds, hints, improves
         self._builder: Builder | None = None
-        self._improved: Problem | None = None
+        self._improving: Improving | None = None
 
     def run(self) -> Outcome:
         """The outcome at the first depth with a schedule, or at one that leaves nothing out."""
@@ -96,19 +100,20 @@ class DeepeningSearch:
         """The outcome at one depth, within a share of the time that is left."""
         budget = self.budget.share(share)
         unrolled = unroll(problem, depth)
+        wanted = self.improves and self.hints and may_apply(unrolled)
+        self._improving = Improving(unrolled, self.options.seed) if wanted else None
         found = self._listed(unrolled, budget)
         builder = Builder(unrolled, self.bounds, self.hints, found=found)
         builder.is_over = lambda: self.budget.is_over
         self._builder = builder
-        wanted = self.improves and self.hints and may_apply(unrolled)
-        self._improved = unrolled if wanted else None
         try:
             built = write_model(builder)
         except OutOfTimeError as error:
             note = Diagnostic(Code.NO_ANSWER, f"{self.engine}: {error}")
             seconds = self.budget.elapsed
             return Outcome(Status.UNKNOWN, self.engine, notes=(note,), seconds=seconds)
-        complete_hint(built, budget)
+        if self._improving is None or not self._improving.is_met:
+            complete_hint(built, budget)
         if not _hint_helps(unrolled, built):
             without_hint(built)
         if built.hint is not None and self.options.on_progress is not None:
@@ -120,7 +125,13 @@ class DeepeningSearch:
         return self.outcome_of(unrolled, built, result)
 
     def _listed(self, problem: Problem, budget: Budget) -> Hint | None:
-        """A list schedule with set-ups, improved for a part of the time; None without set-ups."""
+        """A list schedule, improved for a part of the time; None where the quick one will do."""
+        if self._improving is not None and begins_with_lists(problem) and self._improving.begin():
+            part = budget.share(_LISTING_SHARE).at_most(_MOST_SEARCHING_SECONDS)
+            while self._improving.step() and not part.is_over:
+                pass
+            if self._improving.found is not None:
+                return self._improving.found
         if not (problem.has_setups and self.hints):
             return None
         from irc.passes.setup_schedule import search_of
@@ -179,23 +190,22 @@ class DeepeningSearch:
         if budget.is_cancelled:
             return cp_model.UNKNOWN, Reached(0)
         budget = budget.at_least(self._least)
-        if self._improved is not None and not earlier and budget.left > LEAST_SECONDS:
-            return self._beside(built, objective, self._improved, budget)
+        if self._improving is not None and not earlier and budget.left > LEAST_SECONDS:
+            return self._beside(built, objective, self._improving, budget)
         solver = self._solver(self.options.workers)
         if self.options.on_progress is None:
             return asked(solver, built.model, budget), solver
         return self._reporter(built, objective, earlier).asked(solver, budget), solver
 
     def _beside(
-        self, built: Model, objective: str, problem: Problem, budget: Budget
+        self, built: Model, objective: str, improving: Improving, budget: Budget
     ) -> tuple[Any, Answer]:
         """The status and the answer of CP-SAT and local search together."""
         assert self._builder is not None
         beside = Beside(
             self._builder,
             built,
-            problem,
-            self.options.seed,
+            improving,
             self.options.workers or os.cpu_count() or 1,
             budget,
             lambda: self._reporter(built, objective, ()),

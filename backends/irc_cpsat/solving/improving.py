@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from threading import Event, Thread
 
+from irc.local_search.listing import least_value
 from irc.local_search.search import LocalSearch, search_of
 from irc.local_search.ways import Found, NotApplicable
 from irc.problem import Problem
@@ -13,7 +14,8 @@ _PATIENCE_SECONDS = 0.5
 
 
 class Improving:
-    """A local search of a problem. `value` is the makespan of `found`, the best schedule so far.
+    """A local search of a problem. `value` is that of `found`, the best schedule so far, for the
+    first objective.
 
     It finds none where the problem has something that it does not know about. Schedules that end
     after the deadline or the horizon do not count. An exception of the search is
@@ -29,10 +31,16 @@ class Improving:
         self._ended = Event()
         self._thread: Thread | None = None
         self._search: LocalSearch | None = None
+        self._least = least_value(problem)
 
     @property
     def _limits(self) -> list[int]:
-        """The times by which a schedule must end to be one."""
+        """The times by which a schedule must end to be one.
+
+        A search for other objectives than the makespan sees to them itself.
+        """
+        if self.problem.objectives[0] != "makespan":
+            return []
         known = self.problem.deadline, self.problem.horizon
         return [limit for limit in known if limit is not None]
 
@@ -40,6 +48,16 @@ class Improving:
     def has_begun(self) -> bool:
         """Whether the search runs, or has run."""
         return self._thread is not None
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether the problem has been read, and what searches it is loaded."""
+        return self._search is not None
+
+    @property
+    def is_met(self) -> bool:
+        """Whether no schedule can be better."""
+        return self.value is not None and self.value <= self._least
 
     def start(self) -> None:
         """Lets the search run beside the caller until it is ended, or has met the bound."""
@@ -64,6 +82,8 @@ class Improving:
 
     def begin(self) -> bool:
         """Reads the problem; False where it has something that the search does not know about."""
+        if self.is_ready:
+            return True
         try:
             self._search = search_of(self.problem, self._seed)
         except NotApplicable:
@@ -83,7 +103,7 @@ class Improving:
         if self.value is None or value < self.value:
             self.found = self._search.found()
             self.value = value
-        return value > self.problem.bounds.makespan.value
+        return value > self._least
 
     def _run(self) -> None:
         try:

@@ -98,13 +98,14 @@ class Reporter(cp_model.CpSolverSolutionCallback):
             if self._solver is not None:
                 self._solver.stop_search()
 
-    def tell_found(self, found: Hint, makespan: int, bound: int) -> None:
+    def tell_found(self, found: Hint, value: int, bound: int) -> None:
         """Tells a list schedule that was found elsewhere, and what is proven."""
         problem = self.built.problem
         if self.on_progress is None:
             return
-        in_unit = problem.to_units(bound) if self.proves else None
-        level = ObjectiveLevel("makespan", problem.to_units(makespan), in_unit)
+        name = self.objective
+        in_unit = in_units(problem, name, bound) if self.proves else None
+        level = ObjectiveLevel(name, in_units(problem, name, value), in_unit)
 
         def schedule() -> Schedule:
             return listed_schedule(problem, found)

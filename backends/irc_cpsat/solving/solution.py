@@ -42,7 +42,8 @@ class FoundSolution:
 class Reached:
     """The best schedule and the best bound that several searches together have reached.
 
-    `solution` is that of a model; without one, a list schedule is known alone, and its makespan.
+    `solution` is that of a model; without one, a list schedule is known alone, and its value for
+    the first objective.
     """
 
     def __init__(
@@ -50,14 +51,14 @@ class Reached:
         bound: int,
         solution: FoundSolution | None = None,
         decisions: Sequence[Decision] = (),
-        makespan: int = 0,
+        reached: int = 0,
     ) -> None:
         self.best_objective_bound = float(bound)
-        self.solution, self.decisions, self.makespan = solution, [*decisions], makespan
+        self.solution, self.decisions, self.reached = solution, [*decisions], reached
 
     def value(self, expression: Any) -> int:
-        """The value of an expression of the solution; without one, the makespan."""
-        return self.makespan if self.solution is None else self.solution.value(expression)
+        """The value of an expression of the solution; without one, of the first objective."""
+        return self.reached if self.solution is None else self.solution.value(expression)
 
 
 Answer = cp_model.CpSolver | Reached
