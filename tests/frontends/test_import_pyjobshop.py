@@ -202,6 +202,72 @@ def test_orders_and_selections_have_the_optimum_of_pyjobshop(
     assert solved(problem(**more)) == expected
 
 
+BREAKS = [[1, 3], [4, 5]]
+STOCK = {"type": "consumable", "capacity": 5}
+
+
+@pytest.mark.parametrize(
+    ("resource", "task", "mode", "expected"),
+    [
+        ({"capacity": 1, "breaks": BREAKS}, {}, {"demands": [0]}, 8),
+        ({"capacity": 1, "breaks": BREAKS}, {"allow_breaks": True}, {"demands": [0]}, 6),
+        ({**STOCK, "breaks": BREAKS}, {}, {"demands": [5]}, 8),
+        ({**STOCK, "breaks": BREAKS}, {"allow_breaks": True}, {"demands": [0]}, 6),
+        ({"type": "machine"}, {"allow_idle": True, "latest_start": 0, "earliest_end": 10}, {}, 10),
+        (
+            {"type": "machine", "breaks": [[4, 12]]},
+            {"allow_idle": True, "latest_start": 2, "earliest_end": 10},
+            {},
+            10,
+        ),
+        (
+            {"type": "machine", "breaks": [[2, 6]]},
+            {"allow_idle": True, "allow_breaks": True, "latest_start": 0, "earliest_end": 9},
+            {},
+            9,
+        ),
+    ],
+    ids=["nothing", "pause", "stock", "no stock", "idle", "idle in a break", "idle and pause"],
+)
+def test_breaks_bind_what_names_their_resource(
+    resource: Document, task: Document, mode: Document, expected: object
+) -> None:
+    """The values are those of PyJobShop 0.0.9."""
+    one = {"task": 0, "resources": [0], "duration": 3, **mode}
+    assert solved({"resources": [resource], "tasks": [task], "modes": [one]}) == expected
+
+
+@pytest.mark.parametrize(
+    ("rule", "optional", "expected"),
+    [
+        ("identical_resources", False, 5),
+        ("different_resources", False, 4),
+        ("identical_resources", True, 5),
+        ("different_resources", True, 3),
+    ],
+)
+def test_resources_of_which_nothing_is_taken_are_compared(
+    rule: str, optional: bool, expected: object
+) -> None:
+    """The values are those of PyJobShop 0.0.9: what is identical is also present together."""
+    document = {
+        "resources": [{"type": "machine"}, STOCK],
+        "tasks": [{}, {"optional": optional}],
+        "modes": [
+            {"task": 0, "resources": [0, 1], "duration": 3, "demands": [0, 0]},
+            {"task": 0, "resources": [0], "duration": 4},
+            {"task": 1, "resources": [0, 1], "duration": 2, "demands": [0, 1]},
+            {"task": 1, "resources": [1], "duration": 1, "demands": [1]},
+        ],
+        "constraints": {rule: [{"task1": 0, "task2": 1}]},
+    }
+    assert solved(document) == expected
+
+
+def test_a_problem_without_tasks_is_done_at_once() -> None:
+    assert solved({"resources": [], "tasks": [], "modes": []}) == 0
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [

@@ -1,17 +1,21 @@
 """Importer for PyJobShop: the JSON of its `ProblemData`.
 
 A task becomes an action, a job a group, a break a window without capacity. Machines with set-up
-times have a family for each task. Source: Lan and Berkhout 2025, "PyJobShop: solving scheduling
-problems with constraint programming in Python".
+times have a family for each task. What is not said this directly has modules of its own.
+
+Source: Lan and Berkhout 2025, "PyJobShop: solving scheduling problems with constraint programming
+in Python".
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from irc.frontends.importers.instances import Part, read_json
+from irc.frontends.importers.pyjobshop_breaks import BreakReader, demands
+from irc.frontends.importers.pyjobshop_choices import ChoiceReader, kind_of
 from irc.frontends.importers.pyjobshop_jobs import NEVER, JobEnds
 from irc.frontends.importers.pyjobshop_orders import OrderReader
 from irc.frontends.importers.scheduling_files.projects import stem_of, task_of
@@ -136,20 +140,23 @@ class _Reader:
             rules[key].fault("this importer does not know the constraint", key=True)
         setups = self._setups(listed.get("setup_times", ()))
         orders = OrderReader(lists, self.names)
+        choices = ChoiceReader(lists, self.names, listed)
+        breaks = BreakReader(lists, self.names)
         ends = JobEnds(lists, self.names, parts.get("objective"))
+        actions = self._actions(lists, listed, ends, breaks, choices.by_mode)
         document = {
-            "resources": self._resources(lists["resources"], setups),
-            "actions": [*self._actions(lists, listed, ends), *ends.actions],
-            "precedence": [*self._precedence(listed), *ends.precedence],
+            "resources": [*self._resources(lists["resources"], setups, breaks), *breaks.declared()],
+            "actions": [*actions, *breaks.actions, *ends.actions],
+            "precedence": [*self._precedence(listed), *breaks.precedence, *ends.precedence],
             "groups": self._groups(lists),
-            "couplings": [*self._couplings(listed, lists["modes"])],
-            "select": [*self._selections(listed), *ends.select],
+            "couplings": [*choices.couplings, *breaks.couplings],
+            "select": [*choices.select, *breaks.select, *ends.select],
             "sequences": [*orders.sequences(listed)],
             "objective": self._objective(parts.get("objective")),
         }
         document["couplings"] += orders.couplings
         document["select"] += orders.select
-        return {key: value for key, value in document.items() if value != []}
+        return {key: value for key, value in document.items() if value or key == "actions"}
 
     # --- resources ---
 
@@ -164,21 +171,20 @@ class _Reader:
         return found
 
     def _resources(
-        self, resources: Sequence[Part], setups: Mapping[int, list[dict[str, Any]]]
+        self,
+        resources: Sequence[Part],
+        setups: Mapping[int, list[dict[str, Any]]],
+        breaks: BreakReader,
     ) -> list[dict[str, Any]]:
         found = []
         for k, part in enumerate(resources):
-            value, id = part.value, self.names["resources"][k]
-            kind = value.get("type") or ("renewable" if "capacity" in value else "machine")
-            breaks = value.get("breaks") or []
+            value, id, kind = part.value, self.names["resources"][k], kind_of(part.value)
             if kind == "consumable":
-                if breaks:
-                    part.fault("a stock of the IR has no breaks")
                 initial = part.members()["capacity"].whole() or 0
                 found.append({"id": id, "kind": "reservoir", "initial": initial})
                 continue
             capacity = 1 if kind == "machine" else part.members()["capacity"].whole() or 0
-            windows = [{"from": a, "to": b, "capacity": 0} for a, b in sorted(map(tuple, breaks))]
+            windows = breaks.windows(k)
             found.append(
                 {
                     "id": id,
@@ -197,56 +203,61 @@ class _Reader:
         lists: Mapping[str, Sequence[Part]],
         rules: Mapping[str, Sequence[Part]],
         ends: JobEnds,
+        breaks: BreakReader,
+        by_mode: Container[int],
     ) -> list[dict[str, Any]]:
         modes: dict[int, list[tuple[int, Part]]] = {}
         for m, part in enumerate(lists["modes"]):
             modes.setdefault(self._index(part, "task"), []).append((m, part))
-        named = {m for rule in rules.get("mode_dependencies", ()) for m in _modes_of(rule)}
-        horizon = _horizon(lists)
+        horizon = _horizon(lists, rules)
         found = []
         for k, part in enumerate(lists["tasks"]):
             if k not in modes:
                 part.fault("the task has no mode")
                 continue
-            idle = bool(part.value.get("allow_idle"))
-            ways = [(m, self._way(k, mode, horizon if idle else None)) for m, mode in modes[k]]
+            idles = breaks.may_idle(k)
+            apart = idles and breaks.process(k, modes[k])
+            ways = [
+                (m, self._way(mode, horizon if idles else None, None if apart else breaks))
+                for m, mode in modes[k]
+            ]
             action = {"id": self.names["tasks"][k], **self._limits(part, lists["jobs"], ends)}
-            if part.value.get("allow_breaks"):
+            if part.value.get("allow_breaks") and not apart:
                 action["breaks"] = "pause"
             if part.value.get("optional"):
                 action["occurs"] = "optional"
-            if len(ways) == 1 and not named & {m for m, _ in ways}:
+            if len(ways) == 1 and not apart and k not in by_mode:
                 found.append({**action, **ways[0][1]})
             else:
                 found.append({**action, "modes": [{"id": f"mode {m}", **way} for m, way in ways]})
         return found
 
-    def _way(self, task: int, mode: Part, horizon: int | None) -> dict[str, Any]:
-        """A mode: its duration, or a range where the task may idle, and what it takes."""
+    def _way(self, mode: Part, horizon: int | None, breaks: BreakReader | None) -> dict[str, Any]:
+        """A mode: its duration, or a range where the task may idle, and what it takes.
+
+        Without `breaks`, another action uses what its breaks need.
+        """
         duration = mode.members()["duration"].whole() or 0
-        demands = mode.value.get("demands") or [0] * len(mode.value["resources"])
-        uses, consumes = [], []
-        for k, demand in zip(mode.value["resources"], demands, strict=False):
-            kind = self._kind(k)
+        uses: list[dict[str, Any]] = []
+        consumes: list[dict[str, Any]] = []
+        for k, demand in demands(mode):
+            kind = kind_of(self.problem.value["resources"][k])
             one: dict[str, Any] = {"resource": self.names["resources"][k]}
             if kind == "machine":
-                family = {"family": self.names["tasks"][task]} if k in self.families else {}
-                uses.append({**one, **family})
+                name = self.names["tasks"][mode.value["task"]]
+                uses.append({**one, "family": name} if k in self.families else one)
             elif demand and kind == "consumable":
                 consumes.append({**one, "amount": demand})
             elif demand:
                 uses.append({**one, "amount": demand})
+            if breaks is not None:
+                uses += breaks.open(k, demand)
         length = duration if horizon is None else {"min": duration, "max": duration + horizon}
         return {
             "duration": length,
             **({"uses": uses} if uses else {}),
             **({"consumes": consumes} if consumes else {}),
         }
-
-    def _kind(self, resource: int) -> str:
-        value = self.problem.value["resources"][resource]
-        given = value.get("type") or ("renewable" if "capacity" in value else "machine")
-        return str(given)
 
     def _limits(self, part: Part, jobs: Sequence[Part], ends: JobEnds) -> dict[str, Any]:
         value = part.value
@@ -301,46 +312,6 @@ class _Reader:
                     **({"max_lag": delay} if exact else {}),
                 }
 
-    def _couplings(
-        self, rules: Mapping[str, Sequence[Part]], modes: Sequence[Part]
-    ) -> Iterator[dict[str, Any]]:
-        for key, word in (("identical_resources", "same"), ("different_resources", "different")):
-            for row in rules.get(key, ()):
-                yield {
-                    word: "resource",
-                    "actions": [self._task(row, k) for k in ("task1", "task2")],
-                }
-        for row in rules.get("mode_dependencies", ()):
-            first, others = row.value["mode1"], row.value["modes2"]
-            owners = {self._index(modes[m], "task") for m in others}
-            if len(owners) != 1:
-                row.fault("the modes that it allows are those of several tasks")
-                continue
-            before = self.names["tasks"][self._index(modes[first], "task")]
-            after = self.names["tasks"][owners.pop()]
-            allowed = [f"mode {m}" for m in others]
-            yield {
-                "if": {"action": before, "mode": f"mode {first}"},
-                "then": {"action": after, "modes": allowed},
-            }
-
-    def _selections(self, rules: Mapping[str, Sequence[Part]]) -> Iterator[dict[str, Any]]:
-        for key, bounds in (
-            ("select_at_least_one", {"min": 1}),
-            ("select_exactly_one", {"min": 1, "max": 1}),
-        ):
-            for row in rules.get(key, ()):
-                yield {"actions": self._tasks(row), **bounds, **self._condition(row)}
-        for row in rules.get("select_all_or_none", ()):
-            yield {"actions": self._tasks(row), "all_or_none": True, **self._condition(row)}
-
-    def _condition(self, row: Part) -> dict[str, Any]:
-        task = row.value.get("condition_task")
-        return {} if task is None else {"if": self.names["tasks"][task]}
-
-    def _tasks(self, row: Part) -> list[str]:
-        return [self.names["tasks"][k] for k in row.value["tasks"]]
-
     def _objective(self, part: Part | None) -> list[Any]:
         weights = {} if part is None else part.value
         terms = [
@@ -367,6 +338,10 @@ class _Reader:
 
 
 _LISTS = ("resources", "tasks", "modes")
+_DATES = (
+    *("earliest_start", "latest_start", "earliest_end", "latest_end"),
+    *("release_date", "deadline", "due_date"),
+)
 _KNOWN = frozenset(
     [
         *_LAGS,
@@ -389,14 +364,12 @@ def _names(parts: Sequence[Part], what: str) -> list[str]:
     return found
 
 
-def _modes_of(rule: Part) -> Iterator[int]:
-    yield rule.value["mode1"]
-    yield from rule.value["modes2"]
-
-
-def _horizon(lists: Mapping[str, Sequence[Part]]) -> int:
-    """A time that is enough for idling: all durations, breaks and dates together."""
-    durations = sum(part.value.get("duration") or 0 for part in lists["modes"])
+def _horizon(lists: Mapping[str, Sequence[Part]], rules: Mapping[str, Sequence[Part]]) -> int:
+    """Enough time to idle: all durations, set-ups, delays, breaks and dates together."""
+    rows = [*lists["modes"], *(row for listed in rules.values() for row in listed)]
+    lengths = [abs(row.value.get(key) or 0) for row in rows for key in ("duration", "delay")]
     breaks = [b for part in lists["resources"] for b in part.value.get("breaks") or ()]
-    dates = [part.value.get("earliest_start") or 0 for part in lists["tasks"]]
-    return int(durations + max([0, *(end for _, end in breaks)]) + max([0, *dates]))
+    parts = [*lists["tasks"], *lists["jobs"]]
+    dates = [part.value.get(key) or 0 for part in parts for key in _DATES]
+    known = [date for date in dates if date < NEVER]
+    return int(sum(lengths) + max([0, *(end for _, end in breaks)]) + max([0, *known]))

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from irc.frontends.importers.instances import Part
+from irc.frontends.importers.pyjobshop_choices import kind_of
 
 
 class OrderReader:
@@ -27,10 +28,7 @@ class OrderReader:
         for mode in lists["modes"]:
             self.modes.setdefault(mode.value["task"], []).append(mode.value)
         self.machines = {
-            k
-            for k, part in enumerate(lists["resources"])
-            if (part.value.get("type") or ("" if "capacity" in part.value else "machine"))
-            == "machine"
+            k for k, part in enumerate(lists["resources"]) if kind_of(part.value) == "machine"
         }
 
     def sequences(self, rules: Mapping[str, Sequence[Part]]) -> Iterator[dict[str, Any]]:
