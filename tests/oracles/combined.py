@@ -2,8 +2,8 @@
 
 A feature is a function that adds something to a document that already has a few plain actions. Each
 seed draws two or three of them, so that every pair meets often, and few other things are in the
-way. All tasks are small enough for `oracles.state_brute_force`; where it does not know a feature,
-`oracles.combined_judge` only asks the validator.
+way. `document_with` draws a task with given features, such as each of `pairs`. Nearly all tasks are
+small enough for `oracles.exhaustive`, which knows every feature.
 
 A new element of the IR takes part with one entry of `FEATURES`; the deep tests and the benchmark
 need nothing else. What seeds draw changes with it.
@@ -12,8 +12,8 @@ need nothing else. What seeds draw changes with it.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
-from itertools import pairwise
+from collections.abc import Callable, Sequence
+from itertools import combinations, pairwise
 from typing import Any
 
 Document = dict[str, Any]
@@ -42,6 +42,26 @@ def features_of(seed: int, most: int = 3) -> list[str]:
         rng.choice((0, 1, 2, 3))
     rng.shuffle(list(names))
     return rng.sample(sorted(FEATURES), rng.randint(2, most))
+
+
+def pairs() -> list[tuple[str, ...]]:
+    """Each feature alone, and every pair of features."""
+    names = sorted(FEATURES)
+    return [*((name,) for name in names), *combinations(names, 2)]
+
+
+def document_with(features: Sequence[str], seed: int) -> Document:
+    """A task of 2 to 4 actions with some features, in an order of the seed's own."""
+    rng = random.Random(f"{sorted(features)} {seed}")
+    names = "abcd"[: rng.choice((2, 3, 3, 3, 4))]
+    document: Document = {
+        "actions": [{"id": name, "duration": rng.choice((0, 1, 1, 2, 2, 3))} for name in names]
+    }
+    for name in rng.sample(sorted(features), len(features)):
+        FEATURES[name](rng, document)
+    if "deadline" not in document and rng.random() < 0.3:
+        document["deadline"] = rng.randint(6, 12)
+    return document
 
 
 def _some(rng: random.Random, document: Document, chance: float = 0.5) -> list[Document]:
@@ -210,7 +230,7 @@ def _chain(rng: random.Random, document: Document) -> None:
 def _windows(rng: random.Random, document: Document) -> None:
     """Releases, deadlines, fixed and latest starts."""
     for action in _some(rng, document):
-        kind = rng.choice(("release", "deadline", "start", "latest_start"))
+        kind = rng.choice(("release", "deadline", "start", "latest_start", "earliest_end"))
         if kind == "start" and isinstance(action.get("occurs"), dict):
             kind = "release"
         action[kind] = rng.randint(0, 4) + (3 if kind == "deadline" else 0)
@@ -387,6 +407,99 @@ def _couplings(rng: random.Random, document: Document) -> None:
         document.setdefault("couplings", []).append(rule)
 
 
+def _shifts(rng: random.Random, document: Document) -> None:
+    """A resource with a calendar, at whose closed times some of its users pause."""
+    first = rng.randint(0, 2)
+    cycle: Document = {"id": "hours", "every": 5, "open": [{"from": first, "to": first + 2}]}
+    if rng.random() < 0.3:
+        cycle["open"].append({"from": first + 3, "to": first + 3 + rng.choice((1, 2)) - 5})
+        cycle["open"][1]["from"] %= 5
+        cycle["open"][1]["to"] %= 5
+    if rng.random() < 0.3:
+        cycle["closed"] = [{"from": rng.randint(0, 3), "to": rng.randint(4, 6)}]
+    document.setdefault("calendars", []).append(cycle)
+    crew: Document = {"id": "crew", "calendar": "hours", "capacity": rng.choice((1, 1, 2))}
+    if rng.random() < 0.2:
+        crew["availability"] = [{"from": 2, "to": 4, "capacity": rng.randint(0, 2)}]
+    document.setdefault("resources", []).append(crew)
+    for action in _some(rng, document, 0.6):
+        action.setdefault("uses", []).append({"resource": "crew"})
+        if rng.random() < 0.6:
+            action["breaks"] = "pause"
+            if rng.random() < 0.2:
+                action["max_pause"] = rng.randint(0, 4)
+
+
+def _no_idle(rng: random.Random, document: Document) -> None:
+    document.setdefault("resources", []).append({"id": "belt", "no_idle": True})
+    for action in _some(rng, document, 0.8):
+        action.setdefault("uses", []).append({"resource": "belt"})
+    if rng.random() < 0.5:
+        rng.choice(document["actions"])["release"] = rng.randint(1, 4)
+
+
+_DATED = ("tardiness", "tardy", "max_tardiness", "earliness", "flow_time", "makespan", "cost")
+
+
+def _objectives(rng: random.Random, document: Document) -> None:
+    """Objectives on due dates, and sums of several."""
+    for action in _some(rng, document, 0.7):
+        action["due"] = rng.randint(-2, 7)
+        if rng.random() < 0.4:
+            action["weight"] = rng.randint(0, 3)
+    for group in document.get("groups", ()):
+        if rng.random() < 0.5:
+            group["due"] = rng.randint(0, 7)
+    names = [f"minimize_{name}" for name in rng.sample(_DATED, 3)]
+    levels: list[Any] = names[:2]
+    if rng.random() < 0.4:
+        levels = [{"sum": [[rng.randint(1, 3), name] for name in names[:2]]}, names[2]]
+    document["objective"] = levels[: rng.choice((1, 2))]
+
+
+def _setup_objectives(rng: random.Random, document: Document) -> None:
+    """The time or the cost of the set-ups of a resource is to be small."""
+    rows = [
+        {"from": a, "to": b, "time": rng.randint(0, 2), "cost": rng.randint(0, 3)}
+        for a, b in (("oak", "elm"), ("elm", "oak"), ("*", "oak"))
+    ]
+    saw = {"id": "saw", "setups": {"times": rows[: rng.randint(1, 3)]}}
+    if rng.random() < 0.4:
+        saw["setups"] |= {"initial": rng.choice(("oak", "elm"))}
+    document.setdefault("resources", []).append(saw)
+    for action in _some(rng, document, 0.8):
+        use: Document = {"resource": "saw"}
+        if rng.random() < 0.9:
+            use["family"] = rng.choice(("oak", "elm"))
+        action.setdefault("uses", []).append(use)
+    _objective(rng, document, f"minimize_setup_{rng.choice(('time', 'cost'))}")
+
+
+def _choices(rng: random.Random, document: Document) -> None:
+    """Modes that depend on modes or resources of others."""
+    document.setdefault("resources", []).extend([{"id": "d1"}, {"id": "d2"}])
+    able = [a for a in document["actions"] if not isinstance(a.get("occurs"), dict)]
+    for action in able:
+        if "modes" not in action and rng.random() < 0.8:
+            duration = action.pop("duration", 1)
+            action["modes"] = [
+                {"id": "fast", "duration": rng.randint(0, 2), "uses": [{"one_of": ["d1", "d2"]}]},
+                {"id": "slow", "duration": duration, "cost": rng.randint(0, 2)},
+            ]
+    chosen = [a for a in able if "modes" in a]
+    if len(chosen) < 2:
+        return
+    one, other = rng.sample(chosen, 2)
+    kind = rng.choice(("same", "different", "if"))
+    rule: Document = {kind: "mode", "actions": [one["id"], other["id"]]}
+    if kind == "if":
+        made = [{"action": a["id"], "mode": rng.choice(a["modes"])["id"]} for a in (one, other)]
+        if rng.random() < 0.4:
+            made[1] = {"action": other["id"], "resource": rng.choice(("d1", "d2"))}
+        rule = {"if": made[0], "then": made[1]}
+    document.setdefault("couplings", []).append(rule)
+
+
 def _resolution(rng: random.Random, document: Document) -> None:
     document["resolution"] = rng.choice(("1/6", "1/12"))
 
@@ -420,5 +533,10 @@ FEATURES: dict[str, Feature] = {
     "loads": _loads,
     "selections": _selections,
     "couplings": _couplings,
+    "shifts": _shifts,
+    "no idle": _no_idle,
+    "objectives": _objectives,
+    "set-up objectives": _setup_objectives,
+    "choices": _choices,
 }
 """What a task can have, by name."""

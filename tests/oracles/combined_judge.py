@@ -12,36 +12,34 @@ from irc.model import Task
 from irc.schedule import Schedule, Status
 from irc.targets import SolveOptions
 from irc.validation import validate
+from oracles.exhaustive import TooHardError, Vector, best_of
 from oracles.shrinking import shrunk
-from oracles.state_brute_force import Optimum, TooLargeError, optimum
-
-MOST_SITUATIONS = 100_000
-"""Tasks in which the oracle would have to look at more are not judged."""
 
 
-def verdict(document: dict[str, Any], target: str, seconds: float) -> str:
+def verdict(document: dict[str, Any], target: str, seconds: float, *, shortcut: bool = True) -> str:
     """In a few words how the answer was; it begins with "wrong" or "crash" where that is a fault.
 
     An answer "unknown", or one that is not the best, is no fault of a target that proves nothing.
-    Of a task that the oracle does not know, only schedules are judged, by the validator.
+    What the oracle finds too hard is judged by the validator alone. A refusal is named by its
+    codes.
     """
-    known = True
     try:
         task = Task.model_validate(document)
     except ValidationError:
         return "not judged: no task"
+    known, best = True, None
     try:
-        best = optimum(task, max_situations=MOST_SITUATIONS)
-    except TooLargeError:
-        return "not judged: too large"
-    except (ValueError, LookupError):
-        known, best = False, None
+        best = best_of(task)
+    except TooHardError:
+        known = False
+    except (LookupError, ValueError):
+        return "not judged: no task"
     try:
-        options = SolveOptions(target, time_limit=seconds, workers=1)
+        options = SolveOptions(target, time_limit=seconds, workers=1, shortcut=shortcut)
         schedule = solve_task(task, options).schedule
     except InputError as refusal:
         codes = {d.code.id for d in refusal.report.errors}
-        return _refused(codes, best) if known else "refused, where the oracle knows nothing"
+        return _refused(codes, best) if known else "refused, too hard for the oracle"
     except Exception as error:  # noqa: BLE001  (a fuzzer looks for all of them)
         return f"crash: {type(error).__name__}: {error}"
     return _judged(task, schedule, best) if known else _only_validated(task, schedule)
@@ -49,17 +47,21 @@ def verdict(document: dict[str, Any], target: str, seconds: float) -> str:
 
 def _only_validated(task: Task, schedule: Schedule) -> str:
     if not schedule.answered:
-        return f"{schedule.status}, where the oracle knows nothing"
-    return "valid" if validate(task, schedule).valid else "wrong: not valid"
+        return f"{schedule.status}, too hard for the oracle"
+    if not validate(task, schedule).valid:
+        return "wrong: not valid"
+    return "valid, too hard for the oracle"
 
 
-def _refused(codes: set[str], best: Optimum | None) -> str:
-    if codes == {"IRC501"}:
+def _refused(codes: set[str], best: Vector | None) -> str:
+    if codes <= {"IRC501"}:
         return "not supported"
-    return f"wrong: refused by {sorted(codes)}" if best is not None else "refused, rightly"
+    if not all(code.startswith("IRC3") for code in codes):
+        return f"refused by {', '.join(sorted(codes))}"
+    return "infeasible, by the checks" if best is None else f"wrong: refused by {sorted(codes)}"
 
 
-def _judged(task: Task, schedule: Schedule, best: Optimum | None) -> str:
+def _judged(task: Task, schedule: Schedule, best: Vector | None) -> str:
     """The verdict on an answer of an engine."""
     if schedule.status is Status.UNKNOWN:
         return "unknown" if best is not None else "unknown, and there is none"
@@ -71,7 +73,7 @@ def _judged(task: Task, schedule: Schedule, best: Optimum | None) -> str:
         return "wrong: not valid"
     signs = [-1 if o.name == "reward" else 1 for o in schedule.objective]
     values = [s * o.value for s, o in zip(signs, schedule.objective, strict=True)]
-    least = [s * v for s, v in zip(signs, best.vector, strict=True)]
+    least = [s * v for s, v in zip(signs, best, strict=True)]
     if values < least:
         return f"wrong: {values} is better than the best, {least}"
     for sign, level, value, right in zip(signs, schedule.objective, values, least, strict=True):
@@ -91,12 +93,16 @@ def is_fault(said: str) -> bool:
     return said.startswith(("wrong", "crash"))
 
 
-def smallest(document: dict[str, Any], target: str, seconds: float) -> dict[str, Any]:
+def smallest(
+    document: dict[str, Any], target: str, seconds: float, *, shortcut: bool = True
+) -> dict[str, Any]:
     """A smaller document with a fault of the same kind."""
-    kind = verdict(document, target, seconds).split(":")[0]
+    kind = verdict(document, target, seconds, shortcut=shortcut).split(":")[0]
 
     def fails(smaller: Any) -> bool:
-        return isinstance(smaller, dict) and verdict(smaller, target, seconds).startswith(kind)
+        if not isinstance(smaller, dict):
+            return False
+        return verdict(smaller, target, seconds, shortcut=shortcut).startswith(kind)
 
     found: dict[str, Any] = shrunk(document, fails, most=300)
     return found

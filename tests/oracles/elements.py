@@ -80,6 +80,6 @@ KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "selections": _selections,
     "sequences": _sequences,
     "batches": _batches,
-    "pairs": _pairs,
+    "small pairs": _pairs,
 }
 """For each kind a task by its seed, with the best values of its objectives."""

@@ -17,7 +17,7 @@ SEEDS = {
     "selections": range(24),
     "sequences": range(24),
     "batches": range(40),
-    "pairs": range(30),
+    "small pairs": range(30),
 }
 PLANNED = {"modes": range(100, 106), "numbers": range(100, 112), "objectives": range(100, 108)}
 
