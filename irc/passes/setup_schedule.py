@@ -67,10 +67,12 @@ def setup_schedule(problem: Problem) -> Found | None:
 def search_of(problem: Problem) -> SetupSearch | None:
     """The search for list schedules of a problem, with a first one; None where it does not apply.
 
-    It knows modes, `one_of`, calendars and pauses, and no state, stock, nor activities that may be
-    absent.
+    It knows modes, `one_of`, calendars and pauses, and no state, stock, choices that depend on each
+    other, nor activities that may be absent.
     """
     if problem.sequences or any(r.setups is not None and r.setups.tight for r in problem.resources):
+        return None
+    if problem.couplings or problem.selections:
         return None
     if (
         problem.has_state

@@ -17,14 +17,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, pairwise, product
 from typing import Any, NamedTuple
 
 from irc.model import Action, Calendar, ClosedTime, DurationRange, Mode, Resource, StateGoal, Task
 from irc.model.quantities import Number, exact
-from oracles.exhaustive_ranks import some_ranks_do
+from oracles.exhaustive_ranks import some_ranks_do, these_ranks_do
 
 Vector = tuple[Number, ...]
 
@@ -108,13 +108,15 @@ def best_of(task: Task, most_steps: int = 100_000) -> Vector | None:
 class World:
     """What a task says, in ticks."""
 
-    def __init__(self, task: Task, most_steps: int) -> None:
+    def __init__(self, task: Task, most_steps: int, moments: Sequence[Number] = ()) -> None:
+        """With `moments`, the times of a schedule, which is to be judged."""
         self.left = most_steps
         if task.events or any("changes" in str(o) for o in task.objective):
             raise ValueError("this oracle does not know events or changes of plan")
         self.task = task
         self._known: dict[Any, int] = {}
-        self.tick = _common(Fraction(task.number(t)) for t in _times(task))
+        stated = [*_times(task), *moments]
+        self.tick = _common(Fraction(task.number(t)) for t in stated)
         self.resources = {r.id: r for r in task.resources}
         self.calendars = {c.id: c for c in task.calendars}
         self.lags = [
@@ -122,6 +124,8 @@ class World:
             for p in task.precedence
         ]
         self.horizon = self._horizon()
+        if moments:
+            self.horizon = max(self.ticks(moment) for moment in moments)
         self.open = {
             c.id: [self._is_open(c, t) for t in range(self.horizon + 2)] for c in task.calendars
         }
@@ -222,8 +226,8 @@ class World:
         """Every list of occurrences (way, number) that keeps rules 1, 2.10 and 4.1."""
         per_action = []
         for action in self.task.actions:
-            ways = list(self._ways(action))
-            least, most = self._counts(action)
+            ways = list(self.ways(action))
+            least, most = self.counts(action)
             own: list[tuple[Way, ...]] = []
             for count in range(least, most + 1):
                 own += product(ways, repeat=count)
@@ -235,17 +239,17 @@ class World:
             by_name = {
                 a.id: list(ways) for a, ways in zip(self.task.actions, taken, strict=True) if ways
             }
-            if self._presence_holds(by_name) and self._couplings_hold(by_name):
+            if self.presence_holds(by_name) and self.couplings_hold(by_name):
                 yield [(w, n) for ways in by_name.values() for n, w in enumerate(ways, 1)]
 
-    def _counts(self, action: Action) -> tuple[int, int]:
+    def counts(self, action: Action) -> tuple[int, int]:
         least, most = action.occurrence_bounds
         if most is None:
             raise ValueError("this oracle does not know occurrences without a maximum")
         soft = any(action.id in g.actions and not g.required for g in self.task.groups)
         return (0 if soft else least), most
 
-    def _ways(self, action: Action) -> Iterator[Way]:
+    def ways(self, action: Action) -> Iterator[Way]:
         for mode, least, most in self._durations(action):
             uses = [((None, n), use) for n, use in enumerate(action.uses)]
             if mode is not None:
@@ -257,7 +261,7 @@ class World:
                 )
                 yield Way(action, mode, held, least, most)
 
-    def _presence_holds(self, there: Mapping[str, object]) -> bool:
+    def presence_holds(self, there: Mapping[str, object]) -> bool:
         present = set(there)
         for group in self.task.groups:
             count = sum(name in present for name in group.actions)
@@ -274,7 +278,7 @@ class World:
                 return False
         return all(isinstance(g, StateGoal) or g in present for g in self.task.goals)
 
-    def _couplings_hold(self, there: Mapping[str, Sequence[Way]]) -> bool:
+    def couplings_hold(self, there: Mapping[str, Sequence[Way]]) -> bool:
         for rule in self.task.couplings:
             if rule.if_ is not None and rule.then is not None:
                 if rule.if_.action in there and rule.then.action in there:
@@ -307,39 +311,46 @@ class World:
         return self._places[id(way)]
 
     def _spans(self, way: Way) -> Iterator[tuple[int, int]]:
-        action = way.action
-        first = max(0, self.ticks(action.release))
-        last = self.horizon
-        limits = [
-            action.deadline,
-            *(g.deadline for g in self.task.groups if action.id in g.actions),
-        ]
-        for limit in limits:
-            last = last if limit is None else min(last, self.ticks(limit))
-        for start in range(first, last + 1):
-            if action.start is not None and start != self.ticks(action.start):
-                continue
-            if action.latest_start is not None and start > self.ticks(action.latest_start):
-                continue
-            for end in range(start, last + 1):
-                early = action.earliest_end
-                if early is not None and end < self.ticks(early):
-                    continue
-                if self._lasts_right(way, start, end) and self._has_room(way, start, end):
+        for start in range(self.horizon + 1):
+            for end in range(start, self.horizon + 1):
+                if self.allows(way, start, end):
                     yield start, end
+
+    def allows(self, way: Way, start: int, end: int) -> bool:
+        """Whether one occurrence alone keeps rules 2 and 4.2 at these times."""
+        action, number = way.action, self.ticks
+        if start < max(0, number(action.release)) or end < start:
+            return False
+        if action.start is not None and start != number(action.start):
+            return False
+        if action.latest_start is not None and start > number(action.latest_start):
+            return False
+        if action.earliest_end is not None and end < number(action.earliest_end):
+            return False
+        limits = [self.task.deadline, action.deadline]
+        limits += [g.deadline for g in self.task.groups if action.id in g.actions]
+        if any(limit is not None and end > number(limit) for limit in limits):
+            return False
+        return self._lasts_right(way, start, end) and self._has_room(way, start, end)
+
+    def _closed(self, way: Way, start: int, end: int, tick: int) -> bool:
+        """Whether [tick, tick + 1) is closed for what lasts from start to end."""
+        name = way.action.calendar
+        if name is not None and not self.open[name][tick]:
+            return True
+        holds = way.held if way.pauses and start < end else ()
+        return any(self.capacity_at(h.resource, tick) == 0 for h in holds)
+
+    def closed_time(self, way: Way, start: int, end: int) -> int:
+        """The closed ticks between start and end."""
+        return sum(self._closed(way, start, end, tick) for tick in range(start, end))
 
     def _lasts_right(self, way: Way, start: int, end: int) -> bool:
         """Rules 2.2, 2.7 and 2.8."""
-
-        def closed(tick: int) -> bool:
-            name = way.action.calendar
-            if name is not None and not self.open[name][tick]:
-                return True
-            holds = way.held if way.pauses and start < end else ()
-            return any(self.capacity_at(h.resource, tick) == 0 for h in holds)
-
-        shut = sum(closed(tick) for tick in range(start, end))
-        if closed(start) or (start < end and closed(end - 1)):
+        shut = self.closed_time(way, start, end)
+        if self._closed(way, start, end, start):
+            return False
+        if start < end and self._closed(way, start, end, end - 1):
             return False
         if not way.pauses:
             return shut == 0 and way.least <= end - start <= way.most
@@ -388,42 +399,8 @@ class _Search:
         for start, end in self.world.places(way):
             self.world.spend()
             new = Placed(way, number, start, end)
-            if self._fits(new, placed):
+            if fits(self.world, new, placed):
                 self._visit(rest, [*placed, new])
-
-    def _fits(self, new: Placed, placed: Sequence[Placed]) -> bool:
-        both = [*placed, new]
-        return (
-            self._numbered(new, placed)
-            and self._lags_hold(new, both)
-            and all(_one_load(self.world, new, other) for other in placed)
-            and all(
-                self.world.room(name, [(p.way, p.start, p.end) for p in both], tick)
-                for name in {h.resource for h in new.way.held}
-                for tick in range(new.start, new.end)
-            )
-        )
-
-    def _numbered(self, new: Placed, placed: Sequence[Placed]) -> bool:
-        """Rule 1.3; the occurrences of an action are placed in the order of their numbers."""
-        for other in placed:
-            if other.name == new.name:
-                if new.start < other.start:
-                    return False
-                if new.start < other.end and other.start < new.end:
-                    return False
-        return True
-
-    def _lags_hold(self, new: Placed, placed: Sequence[Placed]) -> bool:
-        """Rule 3.1, by times alone."""
-        by_name = {p.name: p for p in placed}
-        for arc, least, most in self.world.lags:
-            if new.name in (arc.before, arc.after) and {arc.before, arc.after} <= set(by_name):
-                of_before, of_after = arc.type.split("-")
-                lag = _point(by_name[arc.after], of_after) - _point(by_name[arc.before], of_before)
-                if lag < least or (most is not None and lag > most):
-                    return False
-        return True
 
     # Objectives.
 
@@ -485,6 +462,44 @@ class _Search:
         return exact(found[name] * world.tick)
 
 
+def fits(world: World, new: Placed, placed: Sequence[Placed]) -> bool:
+    """Whether one more occurrence keeps what it and the others placed decide."""
+    both = [*placed, new]
+    return (
+        _numbered(new, placed)
+        and _lags_hold(world, new, both)
+        and all(_one_load(world, new, other) for other in placed)
+        and all(
+            world.room(name, [(p.way, p.start, p.end) for p in both], tick)
+            for name in {h.resource for h in new.way.held}
+            for tick in range(new.start, new.end)
+        )
+    )
+
+
+def _numbered(new: Placed, placed: Sequence[Placed]) -> bool:
+    """Rule 1.3; the occurrences of an action are placed in the order of their numbers."""
+    for other in placed:
+        if other.name == new.name:
+            if new.start < other.start:
+                return False
+            if new.start < other.end and other.start < new.end:
+                return False
+    return True
+
+
+def _lags_hold(world: World, new: Placed, placed: Sequence[Placed]) -> bool:
+    """Rule 3.1, by times alone."""
+    by_name = {p.name: p for p in placed}
+    for arc, least, most in world.lags:
+        if new.name in (arc.before, arc.after) and {arc.before, arc.after} <= set(by_name):
+            of_before, of_after = arc.type.split("-")
+            lag = _point(by_name[arc.after], of_after) - _point(by_name[arc.before], of_before)
+            if lag < least or (most is not None and lag > most):
+                return False
+    return True
+
+
 class Setup(NamedTuple):
     """The set-up of a resource between two consecutive uses, or before the first."""
 
@@ -542,12 +557,12 @@ class Judge:
 
     world: World
     placed: Sequence[Placed]
-    by_name: dict[str, Placed] = field(init=False)
 
-    def accepts(self) -> bool:
-        """Whether set-ups and orders hold, and the rest under some ranks."""
-        self.by_name = {p.name: p for p in self.placed}
-        return self._setups_hold() and self._orders_hold() and some_ranks_do(self)
+    def accepts(self, ranks: Sequence[tuple[int, int]] | None = None) -> bool:
+        """Whether set-ups and orders hold, and the rest under some ranks, or under given ones."""
+        if not self._setups_hold() or not self._orders_hold():
+            return False
+        return some_ranks_do(self) if ranks is None else these_ranks_do(self, ranks)
 
     def _setups_hold(self) -> bool:
         for setup in setups(self.world, self.placed):

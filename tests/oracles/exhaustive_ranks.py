@@ -8,6 +8,7 @@ each set of others that are linked by instants every weak order is tried.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from functools import cache
 from itertools import permutations, product
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,7 +19,7 @@ from irc.model.quantities import Number
 if TYPE_CHECKING:
     from oracles.exhaustive import Judge, Placed
 
-Point = tuple[int, int]
+Point = tuple[int, Number]
 """A time and a rank."""
 
 
@@ -38,11 +39,31 @@ def some_ranks_do(judge: Judge) -> bool:
     return any(_Ranked(judge, ranks).holds() for ranks in _ranks(judge))
 
 
+def these_ranks_do(judge: Judge, given: Sequence[tuple[int, int]]) -> bool:
+    """Whether the ranks of the start and end of each occurrence satisfy all rules.
+
+    The timed changes may have any: between those given, and below and above them.
+    """
+    least = min((rank for pair in given for rank in pair), default=0)
+    most = max((rank for pair in given for rank in pair), default=0)
+    width = len(timed_changes(judge))
+    for p, (a, b) in zip(judge.placed, given, strict=True):
+        if a != b and not p.way.ends_freely:
+            return False
+    between = [
+        Fraction(k, width + 1) for k in range((least - 1) * (width + 1), (most + 2) * (width + 1))
+    ]
+    return any(
+        _Ranked(judge, _Nodes(tuple(given), changes)).holds()
+        for changes in product(between, repeat=width)
+    )
+
+
 class _Nodes(NamedTuple):
     """The ranks of the start and end of each occurrence, and of each timed change."""
 
     occurrences: tuple[tuple[int, int], ...]
-    changes: tuple[int, ...]
+    changes: tuple[Number, ...]
 
 
 def timed_changes(judge: Judge) -> list[_Change]:

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from irc.model import Action, DurationRange, StateGoal, Task
 from irc.model.quantities import Number
 from irc.schedule import Entry
+from oracles.exhaustive import Judge, Placed, Way, World, fits
 
 # The naive validator: for each rule of docs/semantics.md, whether it is broken.
 
@@ -314,6 +315,59 @@ def all_rules_of_ranks(
         and rule_4(task, entries, ranks)
         and rule_5(task, entries, ranks)
     )
+
+
+def keeps_every_rule(task: Task, entries: Sequence[Entry]) -> bool:
+    """Whether a schedule is valid, by all that `oracles.exhaustive` knows; none has a status."""
+    if any(entry.id not in {a.id for a in task.actions} or entry.status for entry in entries):
+        return False
+    moments = [0, *(moment for e in entries for moment in (e.start, e.end))]
+    if min(moments) < 0:
+        return False
+    world = World(task, 10**9, moments)
+    listed = sorted(entries, key=lambda e: (e.id, e.occurrence))
+    options = [list(ways_of(world, entry)) for entry in listed]
+    return any(placing_is_valid(world, listed, ways) for ways in product(*options))
+
+
+def ways_of(world: World, entry: Entry) -> Iterator[Way]:
+    """The ways to carry out an action that an entry can mean."""
+    (action,) = (a for a in world.task.actions if a.id == entry.id)
+    for way in world.ways(action):
+        held: dict[str, int] = {}
+        for hold in way.held:
+            held[hold.resource] = held.get(hold.resource, 0) + hold.amount
+        if (way.mode and way.mode.id) == entry.mode and held == dict(entry.resources):
+            yield way
+
+
+def is_closed_time(world: World, placed: Placed, stated: Number) -> bool:
+    return stated == world.closed_time(placed.way, placed.start, placed.end) * world.tick
+
+
+def placing_is_valid(world: World, entries: Sequence[Entry], ways: Sequence[Way]) -> bool:
+    placed: list[Placed] = []
+    there: dict[str, list[Way]] = {}
+    for entry, way in zip(entries, ways, strict=True):
+        there.setdefault(entry.id, []).append(way)
+        if entry.occurrence != len(there[entry.id]):
+            return False
+        start, end = world.ticks(entry.start), world.ticks(entry.end)
+        new = Placed(way, entry.occurrence, start, end)
+        if not world.allows(way, start, end) or not fits(world, new, placed):
+            return False
+        if entry.paused and not (way.pauses and is_closed_time(world, new, entry.paused)):
+            return False
+        placed.append(new)
+    for action in world.task.actions:
+        least, most = world.counts(action)
+        if not least <= len(there.get(action.id, ())) <= most:
+            return False
+    if not world.presence_holds(there) or not world.couplings_hold(there):
+        return False
+    ranks = [(e.rank, e.rank if e.end_rank is None else e.end_rank) for e in entries]
+    given = any(rank for pair in ranks for rank in pair)
+    return Judge(world, placed).accepts(ranks if given else None)
 
 
 # Tasks around schedules.

@@ -93,6 +93,18 @@ def test_what_may_be_absent_has_no_list_schedule() -> None:
     assert search_of(compiled(document)) is None
 
 
+def test_choices_that_depend_on_each_other_have_no_list_schedule() -> None:
+    """Such a schedule that ends too early would limit the horizon."""
+    document = shop("x", "y", times=[row("x", "y", 2)])
+    document["actions"][1]["modes"] = [{"id": "off", "duration": 0}, {"id": "on", "duration": 1}]
+    del document["actions"][1]["duration"]
+    document["actions"].append({"id": "b", "modes": [{"id": "off", "duration": 2}]})
+    document["couplings"] = [{"different": "mode", "actions": ["a1", "b"]}]
+    assert search_of(compiled(document)) is None
+    answer = irc.solve(document, workers=1)
+    assert (answer.status, answer.makespan) == ("optimal", 3)
+
+
 def test_fast_keys_are_those_of_the_schedules() -> None:
     for seed in range(40):
         document = random_task(random.Random(seed))
