@@ -147,6 +147,37 @@ def test_taillards_format_is_the_same_job_shop() -> None:
     assert canonical_task(read("job-shop", "2 2\n1 3 2 2\n2 4 1 1\n")) == expected
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["3 2\n0 3 1 2 0 1\n1 4\n0 2 1 1\n", "3 2\n0 3 1 2 0 1 -1 -1\n1 4 -1 -1\n0 2 1 1 -1 -1\n"],
+    ids=["lengths", "ends"],
+)
+def test_jobs_of_a_re_entrant_job_shop_have_any_length(text: str) -> None:
+    task = read("job-shop", text)
+    visits = [(a.id, a.uses[0].resource, a.duration) for a in task.actions]
+    first, second, third = "machine 1", "machine 2", "machine 1"
+    assert visits[:3] == [("job 1.1", first, 3), ("job 1.2", second, 2), ("job 1.3", third, 1)]
+    assert visits[3:4] == [("job 2.1", "machine 2", 4)]
+    assert irc.solve(task).makespan == 7
+    written = write_job_shop(task)
+    assert written.count("-1 -1") == 3
+    assert canonical_task(read("job-shop", written)) == canonical_task(task)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("3 2\n0 3 1 2\n1 4\n0 2 1 1\n", "job 2: expected 4 numbers, found 2"),
+        ("3 2\n0 3 1\n1 4\n0 2 1 1\n", "job 1: a duration is missing"),
+        ("3 2\n0 3 -1 -1\n-1 -1\n0 2 1 1 -1 -1\n", "job 2: the job has no operation"),
+        ("3 2\n0 3 -1 -1 4 5\n1 1 0 1 0 2\n0 2 1 1 -1 -1\n", "expected 0 or more, found -1"),
+    ],
+)
+def test_one_line_of_another_length_is_a_fault(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read("job-shop", text)
+
+
 def test_a_file_of_many_job_shops_has_their_names() -> None:
     text = " instance abc1\n +++++\n 1 1\n 0 3\n instance abc2\n 1 1\n 0 4\n"
     found = list(load_importer("job-shop")(text, "many.txt"))

@@ -21,19 +21,24 @@ _Ways = list[tuple[int, int]]
 
 
 def write_job_shop(task: Task) -> str:
-    """The text of a job shop. Raises `InputError` with each element that it cannot say."""
+    """The text of a job shop, each line ended by `-1 -1` where a job visits not each machine once.
+
+    Raises `InputError` with each element that it cannot say.
+    """
     refusals = Refusals(task, "the job shop format")
     refusals.require_features(_COMMON)
     jobs = _jobs(task, refusals)
     for job in jobs:
-        visited = sorted(machine for ways in job for machine, _ in ways)
-        if visited != list(range(len(task.resources))):
+        if any(len(ways) != 1 for ways in job):
             refusals.add(
-                f"job {jobs.index(job) + 1} does not visit each machine once",
+                f"job {jobs.index(job) + 1} has a choice of machines",
                 hint="write a flexible job shop (-o FILE.fjs) instead",
             )
     refusals.raise_any()
-    rows = [" ".join(f"{m} {duration}" for ((m, duration),) in job) for job in jobs]
+    machines = list(range(len(task.resources)))
+    plain = all(sorted(machine for ((machine, _),) in job) == machines for job in jobs)
+    end = "" if plain else " -1 -1"
+    rows = [" ".join(f"{m} {duration}" for ((m, duration),) in job) + end for job in jobs]
     return "\n".join([f"{len(jobs)} {len(task.resources)}", *rows]) + "\n"
 
 

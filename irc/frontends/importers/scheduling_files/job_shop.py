@@ -4,9 +4,12 @@ Standard: `jobs machines`, then for each job `machine duration` for each of its 
 from 0 (or from 1, if some has the number of machines). Taillard: `jobs machines`, the durations of
 each job, then its machines from 1, with or without the headings `Times` and `Machines`. After
 the standard format there may be a square matrix of set-up times between jobs for each machine.
+Jobs may also have any number of operations, several of them on one machine (re-entrant job shops):
+then each line ends with `-1 -1`, or several lines have another length than those of the standard.
 Lines of text are comments; a line `instance NAME` names the next job shop. A file may hold many.
 Sources: Beasley's OR-Library; Taillard 1993, "Benchmarks for basic scheduling problems", European
-Journal of Operational Research 64.
+Journal of Operational Research 64; Da Col and Teppan 2022, "Industrial-size job shop scheduling
+with constraint programming", Operations Research Perspectives 9.
 """
 
 from __future__ import annotations
@@ -14,7 +17,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from irc.frontends.importers.scheduling_files.number_lines import MOST_ELEMENTS, NumberLines
+from irc.frontends.importers.scheduling_files.number_lines import (
+    MOST_ELEMENTS,
+    Line,
+    NumberLines,
+)
 from irc.frontends.importers.scheduling_files.projects import stem_of
 from irc.frontends.importers.scheduling_files.shops import (
     Alternatives,
@@ -72,9 +79,12 @@ def _shop(lines: NumberLines) -> Shop:
         return Shop(machines, _taillard(lines, jobs, machines))
     if headed:
         lines.refuse("expected the heading 'Times'", lines.next.offsets[0])
-    if len(lines.next.words) == machines:
+    if _is_taillard(lines, jobs, machines):
         return Shop(machines, _taillard(lines, jobs, machines))
-    rows = [_standard(lines, job, machines) for job in range(1, jobs + 1)]
+    following = lines.lines[lines.position : lines.position + jobs]
+    others = [line for line in following if len(line.words) != 2 * machines]
+    take = _standard if len(others) < 2 and not any(map(_is_ended, others)) else _reentrant
+    rows = [take(lines, job, machines) for job in range(1, jobs + 1)]
     chains = _counted_from_0(lines, rows, machines)
     return Shop(machines, chains, _setups(lines, jobs, machines))
 
@@ -90,6 +100,29 @@ def _heading(lines: NumberLines, word: str) -> bool:
 def _standard(lines: NumberLines, job: int, machines: int) -> list[tuple[int, int]]:
     row = lines.take_numbers(f"job {job}", 2 * machines)
     return [(row.take("a machine", 0, machines), row.take("a duration")) for _ in range(machines)]
+
+
+def _is_taillard(lines: NumberLines, jobs: int, machines: int) -> bool:
+    """Whether durations and machines of all jobs follow, a line of each for each job."""
+    following = lines.lines[lines.position : lines.position + 2 * jobs]
+    fitting = all(len(line.words) == machines for line in following[: jobs + 1])
+    return fitting and (len(following) > jobs or machines % 2 == 1)
+
+
+def _is_ended(line: Line) -> bool:
+    return line.words[-2:] == ("-1", "-1")
+
+
+def _reentrant(lines: NumberLines, job: int, machines: int) -> list[tuple[int, int]]:
+    """The operations of a job, of which there may be any number; `-1 -1` may end its line."""
+    ended = bool(lines) and _is_ended(lines.next)
+    row = lines.take_numbers(f"job {job}")
+    found = []
+    while len(row) > 2 * ended:
+        found.append((row.take("a machine", 0, machines), row.take("a duration")))
+    if not found:
+        row.refuse("the job has no operation")
+    return found
 
 
 def _counted_from_0(
