@@ -29,8 +29,8 @@ def dispatched(
     arrays = [array.tolist() for array in shop]
     before_at, after_at, after, lags = (arrays[k] for k in (BEFORE_AT, AFTER_AT, AFTER, AFTER_LAG))
     machine, lasts, way_at = arrays[MACHINE], arrays[LASTS], arrays[WAY_AT]
-    ready = arrays[RELEASE]
-    waiting = [last - first for first, last in pairwise(before_at)]
+    ready = arrays[RELEASE][: len(urgencies)]
+    waiting = [last - first for first, last in pairwise(before_at[: len(urgencies) + 1])]
     free = [0] * (machines + 1)  # (The last one, which is machine -1, is always free.)
     able = [i for i, count in enumerate(waiting) if not count]
     order, ways = list[int](), [0] * len(ready)

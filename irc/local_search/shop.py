@@ -3,7 +3,8 @@
 Where activities hold one unit each of machines, or of a few interchangeable ones, a schedule is an
 assignment to machines and a sequence for each. A few elite solutions are kept. A new one begins
 between two of them, in the order of weighted means of their times, tabu search improves it, and
-it takes the place of the worst, as in path relinking.
+it takes the place of the worst, as in path relinking. Where that no longer leads to better ones,
+all but the best are drawn anew.
 
 Source: Peng, Lü, Cheng, "A tabu search/path relinking algorithm to solve the job shop scheduling
 problem", Computers & Operations Research 53 (2015); here the path is not walked, its middle is
@@ -33,7 +34,6 @@ from irc.local_search.tabu import (
     MACHINES,
     ORDERS,
     RANDOM,
-    RELEASE,
     ROWS,
     SIZE,
     STEP,
@@ -48,10 +48,14 @@ from irc.problem.decisions import Decision
 MOST_ARCS = 1 << 22
 
 ELITE = 8
+RENEWAL = 100
+"""After so many solutions none of which is the best so far, the elite is the best one and new ones.
+"""
+
 SPREAD = 0.3
 """The urgency of operations in the first solutions is more or less by up to this share."""
 
-PATIENCE = 12_500
+PATIENCE = 5_000
 """Steps without a better schedule after which tabu search begins elsewhere."""
 
 _ACTIVITY_STEPS = 3_000_000 if IS_COMPILED else 5_000
@@ -93,7 +97,7 @@ def machines_of(ways: Ways) -> Machines:
             lasts += [way.duration] * len(taken)
             numbers += [number] * len(taken)
         way_at.append(len(machine))
-    shop = (
+    rows = (
         ints(a.release for a in problem.activities),
         *arcs_of(problem, after=False),
         *arcs_of(problem, after=True),
@@ -101,6 +105,9 @@ def machines_of(ways: Ways) -> Machines:
         ints(machine),
         ints(lasts),
     )
+    shop = table(len(rows), max(map(len, rows)))
+    for own, row in zip(shop, rows, strict=True):
+        own[: len(row)] = row
     return Machines(shop, tuple(numbers), first[-1])
 
 
@@ -113,10 +120,11 @@ class ShopSearch:
         self.best: Solution | None = None
         self._random = Random(seed)
         self._urgencies = urgencies(ways)
-        self._walk = _walk(self.machines, seed)
+        self._walk = _walk(self.machines, len(ways.of), seed)
         self._tabu = constant(0, _orders(len(ways.problem.activities)) + len(self.machines.numbers))
         self._elite: list[Solution] = []
-        self._given: list[Solution] = []
+        self._given: Solution | None = None
+        self._in_vain = 0
         self._begun = False
         n = len(ways.problem.activities)
         self._steps = max(20, _ACTIVITY_STEPS // max(1, n))
@@ -131,6 +139,7 @@ class ShopSearch:
         )
         if self.best is None or walk[COUNTS, BEST] < self.best.value:
             self.best = self._solution()
+            self._in_vain = 0
         if walk[COUNTS, STEP] - walk[COUNTS, IMPROVED_AT] >= PATIENCE:
             self._keep(self._solution())
             self._begun = False
@@ -138,7 +147,7 @@ class ShopSearch:
     def give(self, found: Found) -> None:
         """Gives a schedule of somebody else's, from which the search goes on in time."""
         decisions, pools = found
-        self._given.append(self._read(decisions, pools))
+        self._given = self._read(decisions, pools)
 
     @property
     def value(self) -> int | None:
@@ -154,8 +163,8 @@ class ShopSearch:
 
     def _begin(self) -> None:
         """Goes to the next solution to begin from."""
-        if self._given:
-            start = self._given.pop()
+        if self._given is not None:
+            start, self._given = self._given, None
         elif len(self._elite) < ELITE:
             start = self._drawn()
         else:
@@ -167,6 +176,9 @@ class ShopSearch:
 
     def _keep(self, solution: Solution) -> None:
         """Makes a solution one of the elite, in place of the worst, unless its equal is there."""
+        self._in_vain += 1
+        if self._in_vain > RENEWAL and self.best is not None:
+            self._in_vain, self._elite = 0, [self.best]
         if any(solution.starts == other.starts for other in self._elite):
             return
         self._elite.append(solution)
@@ -174,7 +186,7 @@ class ShopSearch:
             self._elite.remove(max(self._elite, key=lambda s: s.value))
 
     def _solution(self) -> Solution:
-        walk, n = self._walk, len(self.machines.shop[RELEASE])
+        walk, n = self._walk, len(self.ways.of)
         return Solution(
             int(walk[COUNTS, BEST]),
             tuple(map(int, walk[BEST_HEAD, :n])),
@@ -212,20 +224,19 @@ class ShopSearch:
             number = self.ways.way_of(i, decisions[i].mode, pools[i])
             own = [
                 w
-                for w in range(shop[WAY_AT][i], shop[WAY_AT][i + 1])
+                for w in range(shop[WAY_AT, i], shop[WAY_AT, i + 1])
                 if self.machines.numbers[w] == number
             ]
             ways[i] = int(
-                min(own, key=lambda w: free[shop[MACHINE][w]] if shop[MACHINE][w] >= 0 else 0)
+                min(own, key=lambda w: free[shop[MACHINE, w]] if shop[MACHINE, w] >= 0 else 0)
             )
-            if shop[MACHINE][ways[i]] >= 0:
-                free[shop[MACHINE][ways[i]]] = starts[i] + int(shop[LASTS][ways[i]])
+            if shop[MACHINE, ways[i]] >= 0:
+                free[shop[MACHINE, ways[i]]] = starts[i] + int(shop[LASTS, ways[i]])
         return Solution(0, (), tuple(order), tuple(ways))
 
 
-def _walk(machines: Machines, seed: int) -> Ints:
-    """Room for the search of a shop."""
-    n = len(machines.shop[RELEASE])
+def _walk(machines: Machines, n: int, seed: int) -> Ints:
+    """Room for the search of a shop of `n` operations."""
     walk = table(ROWS, max(COLUMNS, n, machines.count))
     walk[COUNTS, SIZE] = n
     walk[COUNTS, MACHINES] = machines.count

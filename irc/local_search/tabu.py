@@ -73,12 +73,12 @@ _ELSEWHERE = 3
 _FAR = 1 << 60
 
 
-Shop = tuple[Ints, ...]
+Shop = Ints
 """Operations, each of which holds one machine or none; times in ticks.
 
-Of operation i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways in `MACHINE` (-1: none)
-and `LASTS`. In the same way `BEFORE` and `AFTER` have the operations that precedence orders, with
-their lags.
+A table with these rows. Of operation i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways
+in `MACHINE` (-1: none) and `LASTS`. In the same way `BEFORE` and `AFTER` have the operations that
+precedence orders, with their lags.
 """
 
 RELEASE = 0
@@ -109,10 +109,10 @@ def _find_heads(shop: Shop, walk: Ints, low: int) -> None:
     """Finds heads again from a position of the order on."""
     for k in range(low, walk[COUNTS, SIZE]):
         i = walk[ORDER, k]
-        time = shop[RELEASE][i]
-        for a in range(shop[BEFORE_AT][i], shop[BEFORE_AT][i + 1]):
-            j = shop[BEFORE][a]
-            time = max(time, walk[HEAD, j] + walk[DURATION, j] + shop[BEFORE_LAG][a])
+        time = shop[RELEASE, i]
+        for a in range(shop[BEFORE_AT, i], shop[BEFORE_AT, i + 1]):
+            j = shop[BEFORE, a]
+            time = max(time, walk[HEAD, j] + walk[DURATION, j] + shop[BEFORE_LAG, a])
         walk[READY, i] = time
         j = walk[LEFT, i]
         if j >= 0:
@@ -126,9 +126,9 @@ def _find_tails(shop: Shop, walk: Ints, high: int) -> None:
     for k in range(high, -1, -1):
         i = walk[ORDER, k]
         time = 0
-        for a in range(shop[AFTER_AT][i], shop[AFTER_AT][i + 1]):
-            j = shop[AFTER][a]
-            time = max(time, walk[DURATION, j] + walk[TAIL, j] + shop[AFTER_LAG][a])
+        for a in range(shop[AFTER_AT, i], shop[AFTER_AT, i + 1]):
+            j = shop[AFTER, a]
+            time = max(time, walk[DURATION, j] + walk[TAIL, j] + shop[AFTER_LAG, a])
         walk[REST, i] = time
         j = walk[RIGHT, i]
         if j >= 0:
@@ -159,10 +159,10 @@ def load(shop: Shop, walk: Ints, tabu: Ints, order: Ints, way: Ints) -> None:
         walk[ORDER, k] = i
         walk[POSITION, i] = k
         walk[WAY, i] = way[i]
-        walk[DURATION, i] = shop[LASTS][way[i]]
+        walk[DURATION, i] = shop[LASTS, way[i]]
         walk[LEFT, i] = -1
         walk[RIGHT, i] = -1
-        m = shop[MACHINE][way[i]]
+        m = shop[MACHINE, way[i]]
         if m < 0:
             continue
         last = walk[SEGMENT, m]
@@ -204,7 +204,7 @@ def _unlink(shop: Shop, walk: Ints, i: int) -> None:
     if before >= 0:
         walk[RIGHT, before] = after
     else:
-        m = shop[MACHINE][walk[WAY, i]]
+        m = shop[MACHINE, walk[WAY, i]]
         if m >= 0:
             walk[FIRST, m] = after
     if after >= 0:
@@ -223,7 +223,7 @@ def _link(shop: Shop, walk: Ints, i: int, before: int, after: int) -> None:
     if before >= 0:
         walk[RIGHT, before] = i
     else:
-        m = shop[MACHINE][walk[WAY, i]]
+        m = shop[MACHINE, walk[WAY, i]]
         if m >= 0:
             walk[FIRST, m] = i
 
@@ -250,8 +250,8 @@ def _reorder_later(shop: Shop, walk: Ints, i: int, behind: int) -> bool:
         follows = walk[MARK, x] == stamp
         if not follows:
             follows = walk[LEFT, x] >= 0 and walk[MARK, walk[LEFT, x]] == stamp
-            for a in range(shop[BEFORE_AT][x], shop[BEFORE_AT][x + 1]):
-                follows = follows or walk[MARK, shop[BEFORE][a]] == stamp
+            for a in range(shop[BEFORE_AT, x], shop[BEFORE_AT, x + 1]):
+                follows = follows or walk[MARK, shop[BEFORE, a]] == stamp
         if follows:
             if x == behind:
                 return False
@@ -282,8 +282,8 @@ def _reorder_earlier(shop: Shop, walk: Ints, i: int, ahead: int) -> bool:
         precedes = walk[MARK, x] == stamp
         if not precedes:
             precedes = walk[RIGHT, x] >= 0 and walk[MARK, walk[RIGHT, x]] == stamp
-            for a in range(shop[AFTER_AT][x], shop[AFTER_AT][x + 1]):
-                precedes = precedes or walk[MARK, shop[AFTER][a]] == stamp
+            for a in range(shop[AFTER_AT, x], shop[AFTER_AT, x + 1]):
+                precedes = precedes or walk[MARK, shop[AFTER, a]] == stamp
         if precedes:
             if x == ahead:
                 return False
@@ -307,7 +307,7 @@ def _insert(shop: Shop, walk: Ints, i: int, way: int, before: int, after: int) -
     old_before, old_after, old_way = walk[LEFT, i], walk[RIGHT, i], walk[WAY, i]
     _unlink(shop, walk, i)
     walk[WAY, i] = way
-    walk[DURATION, i] = shop[LASTS][way]
+    walk[DURATION, i] = shop[LASTS, way]
     _link(shop, walk, i, before, after)
     low = high = walk[POSITION, i]
     fits = True
@@ -322,7 +322,7 @@ def _insert(shop: Shop, walk: Ints, i: int, way: int, before: int, after: int) -
         return True
     _unlink(shop, walk, i)
     walk[WAY, i] = old_way
-    walk[DURATION, i] = shop[LASTS][old_way]
+    walk[DURATION, i] = shop[LASTS, old_way]
     _link(shop, walk, i, old_before, old_after)
     return False
 
@@ -433,9 +433,14 @@ def _forbid(walk: Ints, tabu: Ints, kind: int, i: int, other: int, until: int) -
 
 @compiled
 def _offer(walk: Ints, kind: int, i: int, where: int, to: int, value: int, banned: bool) -> None:
-    """Takes a move as the best one if it is; among equals, and of tabu ones, by chance."""
+    """Takes a move as the best one if it is; among equals, and of tabu ones, by chance.
+
+    A tabu move is one all the same if it seems to give a better schedule than the best so far. To
+    another way it is not: such an estimate knows only the paths through the operation, and would
+    seem so too often.
+    """
     at = 0
-    if banned and value >= walk[COUNTS, BEST]:
+    if banned and (value >= walk[COUNTS, BEST] or kind == _ELSEWHERE):
         at = _TABU
     elif value > walk[MOVE, _VALUE]:
         return
@@ -481,33 +486,34 @@ def _offer_block(walk: Ints, tabu: Ints, first: int, last: int) -> None:
 
 @compiled
 def _offer_elsewhere(shop: Shop, walk: Ints, tabu: Ints, i: int) -> None:
-    """The moves of an operation to its other ways, each to the best place on that machine."""
-    for way in range(shop[WAY_AT][i], shop[WAY_AT][i + 1]):
-        m = shop[MACHINE][way]
-        if way == walk[WAY, i]:
+    """The moves of an operation to its other ways, each to the best place on that machine.
+
+    Places before those that end before it is ready, or behind those whose rest is shorter than
+    its own, are never better.
+    """
+    ready, rest = walk[READY, i], walk[REST, i]
+    for way in range(shop[WAY_AT, i], shop[WAY_AT, i + 1]):
+        lasts = shop[LASTS, way]
+        banned = tabu[walk[COUNTS, ORDERS] + way] > walk[COUNTS, STEP]
+        if way == walk[WAY, i] or (not banned and ready + lasts + rest > walk[MOVE, _VALUE]):
             continue
-        lasts = shop[LASTS][way]
+        m = shop[MACHINE, way]
         least, where = _FAR, -1
         a = -1
         b = -1 if m < 0 else walk[FIRST, m]
         while True:
             if b == i:
                 b = walk[RIGHT, b]
-            ahead = b < 0 or walk[HEAD, b] + walk[DURATION, b] >= walk[READY, i]
-            behind = a < 0 or walk[DURATION, a] + walk[TAIL, a] >= walk[REST, i]
-            if ahead and behind:
-                value = (
-                    max(walk[READY, i], _end_of(walk, a))
-                    + lasts
-                    + max(walk[REST, i], _rest_from(walk, b))
-                )
+            if a >= 0 and walk[DURATION, a] + walk[TAIL, a] < rest:
+                break
+            if b < 0 or walk[HEAD, b] + walk[DURATION, b] >= ready:
+                value = max(ready, _end_of(walk, a)) + lasts + max(rest, _rest_from(walk, b))
                 if value < least:
                     least, where = value, a
             if b < 0:
                 break
             a, b = b, walk[RIGHT, b]
         if least < _FAR:
-            banned = tabu[walk[COUNTS, ORDERS] + way] > walk[COUNTS, STEP]
             _offer(walk, _ELSEWHERE, i, where, way, least, banned)
 
 
@@ -530,10 +536,10 @@ def _find_path(shop: Shop, walk: Ints) -> int:
         j = walk[LEFT, i]
         if j >= 0 and walk[HEAD, j] + walk[DURATION, j] == start:
             following, count = j, 1
-        if walk[READY, i] == start and start > shop[RELEASE][i]:
-            for a in range(shop[BEFORE_AT][i], shop[BEFORE_AT][i + 1]):
-                j = shop[BEFORE][a]
-                if walk[HEAD, j] + walk[DURATION, j] + shop[BEFORE_LAG][a] == start:
+        if walk[READY, i] == start and start > shop[RELEASE, i]:
+            for a in range(shop[BEFORE_AT, i], shop[BEFORE_AT, i + 1]):
+                j = shop[BEFORE, a]
+                if walk[HEAD, j] + walk[DURATION, j] + shop[BEFORE_LAG, a] == start:
                     count += 1
                     if _draw(walk, count) == 0:
                         following = j
@@ -562,7 +568,7 @@ def _offer_all(shop: Shop, walk: Ints, tabu: Ints) -> None:
             _offer_block(walk, tabu, first, last)
     for k in range(length):
         i = walk[PATH, k]
-        if shop[WAY_AT][i + 1] - shop[WAY_AT][i] > 1:
+        if shop[WAY_AT, i + 1] - shop[WAY_AT, i] > 1:
             _offer_elsewhere(shop, walk, tabu, i)
 
 
@@ -576,7 +582,7 @@ def _do(shop: Shop, walk: Ints, tabu: Ints, at: int, tenure: int) -> bool:
         return False
     if kind == _ELSEWHERE:
         old = walk[WAY, i]
-        m = shop[MACHINE][way]
+        m = shop[MACHINE, way]
         after = -1
         if m >= 0:
             after = walk[FIRST, m] if where < 0 else walk[RIGHT, where]
@@ -584,7 +590,7 @@ def _do(shop: Shop, walk: Ints, tabu: Ints, at: int, tenure: int) -> bool:
             after = walk[RIGHT, i]
         if not _insert(shop, walk, i, way, where, after):
             return False
-        tabu[walk[COUNTS, ORDERS] + old] = until
+        tabu[walk[COUNTS, ORDERS] + old] = until + shop[WAY_AT, i + 1] - shop[WAY_AT, i]
         return True
     _forbid(walk, tabu, kind, i, where, until)
     if kind == _AFTER:
