@@ -2,37 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import accumulate
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
 from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
 from irc.local_search.genetic import (
+    BASE_TIME,
+    BASE_USE,
     BEST,
     BEST_START,
     BEST_WAY,
     BIRTHS,
     COLUMNS,
     COUNTS,
+    GUARD,
     IMPROVED_AT,
     JUSTIFIES,
+    MOST,
     RANDOM,
     ROWS,
     SIZE,
+    TICKS,
+    WAY_AT,
     Project,
     draw,
     evolve,
+    lay_grid,
     store,
     take,
 )
-from irc.local_search.ways import Found, Ways
+from irc.local_search.ways import Found, NotApplicable, Way, Ways
+from irc.problem import Problem
+from irc.problem.horizon import safe_horizon
 
-POPULATION = 60
+POPULATION = 100
 PATIENCE = 100
-"""Per member, the children without a better schedule after which another population begins."""
+"""Per member, the children none of which is better than all, after which another population begins.
+"""
 
 SPREAD = 60
 """The urgency of activities in the first lists of a population is raised by up to this, percent."""
+
+MOST_TICKS = 1 << 14
+MOST_MEAN_TICKS = 50
+"""The most ticks of the horizon, and of an activity on average, for which there is a grid."""
+
+_WORD_BITS = 62
 
 _ACTIVITY_BIRTHS = 300_000 if IS_COMPILED else 500
 """The children of one call are about this, divided by the number of activities."""
@@ -43,18 +60,22 @@ class ProjectSearch:
 
     def __init__(self, ways: Ways, seed: int, target: int) -> None:
         self.ways, self.target = ways, target
-        self.project, self._held = _project(ways)
-        n, pools = len(ways.of), max(1, len(ways.problem.contention.pools))
-        nodes = 2 * n + 2 + len(self.project[18])
+        ticks = _ticks(ways)
+        self.project = _project(ways, ticks)
+        n, words = len(ways.of), max(1, len(self.project[GUARD]))
+        nodes = ticks or 2 * n + 2 + len(self.project[BASE_TIME])
         self._work = table(ROWS, max(COLUMNS, n, nodes, len(ways.stock)))
-        self._use = table(nodes, pools)
-        self._lists, self._ways = table(POPULATION, n), table(POPULATION, n)
-        self._values = constant(1 << 60, POPULATION)
+        self._use = table(words, ticks) if ticks else table(nodes, words)
+        self._lists, self._starts, self._ways = (table(POPULATION, n) for _ in range(3))
+        self._values = constant(MOST, POPULATION)
         self._members = 0
         self._given: list[tuple[Ints, Ints]] = []
         counts = self._work[COUNTS]
-        counts[SIZE], counts[BEST] = n, 1 << 60
+        counts[SIZE], counts[BEST] = n, MOST
         counts[JUSTIFIES] = not any(pool.windows for pool in ways.problem.contention.pools)
+        if ticks:
+            counts[TICKS] = ticks
+            kept_or_not(lay_grid, self._work, self._use, self.project[BASE_USE])
         counts[RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
         self._births = max(1, _ACTIVITY_BIRTHS // max(1, n))
 
@@ -67,13 +88,12 @@ class ProjectSearch:
             self._add()
         else:
             return
-        rooms = self._lists, self._ways, self._values
+        rooms = self._lists, self._starts, self._ways, self._values
         while self._given:
             self._take(*self._given.pop())
         kept_or_not(
             evolve,
             self.project,
-            self._held,
             self._work,
             self._use,
             *rooms,
@@ -89,79 +109,154 @@ class ProjectSearch:
         decisions, pools = found
         order = order_by(self.ways.problem, [int(d.start) for d in decisions])
         numbers = [self.ways.way_of(i, d.mode, pools[i]) for i, d in enumerate(decisions)]
-        first = self.project[7]
+        first = self.project[WAY_AT]
         self._given.append((ints(order), ints(first[i] + k for i, k in enumerate(numbers))))
 
     def found(self) -> Found | None:
         """The best schedule so far."""
         work, n = self._work, len(self.ways.of)
-        if work[COUNTS, BEST] >= 1 << 60:
+        if work[COUNTS, BEST] >= MOST:
             return None
-        first = self.project[7]
+        first = self.project[WAY_AT]
         return self.ways.found(work[BEST_START, :n], work[BEST_WAY, :n] - first[:n])
 
     @property
     def value(self) -> int | None:
         """The makespan of the best schedule so far, in ticks."""
         best = int(self._work[COUNTS, BEST])
-        return None if best >= 1 << 60 else best
+        return None if best >= MOST else best
 
     def _add(self) -> None:
         """Adds a member to the population that is drawn at random."""
         spread = SPREAD if self._members else 0
-        value = kept_or_not(draw, self.project, self._held, self._work, self._use, spread)
-        kept_or_not(store, self._work, self._lists, self._ways, self._values, self._members, value)
+        value = kept_or_not(draw, self.project, self._work, self._use, spread)
+        kept_or_not(
+            store,
+            self._work,
+            self._lists,
+            self._starts,
+            self._ways,
+            self._values,
+            self._members,
+            value,
+        )
         self._members += 1
 
     def _take(self, order: Ints, ways: Ints) -> None:
-        value = kept_or_not(take, self.project, self._held, self._work, self._use, order, ways)
+        value = kept_or_not(take, self.project, self._work, self._use, order, ways)
         worst = int(self._values.argmax())
-        kept_or_not(store, self._work, self._lists, self._ways, self._values, worst, value)
+        kept_or_not(
+            store, self._work, self._lists, self._starts, self._ways, self._values, worst, value
+        )
 
 
-def _project(ways: Ways) -> tuple[Project, Ints]:
-    """The arrays of a problem, and the room that what each way holds needs: see `_is_full`."""
+def _ticks(ways: Ways) -> int:
+    """The ticks of a grid on which every list has a schedule; 0 where nodes are better."""
+    durations = [max(way.duration for way in own) for own in ways.of]
+    # (A list can have a schedule that ends after a deadline, which is then no answer.)
+    ticks = safe_horizon(replace(ways.problem, deadline=None, horizon=None)) + 2
+    few = sum(durations) <= MOST_MEAN_TICKS * len(durations)
+    return ticks if few and ticks <= MOST_TICKS else 0
+
+
+def _project(ways: Ways, ticks: int) -> Project:
+    """The arrays of a problem."""
     problem = ways.problem
     flat = [way for own in ways.of for way in own]
-    pools = problem.contention.pools
-    held = [(r, pools[r].capacity - n, n) for way in flat for r, n in way.held]
+    _refuse_temporary(problem, flat)
+    fields = _fields(problem)
+    held = [_packed(way.held, fields) for way in flat]
     used = [pair for way in flat for pair in way.used_up]
-    base_time, base_use = _base(ways)
+    base_time, base_use = _base(ways, fields)
+    if ticks:
+        ends = [*base_time[1:], ticks]
+        lengths = [end - begin for begin, end in zip(base_time, ends, strict=True)]
+        base_use = [own * length for own, length in zip(base_use, lengths, strict=True)]
     n = len(problem.activities)
-    project = (
+    return (
         ints(a.release for a in problem.activities),
         *arcs_of(problem, after=False),
         *arcs_of(problem, after=True),
         ints([0, *accumulate(map(len, ways.of))]),
         ints(way.duration for way in flat),
-        ints([0, *accumulate(len(way.held) for way in flat)]),
-        ints(r for r, _, _ in held),
-        ints(amount for _, _, amount in held),
+        ints([0, *accumulate(map(len, held))]),
+        ints(word for own in held for word in own),
+        ints(amount for own in held for amount in own.values()),
         ints([0, *accumulate(len(way.used_up) for way in flat)]),
         ints(s for s, _ in used),
         ints(amount for _, amount in used),
-        ints(pool.capacity for pool in pools),
+        ints(_packed([(r, 1 << bits) for r, (_, _, bits) in enumerate(fields)], fields).values()),
         ints(ways.stock),
         constant(0, n),
         ints(base_time),
-        ints(base_use),
+        ints(word for own in base_use for word in own),
         ints(urgencies(ways)),
+        ints(_energies(ways, flat)),
     )
-    return project, ints(number for row in held for number in row)
 
 
-def _base(ways: Ways) -> tuple[Sequence[int], Sequence[int]]:
-    """The times at which capacities change, and what of each pool is missing from then on."""
-    from irc.problem.resources import capacity_levels
+def _energies(ways: Ways, flat: Sequence[Way]) -> Iterator[int]:
+    """The duration of each way times the parts of capacities that it holds, in thousandths.
 
+    (In greater parts, where the sum over all activities would not fit a word.)
+    """
     pools = ways.problem.contention.pools
-    levels = [
-        [*capacity_levels(pool.capacity if pool.base is None else pool.base, pool.windows)]
-        for pool in pools
-    ]
+    longest = sum(max(way.duration for way in own) for own in ways.of)
+    parts = min(1000, (1 << _WORD_BITS) // max(1, longest * len(pools)))
+    for way in flat:
+        yield sum(parts * way.duration * amount // pools[r].capacity for r, amount in way.held)
+
+
+def _refuse_temporary(problem: Problem, flat: Sequence[Way]) -> None:
+    """Raises `NotApplicable` where a way fits only in windows, so that it may come too late."""
+    last = [[*pool.levels()][-1][1] for pool in problem.contention.pools]
+    for way in flat:
+        for r, amount in way.held:
+            if amount > last[r]:
+                pool = problem.contention.pools[r]
+                raise NotApplicable(f"{pool.id!r} has enough capacity for a while only")
+
+
+_Field = tuple[int, int, int]
+"""Of a pool: the word, its lowest bit, and the bits that its capacity needs."""
+
+
+def _fields(problem: Problem) -> list[_Field]:
+    """A field in a word for each pool, with one bit more than its capacity needs."""
+    fields: list[_Field] = []
+    word = at = 0
+    for pool in problem.contention.pools:
+        bits = pool.capacity.bit_length()
+        if bits >= _WORD_BITS:
+            raise NotApplicable(f"{pool.id!r} has a capacity that is too large")
+        if at + bits + 1 > _WORD_BITS:
+            word, at = word + 1, 0
+        fields.append((word, at, bits))
+        at += bits + 1
+    return fields
+
+
+def _packed(amounts: Iterable[tuple[int, int]], fields: Sequence[_Field]) -> dict[int, int]:
+    """Amounts of pools as words, in the order of the words."""
+    words: dict[int, int] = {}
+    for r, amount in sorted(amounts):
+        word, at, _ = fields[r]
+        words[word] = words.get(word, 0) + (amount << at)
+    return words
+
+
+def _base(ways: Ways, fields: Sequence[_Field]) -> tuple[list[int], list[list[int]]]:
+    """The times at which capacities change, and the words of the profile from each on.
+
+    A pool's field holds the amount that lacks to a capacity of all bits, so that one unit more than
+    fits reaches the bit above.
+    """
+    pools = ways.problem.contention.pools
+    levels = [[*pool.levels()] for pool in pools]
     times = sorted({0, *(at for own in levels for at, _ in own)})
-    missing: list[int] = []
+    words = []
     for time in times:
-        for pool, own in zip(pools, levels, strict=True):
-            missing.append(pool.capacity - [n for at, n in own if at <= time][-1])
-    return times, missing or [0]
+        present = [[n for at, n in own if at <= time][-1] for own in levels]
+        missing = [(r, (1 << fields[r][2]) - 1 - n) for r, n in enumerate(present)]
+        words.append([*_packed(missing, fields).values()] or [0])
+    return times, words

@@ -8,7 +8,8 @@ import pytest
 
 from builders import Document, act, after_passes
 from irc.local_search import compiled
-from irc.local_search.search import LocalSearch, is_shop, search_of
+from irc.local_search import project as projects
+from irc.local_search.search import LocalSearch, is_shop, search_of, search_with
 from irc.local_search.ways import NotApplicable, ways_of
 from irc.model import Task
 from irc.problem import Problem
@@ -88,6 +89,44 @@ def test_a_lower_capacity_in_a_window_is_kept() -> None:
         "actions": [act(f"a{k}", 2, uses=[use("r")]) for k in range(4)],
     }
     assert makespan_of(document) == 8  # One after another until 6; two at once would end at 4.
+
+
+def windowed() -> Document:
+    """Four activities on a resource whose capacity is lower for a while."""
+    window = {"from": 1, "to": 6, "capacity": 1}
+    return {
+        "resources": [{"id": "r", "capacity": 2, "availability": [window]}],
+        "actions": [act(f"a{k}", 1 + k, uses=[use("r", 1 + k % 2)]) for k in range(4)],
+    }
+
+
+@pytest.mark.parametrize("document", [project(1), project(2), with_stock(1), windowed()])
+def test_a_profile_of_ticks_and_one_of_nodes_lead_to_the_same_schedules(
+    document: Document, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    by_ticks = searched(document, seed=1)[1].found()
+    monkeypatch.setattr(projects, "MOST_TICKS", 0)
+    assert searched(document, seed=1)[1].found() == by_ticks
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_capacities_that_need_several_words_are_kept(seed: int) -> None:
+    document = project(seed)
+    best = optimal_makespan(Task.model_validate(document))
+    for element in (*document["resources"], *(u for a in document["actions"] for u in a["uses"])):
+        key = "amount" if "amount" in element else "capacity"
+        element[key] *= 1 << 40
+    assert makespan_of(document) == best
+
+
+def test_a_capacity_that_is_enough_for_a_while_only_is_not_searched() -> None:
+    window = {"from": 0, "to": 9, "capacity": 2}
+    document = {
+        "resources": [{"id": "r", "availability": [window]}],
+        "actions": [act(f"a{k}", 2, uses=[use("r", max(1, k))]) for k in range(3)],
+    }
+    with pytest.raises(NotApplicable, match="'r' has enough capacity for a while only"):
+        search_with(ways_of(after_passes(document)))
 
 
 @pytest.mark.parametrize("document", [job_shop(1), project(1)], ids=["shop", "project"])
