@@ -25,6 +25,7 @@ from irc.passes.energy import energy_bound, loads
 from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import drop_ample_stock, restrict
 from irc.problem import Activity, Problem
+from irc.problem import Selection as TaskSelection
 from irc_pddl21.search.reachability import is_out_of_reach
 
 THRESHOLDS = 4
@@ -187,28 +188,34 @@ class SelectionSpace:
         """The value of a selection."""
         return sum(self.items[k].value for k in chosen)
 
-    def restricted(self, chosen: Selection) -> Problem | None:
+    def restricted(self, chosen: Selection, undecided: Selection = frozenset()) -> Problem | None:
         """The problem of a selection, with heads, tails and a quick bound.
 
-        None where the times of its activities contradict each other.
+        Items that are `undecided` may be present. None where the times of its activities contradict
+        each other.
         """
         try:
-            problem = heads_and_tails(self.projected(chosen))
+            problem = heads_and_tails(self.projected(chosen, undecided))
         except TimesContradictError:
             return None
         core = bounded_mandatory_part(problem)  # Only mandatory activities take time for certain.
         bound = energy_bound(core).bounds.makespan
         return problem.with_bound(bound.value, bound.reason)
 
-    def projected(self, chosen: Selection) -> Problem:
+    def projected(self, chosen: Selection, undecided: Selection = frozenset()) -> Problem:
         """The problem of a selection, without heads and tails."""
-        items = [(item, k in chosen) for k, item in enumerate(self.items)]
-        present = {i for item, there in items if there for i in item.members if not item.further}
-        absent = {i for item, there in items if not there for i in item.members if not item.further}
-        further = Counter[int]()
-        for item, there in items:
+        present: set[int] = set()
+        absent: set[int] = set()
+        further: dict[int, tuple[int, int]] = {}
+        for k, item in enumerate(self.items):
+            there, may_be = k in chosen, k in chosen or k in undecided
             if item.further:
-                further[item.members[0]] += there
+                least, most = further.get(item.members[0], (0, 0))
+                further[item.members[0]] = least + there, most + may_be
+            elif there:
+                present |= set(item.members)
+            elif not may_be:
+                absent |= set(item.members)
         problem, never = _with_occurrences(self.problem, further)
         problem = drop_ample_stock(restrict(problem, present, absent | never))
         open_groups = tuple(group for group in problem.groups if not group.required)
@@ -240,17 +247,23 @@ class SelectionSpace:
         return gain
 
 
-def _with_occurrences(problem: Problem, further: Mapping[int, int]) -> tuple[Problem, set[int]]:
-    """The problem with this many occurrences beyond the least, and the activities without any."""
+def _with_occurrences(
+    problem: Problem, further: Mapping[int, tuple[int, int]]
+) -> tuple[Problem, set[int]]:
+    """The problem with these numbers of occurrences beyond the least, and the activities without.
+
+    The numbers are the least and the greatest one.
+    """
     never: set[int] = set()
     activities = list(problem.activities)
-    for i, more in further.items():
+    for i, (more, most) in further.items():
         details = activities[i].details
-        count = (details.repeats or (0, 1))[0] + more
-        if not count:
+        base = (details.repeats or (0, 1))[0]
+        least, greatest = base + more, base + most
+        if not greatest:
             never.add(i)
-        repeats = (count, count) if count > 1 else None
-        details = replace(details, repeats=repeats, optional=not count)
+        repeats = (least, greatest) if greatest > 1 else None
+        details = replace(details, repeats=repeats, optional=repeats is None and not least)
         activities[i] = replace(activities[i], details=details)
     return replace(problem, activities=tuple(activities)), never
 
@@ -398,7 +411,7 @@ def is_refuted(problem: Problem | None, *, thoroughly: bool) -> bool:
         )
         if too_late and not activity.details.optional and activity.details.repeats is None:
             return True
-    if is_out_of_reach(problem):
+    if breaks_selections(problem) or is_out_of_reach(problem):
         return True
     latest = problem.deadline
     if latest is None:
@@ -406,3 +419,21 @@ def is_refuted(problem: Problem | None, *, thoroughly: bool) -> bool:
     if thoroughly and problem.bounds.makespan.value <= latest:
         problem = resource_bounds(problem)
     return problem.bounds.makespan.value > latest
+
+
+def breaks_selections(problem: Problem) -> bool:
+    """Whether some selection of the task has too many items already, or can get too few."""
+    return any(_is_broken(problem, selection) for selection in problem.selections)
+
+
+def _is_broken(problem: Problem, selection: TaskSelection) -> bool:
+    def is_certain(item: Iterable[int]) -> bool:
+        return not any(problem.activities[i].details.optional for i in item)
+
+    if selection.condition is not None and not is_certain(selection.condition):
+        return False
+    there = sum(map(is_certain, selection.items))
+    if selection.all_or_none:
+        return False  # What cannot be there has made a range of it.
+    most = len(selection.items) if selection.most is None else selection.most
+    return there > most or len(selection.items) < selection.least

@@ -21,7 +21,7 @@ from irc_pddl21.search.local_search import good_selection
 from irc_pddl21.search.makespan import shorten
 from irc_pddl21.search.neighbourhood import Places, makespan_of, near, neighbourhoods
 from irc_pddl21.search.planner_session import PlannerSession, ticks
-from irc_pddl21.search.selection import Selection, SelectionSpace, is_refuted
+from irc_pddl21.search.selection import Selection, SelectionSpace, breaks_selections, is_refuted
 from irc_pddl21.search.selection_tree import SelectionTree
 
 PLAN_SECONDS = 1.0
@@ -155,6 +155,8 @@ class SelectionSearch:
 
 def plan_of(session: PlannerSession, problem: Problem) -> Schedule | None:
     """A plan of a problem, if the planner finds one soon."""
+    if breaks_selections(problem):
+        return None
     if not (problem.activities or problem.goals or problem.number_goals):
         nothing = Schedule((), task=problem.name)
         session.keep(nothing)

@@ -40,12 +40,17 @@ class SelectionTree:
                 continue
             k = -decided
             with_it = chosen | {k}
-            if self._repeats_in_order(k, chosen) and not is_refuted(
-                self.space.restricted(with_it), thoroughly=False
-            ):
+            if self._repeats_in_order(k, chosen) and not self._is_refuted(with_it, k + 1):
                 self._push(with_it, k + 1)
-            self._push(chosen, k + 1)
+            if not self.space.problem.selections or not self._is_refuted(chosen, k + 1):
+                self._push(chosen, k + 1)
             yield -upper, None
+
+    def _is_refuted(self, chosen: Selection, decided: int) -> bool:
+        """Whether no selection with these items, whatever else is decided, has a schedule."""
+        # (What is undecided may give what these need, so it stays optional.)
+        undecided = frozenset(range(decided, len(self.space.items)))
+        return is_refuted(self.space.restricted(chosen, undecided), thoroughly=False)
 
     def _repeats_in_order(self, k: int, chosen: Selection) -> bool:
         """Whether item k is no further occurrence, or the previous one of its action is chosen."""
