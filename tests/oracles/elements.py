@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Mapping
 
 from element_laws import Best
 from irc.model import Task
+from oracles import pauses, setups
 from oracles.mode_generators import mode_task
+from oracles.pause_generators import pausing_task
 from oracles.small_generators import (
     batch_task,
     coupling_task,
@@ -72,6 +75,30 @@ def _pairs(seed: int) -> tuple[Task, Best]:
     return Task.model_validate(document), best_of(document)
 
 
+def _setups(seed: int) -> tuple[Task, Best]:
+    document = setups.random_task(random.Random(f"elements {seed}"))
+    for resource in document["resources"]:
+        resource.pop("no_idle", None)
+    names = [name for name in document["objective"] if "setup" not in name]
+    document["objective"] = names or ["minimize_makespan"]
+    best = setups.best(document)
+    if best is not None:
+        signs = [-1 if name == "maximize_reward" else 1 for name in document["objective"]]
+        best = tuple(sign * value for sign, value in zip(signs, best, strict=True))
+    return Task.model_validate(document), best
+
+
+_PAUSES_UNTIL = 20
+
+
+def _pauses(seed: int) -> tuple[Task, Best]:
+    task = pausing_task(seed)
+    best = pauses.optimum(task, _PAUSES_UNTIL)
+    if best is None or (task.objective[0] != "minimize_makespan" and best.values[0]):
+        raise TooHardError  # What ends later may be better.
+    return task, best.values
+
+
 KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "modes": _modes,
     "numbers": _numbers,
@@ -81,5 +108,7 @@ KINDS: Mapping[str, Callable[[int], tuple[Task, Best]]] = {
     "sequences": _sequences,
     "batches": _batches,
     "small pairs": _pairs,
+    "setups": _setups,
+    "pauses": _pauses,
 }
 """For each kind a task by its seed, with the best values of its objectives."""

@@ -18,8 +18,18 @@ SEEDS = {
     "sequences": range(24),
     "batches": range(40),
     "small pairs": range(30),
+    "setups": range(24),
+    "pauses": range(24),
 }
-PLANNED = {"modes": range(100, 106), "numbers": range(100, 112), "objectives": range(100, 108)}
+PLANNED = {
+    "modes": range(100, 106),
+    "numbers": range(100, 112),
+    "objectives": range(100, 108),
+    "couplings": range(100, 104),
+    "selections": range(100, 105),
+    "setups": range(100, 104),
+    "pauses": range(100, 108),
+}
 
 
 @pytest.mark.slow

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from irc.problem import PLAIN, Activity
+from irc.problem import PLAIN, Activity, Problem
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
+from irc_pddl21.encoding.couplings import CouplingFacts
 from irc_pddl21.encoding.grounded import Meaning
 from irc_pddl21.encoding.modes import in_mode, span_of
 from irc_pddl21.encoding.numbers import NumberFluents, gives_two_levels
 from irc_pddl21.encoding.objectives import ObjectiveCounter
 from irc_pddl21.encoding.occurrences import Occurrences, occurrences_of
-from irc_pddl21.encoding.pddl import NumericCondition, NumericEffect, Operator
+from irc_pddl21.encoding.pddl import Additions, NumericCondition, NumericEffect, Operator
 from irc_pddl21.encoding.reservoirs import ReservoirLevels
 from irc_pddl21.encoding.resources import ResourceUnits
+from irc_pddl21.encoding.selections import SelectionFacts
+from irc_pddl21.encoding.setups import SetupFacts
 from irc_pddl21.encoding.state import StateFacts, contradicts_itself
 from irc_pddl21.encoding.variants import Variant, variants_of
+from irc_pddl21.encoding.work import WorkFacts
 
 
 class Elements(NamedTuple):
@@ -31,7 +36,21 @@ class Elements(NamedTuple):
     levels: ReservoirLevels
     numbers: NumberFluents
     objective: ObjectiveCounter
+    couplings: CouplingFacts
+    selections: SelectionFacts
+    setups: SetupFacts
+    work: WorkFacts
     declined: frozenset[int]
+
+    def are_alone(self, i: int, activity: Activity) -> bool:
+        """Whether nothing but time and precedence is said of an activity."""
+        return (
+            activity.details is PLAIN
+            and not activity.open_demands
+            and i not in self.objective.amounts
+            and i not in self.couplings.members
+            and not self.selections.of(i)
+        )
 
 
 @dataclass(frozen=True)
@@ -44,6 +63,14 @@ class _OccurrenceFacts:
     end_adds: list[str]
     needs: list[NumericCondition] = field(default_factory=list)
     changes: list[NumericEffect] = field(default_factory=list)
+
+
+class _TimedVariant(NamedTuple):
+    """A variant of an activity, its time from start to end, and what other elements add to it."""
+
+    variant: Variant
+    span: tuple[int, int]
+    additions: tuple[Additions, ...] = ()
 
 
 def add_activities(builder: Builder, elements: Elements) -> None:
@@ -68,21 +95,34 @@ class _ActivityEncoder:
 
     def add(self, i: int, activity: Activity) -> None:
         """Adds the operators of one activity."""
-        amounts = self.elements.objective.amounts
-        if activity.details is PLAIN and not activity.open_demands and i not in amounts:
+        if self.elements.are_alone(i, activity):
             self._add_plain(i, activity)
             return
         occurrences = occurrences_of(activity)
-        variants = [
-            v
-            for v in variants_of(self.builder.problem, activity, self.elements.units)
-            if not self._contradicts_itself(in_mode(activity, v.mode), instant=not v.span[1])
+        untimed = [
+            (variant, more)
+            for variant in variants_of(self.builder.problem, i, self.elements.units)
+            if (more := self._additions(i, variant)) is not None
         ]
-        if not variants and occurrences.least:
+        if not untimed and occurrences.least:
             raise _impossible(activity)
+        # (Where no open time is left for what must happen, the goal cannot be reached.)
+        variants = [
+            _TimedVariant(variant, timing.span, (*more, timing.additions))
+            for variant, more in untimed
+            for timing in self.elements.work.of(i, variant)
+        ]
         self._add_chain(i, variants, occurrences)
         if occurrences.again != 0:
             self._add_reusable(i, variants, occurrences)
+
+    def _additions(self, i: int, variant: Variant) -> list[Additions] | None:
+        """What couplings and set-ups add to a variant; None where it contradicts itself."""
+        activity = in_mode(self.builder.problem.activities[i], variant.mode)
+        ties = self.elements.couplings.of(i, variant)
+        if ties is None or self._contradicts_itself(activity, instant=not variant.span[1]):
+            return None
+        return [*ties, *self.elements.setups.of(i, variant)]
 
     def _contradicts_itself(self, activity: Activity, *, instant: bool) -> bool:
         """Whether one happening of an activity gives a variable or a number two values."""
@@ -111,7 +151,7 @@ class _ActivityEncoder:
         )
         self.builder.grounded.actions[base] = Meaning(activity.id, None, ())
 
-    def _add_chain(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
+    def _add_chain(self, i: int, variants: list[_TimedVariant], occurrences: Occurrences) -> None:
         """Adds the occurrences that are written out, each after the previous one."""
         base, done = self.builder.base[i], ""
         for k in range(1, occurrences.written + 1):
@@ -124,10 +164,13 @@ class _ActivityEncoder:
             begun = self._begun(i, own)
             last = k == occurrences.written and occurrences.again != 0
             idle = [self.builder.fact(f"idle_{base}")] if last else []
+            counted = self.elements.selections.of(i) if k == 1 else []
             facts = _OccurrenceFacts([todo, *after], [todo], begun, [done, *idle])
-            self._add_variants(i, own, variants, facts)
+            self._add_variants(i, own, variants, facts, counted)
 
-    def _add_reusable(self, i: int, variants: list[Variant], occurrences: Occurrences) -> None:
+    def _add_reusable(
+        self, i: int, variants: list[_TimedVariant], occurrences: Occurrences
+    ) -> None:
         """Adds an operator that can be used again once the previous occurrence has ended."""
         base = self.builder.base[i]
         idle = f"idle_{base}"
@@ -144,24 +187,35 @@ class _ActivityEncoder:
         self._add_variants(i, own, variants, facts)
 
     def _add_variants(
-        self, i: int, base: str, variants: list[Variant], facts: _OccurrenceFacts
+        self,
+        i: int,
+        base: str,
+        variants: list[_TimedVariant],
+        facts: _OccurrenceFacts,
+        more: Sequence[Additions] = (),
     ) -> None:
         """Adds one operator for each variant of an occurrence."""
         activity = self.builder.problem.activities[i]
-        for variant in variants:
+        for timed in variants:
             name = base
             if len(variants) > 1:
-                name = self.names.new(f"{base}__{'__'.join(_parts(activity, variant))}")
-            self.encoding.operators.append(self._operator(i, name, variant, facts))
-            self.builder.grounded.actions[name] = self._meaning(activity, variant)
+                parts = _parts(self.builder.problem, activity, timed)
+                name = self.names.new(f"{base}__{'__'.join(parts)}")
+            operator = self._operator(i, name, timed, facts)
+            for additions in (*timed.additions, *more):
+                operator.add(additions)
+            self.encoding.operators.append(operator)
+            self.builder.grounded.actions[name] = self._meaning(activity, timed.variant)
 
-    def _operator(self, i: int, name: str, variant: Variant, facts: _OccurrenceFacts) -> Operator:
+    def _operator(
+        self, i: int, name: str, timed: _TimedVariant, facts: _OccurrenceFacts
+    ) -> Operator:
         """One variant of an occurrence, with the activity's own conditions and effects."""
         activity, state = self.builder.problem.activities[i], self.elements.state
+        variant, span = timed.variant, timed.span
         activity = in_mode(activity, variant.mode)
-        units, conditions = self.elements.units, self.builder.conditions
-        span = variant.span
-        here = list(dict.fromkeys(units.here[t] for t in variant.tokens if t in units.here))
+        conditions = self.builder.conditions
+        here = self.elements.units.presence_of(activity, variant.tokens)
         level_needs, level_changes = self.elements.levels.of(activity, instant=not span[1])
         numbers = self.elements.numbers
         number_needs, number_changes = numbers.of(activity, instant=not span[1])
@@ -223,9 +277,16 @@ def _impossible(activity: Activity) -> Refusal:
     )
 
 
-def _parts(activity: Activity, variant: Variant) -> list[str]:
-    """The parts of a variant's name: its mode, and its tokens (without "free_") or "at_once"."""
-    mode = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
-    if variant.span != span_of(activity, variant.mode):
-        return [*mode, "at_once"]
-    return mode + [token[5:] for token in variant.tokens]
+def _parts(problem: Problem, activity: Activity, timed: _TimedVariant) -> list[str]:
+    """The parts of a variant's name: its mode, its tokens (without "free_"), its pause."""
+    variant = timed.variant
+    parts = [] if variant.mode is None else [activity.details.modes[variant.mode].id]
+    span = span_of(activity, variant.mode)
+    if not variant.span[1]:
+        pools = problem.contention.pools
+        parts += [pools[r].id for r in variant.resources]
+        return [*parts, *(["at_once"] if span[1] else [])] or ["at_once"]
+    parts += [token[5:] for token in variant.tokens]
+    if activity.details.work:
+        parts.append(f"pause_{timed.span[0] - variant.span[0]}")
+    return parts

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from irc.problem import Problem
+from irc.problem.work_times import FOREVER
 from irc_pddl21.encoding.grounded import Grounded
+from irc_pddl21.encoding.latest import latest_ends
 from irc_pddl21.encoding.names import NameTable
-from irc_pddl21.encoding.pddl import Encoding, Operator
+from irc_pddl21.encoding.pddl import Encoding, Operator, TimedLiteral
 from irc_pddl21.encoding.time_scale import TimeScale
 
 Point = int
@@ -17,7 +19,8 @@ class Builder:
 
     `base` is the name of each activity. `begun` are the activities whose start others wait for,
     `lag_facts` the facts that waits after an activity give, `deadline_facts` those that hold until
-    an activity's deadline. The elements are added by `irc_pddl21.encoding.encode`.
+    an activity's deadline. Where there are calendars, `latest` are times by which the activities
+    have ended, and `end` is the last of them. `irc_pddl21.encoding.encode` adds the elements.
     """
 
     def __init__(self, problem: Problem, scale: TimeScale) -> None:
@@ -29,6 +32,8 @@ class Builder:
             self.encoding, scale.units_per_tick, scale.slack, shortened=scale.shortened
         )
         self.base = [self.names.new(activity.id) for activity in problem.activities]
+        self.latest = latest_ends(problem) if problem.has_calendars else []
+        self.end = max(self.latest, default=FOREVER)
         self.begun: set[int] = set()
         self.lag_facts: dict[int, list[str]] = {}
         self.deadline_facts: dict[int, str] = {}
@@ -52,6 +57,11 @@ class Builder:
             return f"done_{self.base[i]}"
         self.begun.add(i)
         return f"begun_{self.base[i]}"
+
+    def switch(self, fact: str, time: int, value: bool) -> None:
+        """Switches a fact of open times by itself, at a planner time, unless all has ended then."""
+        if time <= self.end * self.scale.units_per_tick + self.scale.slack:
+            self.encoding.timed.append(TimedLiteral(time, fact, value))
 
     def add_helper(self, operator: Operator, meaning: str) -> None:
         """Adds an operator that only the planner needs."""

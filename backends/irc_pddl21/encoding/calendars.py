@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from irc.problem import ContendedPool
 from irc_pddl21.encoding.builder import Builder
-from irc_pddl21.encoding.pddl import TimedLiteral
 
 
-def add_calendar(builder: Builder, pool: ContendedPool, tokens: list[str]) -> dict[str, str]:
+def add_calendar(
+    builder: Builder, pool: ContendedPool, tokens: list[str], prefix: str = "here_"
+) -> dict[str, str]:
     """The fact that says the unit is there, for each token whose unit is not always there.
 
     The k-th unit is there while the capacity is at least k; units gone together share a fact. It
@@ -22,7 +23,7 @@ def add_calendar(builder: Builder, pool: ContendedPool, tokens: list[str]) -> di
             continue
         if there not in facts:
             facts[there] = builder.fact(
-                builder.names.new(f"here_{token.removeprefix('free_')}"), initially=there[0]
+                builder.names.new(prefix + token.removeprefix("free_")), initially=there[0]
             )
             times = [time for time, _ in steps]
             _add_literals(builder, facts[there], times, there)
@@ -35,4 +36,4 @@ def _add_literals(builder: Builder, fact: str, times: list[int], there: tuple[bo
     for n in range(1, len(times)):
         if there[n] != there[n - 1]:
             time = times[n] * scale.units_per_tick + (0 if there[n] else scale.slack)
-            builder.encoding.timed.append(TimedLiteral(time, fact, there[n]))
+            builder.switch(fact, time, there[n])

@@ -24,6 +24,7 @@ from irc.problem import Problem
 from irc_pddl21.encoding.activities import Elements, add_activities
 from irc_pddl21.encoding.arcs import sort_arcs
 from irc_pddl21.encoding.builder import Builder
+from irc_pddl21.encoding.couplings import add_couplings
 from irc_pddl21.encoding.grounded import Grounded, names_of
 from irc_pddl21.encoding.numbers import add_numbers
 from irc_pddl21.encoding.objectives import add_objective
@@ -31,9 +32,12 @@ from irc_pddl21.encoding.precedence import add_precedence
 from irc_pddl21.encoding.presence import absences_of, add_absences
 from irc_pddl21.encoding.reservoirs import add_reservoirs
 from irc_pddl21.encoding.resources import add_resources
+from irc_pddl21.encoding.selections import add_selections
+from irc_pddl21.encoding.setups import add_setups, uses_with_setups
 from irc_pddl21.encoding.state import add_state
 from irc_pddl21.encoding.time_scale import EPSILON, time_scale
 from irc_pddl21.encoding.time_windows import add_time_windows
+from irc_pddl21.encoding.work import WorkFacts
 
 DOMAIN_FILE, PROBLEM_FILE = "domain.pddl", "problem.pddl"
 
@@ -52,18 +56,27 @@ def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = F
         problem,
         epsilon,
         envelopes=len(arcs.envelopes),
-        helpers=len(arcs.waits) + len(arcs.envelopes) + len(absences),
+        helpers=len(arcs.waits)
+        + len(arcs.envelopes)
+        + len(absences)
+        + uses_with_setups(problem)
+        + len(problem.selections),
         shortened=shortened,
     )
     builder = Builder(problem, scale)
     add_precedence(builder, arcs)
     add_time_windows(builder)
+    units = add_resources(builder)
     elements = Elements(
-        units=add_resources(builder),
+        units=units,
         state=add_state(builder),
         levels=add_reservoirs(builder),
         numbers=add_numbers(builder),
         objective=add_objective(builder),
+        couplings=add_couplings(builder, units),
+        selections=add_selections(builder),
+        setups=add_setups(builder, units),
+        work=WorkFacts(builder),
         declined=frozenset(i for absence in absences for i in absence.members),
     )
     add_activities(builder, elements)

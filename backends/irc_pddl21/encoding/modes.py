@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from irc.problem import Activity, OpenDemand
+from irc.problem.work_times import work_range
 
 
 def modes_of(activity: Activity) -> range | tuple[None]:
@@ -19,18 +20,13 @@ def in_mode(activity: Activity, mode: int | None) -> Activity:
 
 
 def span_of(activity: Activity, mode: int | None) -> tuple[int, int]:
-    """Least and greatest duration in a mode, in ticks."""
-    if mode is None:
-        return activity.duration_min, activity.duration_max
-    chosen = activity.details.modes[mode]
-    return chosen.duration_min, chosen.duration_max
+    """Least and greatest duration in a mode, in ticks; of what pauses, its working time."""
+    return work_range(activity, mode)
 
 
 def demands_in(activity: Activity, mode: int | None) -> tuple[OpenDemand, ...]:
-    """The open demands of an activity in a mode; a mode without duration has none."""
+    """The open demands of an activity in a mode."""
     if mode is None:
         return activity.open_demands
-    if not span_of(activity, mode)[1]:
-        return ()
     use_mode = activity.details.use_mode
     return tuple(c for c in activity.open_demands if use_mode(c.use) in (None, mode))

@@ -29,6 +29,23 @@ class NumericEffect(NamedTuple):
     sets: bool = False
 
 
+class Additions(NamedTuple):
+    """Conditions and effects that an element of a problem adds to an operator."""
+
+    at_start: tuple[str, ...] = ()
+    over_all: tuple[str, ...] = ()
+    at_end: tuple[str, ...] = ()
+    start_deletes: tuple[str, ...] = ()
+    start_adds: tuple[str, ...] = ()
+    end_deletes: tuple[str, ...] = ()
+    end_adds: tuple[str, ...] = ()
+    needs: tuple[NumericCondition, ...] = ()
+    changes: tuple[NumericEffect, ...] = ()
+
+
+NOTHING = Additions()
+
+
 @dataclass
 class Operator:
     """A parameterless action. `duration` is (min, max) in planner time, None instant.
@@ -49,6 +66,12 @@ class Operator:
     takes: dict[str, int] = field(default_factory=dict)
     needs: list[NumericCondition] = field(default_factory=list)
     changes: list[NumericEffect] = field(default_factory=list)
+
+    def add(self, more: Additions) -> None:
+        """Adds conditions and effects."""
+        for name, values in more._asdict().items():
+            if values:
+                getattr(self, name).extend(values)
 
     @property
     def required_facts(self) -> list[str]:

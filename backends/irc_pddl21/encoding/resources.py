@@ -6,6 +6,7 @@ takes their place. A unit that a calendar takes away at times has a fact that sa
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import comb
 
@@ -23,12 +24,19 @@ MAX_VARIANTS = 256
 class ResourceUnits:
     """The units of pools: token facts, or a counter.
 
-    `here` maps a token to the fact that its unit is there, where it is not always.
+    `here` maps a token to the fact that its unit is there, where it is not always; `kept` to the
+    fact that what pauses may keep it: the unit is there, or none is.
     """
 
     tokens: dict[int, list[str]] = field(default_factory=dict)
     counters: dict[int, str] = field(default_factory=dict)
     here: dict[str, str] = field(default_factory=dict)
+    kept: dict[str, str] = field(default_factory=dict)
+
+    def presence_of(self, activity: Activity, tokens: Iterable[str]) -> tuple[str, ...]:
+        """The facts that an activity needs throughout on account of the calendars of its units."""
+        facts = self.kept if activity.details.keeps_units else self.here
+        return tuple(dict.fromkeys(facts[t] for t in tokens if t in facts))
 
 
 def add_resources(builder: Builder) -> ResourceUnits:
@@ -38,6 +46,13 @@ def add_resources(builder: Builder) -> ResourceUnits:
     """
     problem, grounded = builder.problem, builder.grounded
     units = ResourceUnits()
+    keeping = {
+        r
+        for activity in problem.activities
+        if activity.details.keeps_units
+        for demand in activity.open_demands
+        for r in demand.alternatives
+    }
     for r in _resources_by_counter(problem):
         name = builder.names.new(f"left_of_{problem.contention.pools[r].id}")
         units.counters[r] = name
@@ -55,6 +70,8 @@ def add_resources(builder: Builder) -> ResourceUnits:
         builder.encoding.initial += tokens
         grounded.tokens.update(dict.fromkeys(tokens, f"a unit of {pool.id!r}"))
         units.here |= add_calendar(builder, pool, tokens)
+        if r in keeping:
+            units.kept |= add_calendar(builder, pool.never_away, tokens, "kept_")
     return units
 
 

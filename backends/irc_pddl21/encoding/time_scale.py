@@ -78,6 +78,6 @@ def time_scale(
 
 
 def _has_calendar(problem: Problem, activity: Activity) -> bool:
-    return any(
+    return bool(activity.details.calendar is not None or activity.details.work) or any(
         problem.contention.pools[r].windows for c in activity.open_demands for r in c.alternatives
     )

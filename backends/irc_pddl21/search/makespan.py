@@ -34,7 +34,7 @@ STEPS_SHARE = 0.8
 """Of the time left, for all steps together."""
 
 FIRST_SHARE = 0.4
-"""Of the time left, for any plan at all."""
+"""Of the time left, for any plan at all, in each kind of search."""
 
 
 def shorten(
@@ -81,8 +81,9 @@ class _MakespanSearch:
         if self.tactics.bound and _may_bind(self.problem):
             for search in self.session.planner.searches[1:]:
                 self._ask_at_bound(search, BOUND_SHARE * self.session.left)
-        if self.best is None and not self.is_done:
-            self._ask(self.problem, None, FIRST_SHARE * self.session.left)
+        for search in dict.fromkeys(("", *self.session.planner.searches)):
+            if self.best is None and not self.is_done:
+                self._ask(self.problem, None, FIRST_SHARE * self.session.left, search)
         if self.best is None and self.may_shorten and not self.is_done:
             self._ask(self.problem, None, FIRST_SHARE * self.session.left, shortened=True)
         if self.tactics.tighten:

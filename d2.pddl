@@ -1,0 +1,15 @@
+(define (domain irc_task)
+  (:requirements :durative-actions :duration-inequalities :timed-initial-literals)
+  (:predicates
+    (released_14)
+    (open_55)
+    (free_booth_1)
+    (hours_for_starts_1)
+    (hours_for_ends_2)
+    (todo_a)
+    (done_a))
+  (:durative-action a
+    :parameters ()
+    :duration (and (>= ?duration 250) (<= ?duration 360))
+    :condition (and (at start (todo_a)) (at start (released_14)) (at start (free_booth_1)) (at start (hours_for_starts_1))  (at end (hours_for_ends_2)))
+    :effect (and (at start (not (todo_a))) (at start (not (free_booth_1))) (at end (done_a)) (at end (free_booth_1)))))

@@ -1,0 +1,17 @@
+(define (problem irc_task_1)
+  (:domain irc_task)
+  (:init
+    (free_booth_1)
+    (todo_a)
+    (at 140 (released_14))
+    (at 300 (hours_for_starts_1))
+    (at 380 (not (hours_for_starts_1)))
+    (at 550 (hours_for_ends_2))
+    (at 621 (not (hours_for_ends_2)))
+    (at 790 (hours_for_ends_3))
+    (at 861 (not (hours_for_ends_3)))
+    (at 540 (hours_for_starts_4))
+    (at 620 (not (hours_for_starts_4))))
+  (:goal (and
+    (done_a)))
+  (:metric minimize (total-time)))
