@@ -6,6 +6,7 @@ import sys
 from importlib.util import find_spec
 from typing import ClassVar
 
+from irc.local_search.search import is_large
 from irc.targets import Budget, Engine, Outcome, Program, SolveOptions
 
 LOADING_SECONDS = 0.3
@@ -39,8 +40,14 @@ class OrTools(Engine):
         """The objectives in their order; `optimal` and `infeasible` are CP-SAT's own proofs.
 
         If actions repeat, the model is deepened until there is a schedule, and then to the depth
-        that leaves nothing out, if there is one.
+        that leaves nothing out, if there is one. Large problems are left to local search.
         """
+        if self.improves and self.hints and is_large(program.problem):
+            from irc_cpsat.solving.large import large_outcome
+
+            found = large_outcome(program.problem, options.seed, budget, options.on_progress)
+            if found is not None:
+                return found
         from irc_cpsat.loading import load_cp_model
 
         load_cp_model()

@@ -15,6 +15,10 @@ AFTERWARDS_SHARE = 0.05
 STEP_AFTERWARDS_SHARE = 0.3
 """The same for a step of a running task, whose limit may be short."""
 
+MANY_ACTIVITIES = 5_000
+LARGE_AFTERWARDS_SHARE = 0.4
+"""The same for a task of many activities, of which the rest takes longer than a share of little."""
+
 Accept = Callable[[Schedule], bool]
 
 
@@ -46,6 +50,8 @@ def asked(
     if budget.is_cancelled:
         return Outcome(Status.UNKNOWN, engine.name)
     # All that follows takes about as long as all that came before: reading and checking.
+    if len(program.problem.activities) >= MANY_ACTIVITIES:
+        kept = max(kept, LARGE_AFTERWARDS_SHARE)
     after = min(budget.elapsed, kept * budget.limit)
     outcome = engine.solve(program, options, budget.share(part).at_most(budget.left - after))
     if outcome.status is Status.UNKNOWN:

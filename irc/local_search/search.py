@@ -32,6 +32,9 @@ def may_apply(problem: Problem) -> bool:
     return _knows_ways(problem) or may_list(problem)
 
 
+LARGE = 5_000
+"""From so many activities on a model of the whole improves no list schedule in reasonable time."""
+
 LISTS_FROM = 40
 """Of fewer activities CP-SAT soon has a good schedule, before the search would be loaded."""
 
@@ -39,6 +42,17 @@ LISTS_FROM = 40
 def begins_with_lists(problem: Problem) -> bool:
     """Whether to search lists for a while before anything else: compiled, of a large problem."""
     if len(problem.activities) < LISTS_FROM or not may_list(problem) or knows(problem):
+        return False
+    from irc.local_search.compiled import IS_COMPILED
+
+    return IS_COMPILED
+
+
+def is_large(problem: Problem) -> bool:
+    """Whether to search alone, without a solver beside: large, and with a search that fits."""
+    if len(problem.activities) < LARGE or problem.objectives != ("makespan",):
+        return False
+    if not _knows_ways(problem) or any(problem.previous.places):
         return False
     from irc.local_search.compiled import IS_COMPILED
 
@@ -66,9 +80,17 @@ def search_with(ways: Ways, seed: int = 0, target: int | None = None) -> LocalSe
     """The same for the ways of a problem."""
     least = ways.problem.bounds.makespan.value if target is None else target
     if is_shop(ways):
+        if len(ways.of) >= LARGE:
+            from irc.local_search.shop_windows import ShopWindows
+
+            return ShopWindows(ways, seed, least)
         from irc.local_search.shop import ShopSearch
 
         return ShopSearch(ways, seed, least)
+    if len(ways.of) >= LARGE and not ways.stock:
+        from irc.local_search.project_windows import ProjectWindows
+
+        return ProjectWindows(ways, seed, least)
     from irc.local_search.project import ProjectSearch
 
     return ProjectSearch(ways, seed, least)

@@ -22,7 +22,7 @@ from irc.problem.horizon import safe_horizon
 MOST_WAYS = 200
 """The greatest number of ways of an activity."""
 
-MOST_ACTIVITIES = 10_000
+MOST_ACTIVITIES = 200_000
 
 LATEST_TIME = 1 << 50
 """Sums of times must stay below this."""

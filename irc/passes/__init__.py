@@ -43,6 +43,11 @@ def quick_bounds(problem: Problem) -> Problem:
     return energy_bound(problem)
 
 
+MOST_FOR_SEARCH = 20_000
+"""Of more activities no list schedule is made in which a destructive bound is sought: the steps
+that this one may take no longer raise the bound, and the schedule takes longer than they do."""
+
+
 def resource_bounds(problem: Problem) -> Problem:
     """Raises the bound by arguments about resources; without contention there are none."""
     if not problem.has_contention:
@@ -54,6 +59,8 @@ def resource_bounds(problem: Problem) -> Problem:
     from irc.passes.serial_sgs import quick_makespan
 
     problem = quick_bounds(problem)
+    if len(problem.activities) > MOST_FOR_SEARCH:
+        return problem
     reached = quick_makespan(problem)
     if reached == problem.bounds.makespan.value:
         return problem
