@@ -11,6 +11,7 @@ from ortools.sat.python import cp_model
 
 from builders import Document, act, problem_for_cpsat
 from irc.driver.solve import solve_by, solve_task
+from irc.local_search import compiled
 from irc.model import Task
 from irc.passes.unroll import unroll
 from irc.problem import Problem
@@ -191,3 +192,20 @@ def test_other_objectives_are_proven_the_same_beside_local_search(
     one, other = (a.schedule.objective[0] for a in answers)
     assert (one.name, one.value) == (other.name, other.value)
     assert not validate(task, answers[0].schedule).violations
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_task_that_begins_with_lists_ends_where_they_meet_the_bound(
+    workers: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("irc.local_search.search.LISTS_FROM", 1)
+    monkeypatch.setattr(compiled, "IS_COMPILED", True)
+    actions = [act(f"a{k}", 6, uses=[{"resource": "m"}], breaks="pause") for k in range(6)]
+    day = {"id": "day", "every": 10, "open": [{"from": 0, "to": 5}]}
+    machine = {"id": "m", "calendar": "day"}
+    task = Task.model_validate({"calendars": [day], "resources": [machine], "actions": actions})
+    options = SolveOptions(time_limit=60, workers=workers)
+    schedule = solve_task(task, options).schedule
+    assert schedule.status is Status.OPTIMAL
+    assert schedule.makespan == 71
+    assert not validate(task, schedule).violations

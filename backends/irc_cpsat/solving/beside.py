@@ -63,7 +63,7 @@ class Beside:
         self._reporter, self._ask = reporter, ask
         self._exchange_at = EXCHANGE_SECONDS
         share = min(MOST_ALONE_SECONDS, ALONE_SHARE * budget.limit)
-        self._alone = 0.0 if improving.is_ready else max(ALONE_SECONDS, share)
+        self._alone = max(ALONE_SECONDS, share)
         self._aim = built.values[built.problem.objectives[0]]
         self._bound = least_value(improving.problem)
         self._best: FoundSolution | None = None

@@ -102,6 +102,14 @@ class DeepeningSearch:
         unrolled = unroll(problem, depth)
         wanted = self.improves and self.hints and may_apply(unrolled)
         self._improving = Improving(unrolled, self.options.seed) if wanted else None
+        try:
+            return self._solved(unrolled, budget)
+        finally:
+            if self._improving is not None:
+                self._improving.end()
+
+    def _solved(self, unrolled: Problem, budget: Budget) -> Outcome:
+        """The outcome of an unrolled problem."""
         found = self._listed(unrolled, budget)
         builder = Builder(unrolled, self.bounds, self.hints, found=found)
         builder.is_over = lambda: self.budget.is_over
@@ -112,9 +120,10 @@ class DeepeningSearch:
             note = Diagnostic(Code.NO_ANSWER, f"{self.engine}: {error}")
             seconds = self.budget.elapsed
             return Outcome(Status.UNKNOWN, self.engine, notes=(note,), seconds=seconds)
-        if self._improving is None or not self._improving.is_met:
+        improving = self._improving
+        if improving is None or not improving.is_met:
             complete_hint(built, budget)
-        if not _hint_helps(unrolled, built):
+        if (improving is None or improving.found is None) and not _hint_helps(unrolled, built):
             without_hint(built)
         if built.hint is not None and self.options.on_progress is not None:
             tell_hint(self.engine, built, self.budget, self.options.on_progress)
@@ -126,12 +135,13 @@ class DeepeningSearch:
 
     def _listed(self, problem: Problem, budget: Budget) -> Hint | None:
         """A list schedule, improved for a part of the time; None where the quick one will do."""
-        if self._improving is not None and begins_with_lists(problem) and self._improving.begin():
-            part = budget.share(_LISTING_SHARE).at_most(_MOST_SEARCHING_SECONDS)
-            while self._improving.step() and not part.is_over:
-                pass
-            if self._improving.found is not None:
-                return self._improving.found
+        improving = self._improving
+        if improving is not None and self._workers > 1 and begins_with_lists(problem):
+            # (In a thread of its own: the first search of all is compiled for some time.)
+            improving.start()
+            improving.wait(budget.share(_LISTING_SHARE).at_most(_MOST_SEARCHING_SECONDS))
+            if improving.found is not None:
+                return improving.found
         if not (problem.has_setups and self.hints):
             return None
         from irc.passes.setup_schedule import search_of
@@ -206,7 +216,7 @@ class DeepeningSearch:
             self._builder,
             built,
             improving,
-            self.options.workers or os.cpu_count() or 1,
+            self._workers,
             budget,
             lambda: self._reporter(built, objective, ()),
             lambda workers, part, reporter, ended: reporter.asked(
@@ -214,6 +224,11 @@ class DeepeningSearch:
             ),
         )
         return beside.run()
+
+    @property
+    def _workers(self) -> int:
+        """The number of workers of CP-SAT and local search together."""
+        return self.options.workers or os.cpu_count() or 1
 
     def _solver(self, workers: int | None) -> cp_model.CpSolver:
         solver = solver_for(self.problem, self.options.seed)

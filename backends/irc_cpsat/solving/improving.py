@@ -8,7 +8,9 @@ from irc.local_search.listing import least_value
 from irc.local_search.search import LocalSearch, search_of
 from irc.local_search.ways import Found, NotApplicable
 from irc.problem import Problem
+from irc.targets import Budget
 
+_LOOK_SECONDS = 0.02
 _PATIENCE_SECONDS = 0.5
 """A step that takes longer (a first one that still compiles) is not waited for at the end."""
 
@@ -50,11 +52,6 @@ class Improving:
         return self._thread is not None
 
     @property
-    def is_ready(self) -> bool:
-        """Whether the problem has been read, and what searches it is loaded."""
-        return self._search is not None
-
-    @property
     def is_met(self) -> bool:
         """Whether no schedule can be better."""
         return self.value is not None and self.value <= self._least
@@ -63,6 +60,13 @@ class Improving:
         """Lets the search run beside the caller until it is ended, or has met the bound."""
         self._thread = Thread(target=self._run, name="irc-local-search", daemon=True)
         self._thread.start()
+
+    def wait(self, budget: Budget) -> None:
+        """Waits until the search has met the bound, or the budget is over."""
+        assert self._thread is not None
+        while self._thread.is_alive() and not budget.is_over:
+            self._thread.join(_LOOK_SECONDS)
+        self.check()
 
     def give(self, found: Found, value: int) -> None:
         """Gives a schedule that the search may go on from, where it has no better one."""
@@ -82,8 +86,6 @@ class Improving:
 
     def begin(self) -> bool:
         """Reads the problem; False where it has something that the search does not know about."""
-        if self.is_ready:
-            return True
         try:
             self._search = search_of(self.problem, self._seed)
         except NotApplicable:
