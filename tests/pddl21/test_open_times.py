@@ -88,6 +88,13 @@ def test_what_pauses_keeps_its_unit_and_what_does_not_waits() -> None:
     assert (schedule["a"].end, schedule["b"].start) == (32, 32)
 
 
+def test_what_may_pause_where_nothing_ever_closes_does_not() -> None:
+    task = task_of(*lettered({"duration": 3, "breaks": "pause"}))
+    (operator,) = encode(compile_task(task, "pddl21").problem).encoding.operators
+    assert operator.duration == (10, 10)
+    assert operator.at_start == ["todo_a"]
+
+
 def test_too_many_pauses_are_refused_at_their_place(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(work, "MOST_TIMINGS", 1)
     paint = {"duration": 3, "breaks": "pause", "uses": [{"resource": "booth"}]}

@@ -32,7 +32,7 @@ class Builder:
             self.encoding, scale.units_per_tick, scale.slack, shortened=scale.shortened
         )
         self.base = [self.names.new(activity.id) for activity in problem.activities]
-        self.latest = latest_ends(problem) if problem.has_calendars else []
+        self.latest = latest_ends(problem) if problem.has_calendars or problem.has_work else []
         self.end = max(self.latest, default=FOREVER)
         self.begun: set[int] = set()
         self.lag_facts: dict[int, list[str]] = {}
