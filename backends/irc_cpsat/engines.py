@@ -21,6 +21,7 @@ class OrTools(Engine):
     """
 
     name: ClassVar[str] = "ortools"
+    is_repeatable: ClassVar[bool] = True
 
     def __init__(self, *, bounds: bool = True, hints: bool = True, improves: bool = True) -> None:
         self.bounds, self.hints, self.improves = bounds, hints, improves

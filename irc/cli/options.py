@@ -53,6 +53,16 @@ SeedOption = Annotated[
 WorkersOption = Annotated[
     int | None, typer.Option(min=1, max=10_000, help="Threads of the engine.")
 ]
+DeterministicOption = Annotated[
+    bool,
+    typer.Option("--deterministic", help="Count work instead of time: the same answer every time."),
+]
+WorkLimitOption = Annotated[
+    float | None,
+    typer.Option(
+        min=0.001, max=1e6, help="With --deterministic, the units of work, of a few seconds each."
+    ),
+]
 
 StepTimeLimitOption = Annotated[
     float, typer.Option(min=0.01, max=1e9, help="Wall-clock seconds for each step.")

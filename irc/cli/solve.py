@@ -15,6 +15,7 @@ import typer
 
 from irc.cli.exit_codes import EXIT_USE
 from irc.cli.options import (
+    DeterministicOption,
     EngineOption,
     FileOutOption,
     FormatOption,
@@ -25,6 +26,7 @@ from irc.cli.options import (
     TimeLimitOption,
     TimesOption,
     WorkersOption,
+    WorkLimitOption,
 )
 from irc.cli.output import (
     Format,
@@ -64,6 +66,8 @@ def solve(
     memory_limit: MemoryLimitOption = None,
     seed: SeedOption = 0,
     workers: WorkersOption = None,
+    deterministic: DeterministicOption = False,
+    work_limit: WorkLimitOption = None,
     shortcut: Annotated[
         bool,
         typer.Option(
@@ -84,6 +88,7 @@ def solve(
 
     options = SolveOptions(target, engine, time_limit, memory_limit, workers, seed, shortcut)
     with reporting_errors(format):
+        options = replace(options, deterministic=deterministic, work_limit=work_limit)
         tasks = list(_tasks(files, problem, output, format))
     if len(tasks) == 1:
         _solve(tasks[0], options, times, format, first=True)

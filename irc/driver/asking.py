@@ -37,18 +37,19 @@ def asked(
 
     If the engine finds nothing within the budget, or the budget does not last until it could begin,
     the outcome is the compiler's own schedule, if there is one that `accept` accepts. Raises
-    `EngineMissing` or `EngineFailed`.
+    `EngineMissing` or `EngineFailed`. A deterministic call does not ask how busy the machine is.
     """
     reason = engine.missing()
     if reason is not None:
         raise EngineMissing(reason)
     if not budget.is_cancelled:
         import irc.validation  # noqa: F401 - now, while there is time: a search may be cut short
-    quick = None if engine.can_begin(budget) else _own(program, accept)
+    begins = not budget.is_over if options.deterministic else engine.can_begin(budget)
+    quick = None if begins else _own(program, accept)
     if quick is not None:
-        return quick
+        return replace(quick, is_cut=options.deterministic)
     if budget.is_cancelled:
-        return Outcome(Status.UNKNOWN, engine.name)
+        return Outcome(Status.UNKNOWN, engine.name, is_cut=options.deterministic)
     # All that follows takes about as long as all that came before: reading and checking.
     if len(program.problem.activities) >= MANY_ACTIVITIES:
         kept = max(kept, LARGE_AFTERWARDS_SHARE)
@@ -56,7 +57,7 @@ def asked(
     outcome = engine.solve(program, options, budget.share(part).at_most(budget.left - after))
     if outcome.status is Status.UNKNOWN:
         quick = _own(program, accept)
-    return outcome if quick is None else replace(quick, notes=outcome.notes)
+    return outcome if quick is None else replace(quick, notes=outcome.notes, is_cut=outcome.is_cut)
 
 
 def _own(program: Program, accept: Accept | None) -> Outcome | None:

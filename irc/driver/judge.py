@@ -123,10 +123,12 @@ def finish(
     seconds: float,
     *,
     cancelled: bool = False,
+    deterministic: bool = False,
 ) -> Schedule:
     """The schedule of an outcome, with its status, objective values and bounds.
 
-    It is interrupted where the call was cancelled before the answer was certain.
+    It is interrupted where the call was cancelled before the answer was certain, and repeatable
+    where a deterministic call was not cut by the clock.
     """
     schedule = outcome.schedule or Schedule(())
     status = outcome.status
@@ -144,6 +146,7 @@ def finish(
         seconds=round(seconds, 3),
         time_unit=task.time_unit,
         interrupted=cancelled and status in (Status.FEASIBLE, Status.UNKNOWN),
+        repeatable=not outcome.is_cut if deterministic else None,
     )
 
 

@@ -33,6 +33,12 @@ SHORTCUT_ENGINE = "critical-path"
 CHECKS_ENGINE = "checks"
 """The engine named where the checks of the task already prove that it has no schedule."""
 
+_CUT = Diagnostic(
+    Code.NO_ANSWER,
+    "the search was cut by the clock before its work was done: not repeatable",
+    hint="a longer time limit, or a smaller work limit, makes the answer repeatable",
+)
+
 CHECK_ENGINE = "stock-order"
 """The engine named where stock alone rules every schedule out."""
 
@@ -61,6 +67,8 @@ def solve_task(
 def _solved(task: Task, options: SolveOptions, budget: Budget) -> Answer:
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
+    if options.deterministic and not engine.is_repeatable:
+        options.require_seconds_only(f"engine {engine.name!r} of target {backend.name!r}")
     planner = _planner_for(task, options, budget)
     if planner is None:
         return solve_by(task, backend, engine, options, budget)
@@ -84,12 +92,13 @@ PLANNERS = "pddl21"
 
 def _planner_for(task: Task, options: SolveOptions, budget: Budget) -> Backend | None:
     """The backend of planners, if they are asked too: about a task from PDDL, where neither an
-    engine nor endless time was asked for.
+    engine nor endless time was asked for. Not in a deterministic call: planners have a clock.
     """
     if (
         "pddl" not in task.metadata
         or (options.target, options.engine) != ("cpsat", "auto")
         or not budget.is_limited
+        or options.deterministic
     ):
         return None
     planner = get_backend(PLANNERS)
@@ -108,8 +117,10 @@ def solve_by(
     checked = checked or run_checks(task, lint=False)
     if checked.report.contradicts:
         outcome = Outcome(Status.INFEASIBLE, CHECKS_ENGINE, notes=checked.report.errors)
-        return _answer(task, checked.problem, outcome, backend, budget)
-    problem = lower_checked(checked, backend, budget)
+        return _answer(task, checked.problem, outcome, backend, options, budget)
+    # (How busy the machine is must not decide which bounds a deterministic call looks for.)
+    patient = Budget(cancel=budget.cancel) if options.deterministic else budget
+    problem = lower_checked(checked, backend, patient)
     if options.shortcut and not problem.has_contention:
         outcome = _by_critical_path(problem)
     elif problem.deadline is not None and problem.bounds.makespan.value > problem.deadline:
@@ -125,7 +136,7 @@ def solve_by(
         with reporting_refusals(task):
             program = Program(backend, task, problem)
             outcome = asked(program, engine, reporting, budget, lambda s: _is_valid(task, s))
-    return _answer(task, problem, outcome, backend, budget)
+    return _answer(task, problem, outcome, backend, options, budget)
 
 
 def _is_valid(task: Task, schedule: Schedule) -> bool:
@@ -135,13 +146,24 @@ def _is_valid(task: Task, schedule: Schedule) -> bool:
 
 
 def _answer(
-    task: Task, problem: Problem, outcome: Outcome, backend: Backend, budget: Budget
+    task: Task,
+    problem: Problem,
+    outcome: Outcome,
+    backend: Backend,
+    options: SolveOptions,
+    budget: Budget,
 ) -> Answer:
     """The answer with an outcome, approved by the validator."""
     schedule = finish(
-        task, problem, outcome, backend.name, budget.elapsed, cancelled=budget.is_cancelled
+        task,
+        problem,
+        outcome,
+        backend.name,
+        budget.elapsed,
+        cancelled=budget.is_cancelled,
+        deterministic=options.deterministic,
     )
-    notes = reasons_for(task, outcome)
+    notes = (*reasons_for(task, outcome), *((_CUT,) if schedule.repeatable is False else ()))
     schedule = explained(_approved(task, schedule), notes)
     return Answer(schedule, problem, (*notes_on(task), *notes))
 

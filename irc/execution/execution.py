@@ -79,6 +79,7 @@ class Execution:
         moment = self._rounding.moment(self._told, now, "the present, ", ("at",))
         self.now: Number = self._take(moment)
         self.options = SolveOptions.of(options, more)
+        self.options.require_seconds_only("an execution")
         self._plannable = Plannable(self.options.target)
         self._task: Task | None = self._told
         self._schedule = schedule

@@ -121,6 +121,7 @@ def simulate(
     `irc.solve` and `Execution` raise, after it has called `on_step` for all previous steps.
     """
     chosen, task = SolveOptions.of(options, more), task_of(task)
+    chosen.require_seconds_only("a simulation")
     with ended_by_interrupt(chosen.cancel) as cancel:
         options = replace(chosen, cancel=cancel)
         steps: list[Step] = []

@@ -53,6 +53,9 @@ TRIALS = 200
 _ACTIVITY_STEPS = 200_000 if IS_COMPILED else 300
 """The steps of one call are about this, divided by the number of activities."""
 
+STEADY_STEPS = 4_000
+"""The same for a steady search, with numba and without it."""
+
 _LEVELS = 256
 _CHANCES = 4096
 
@@ -64,7 +67,7 @@ class ListSearch:
     (`irc.problem.objective_values.whole_terms`), and only of schedules that keep all limits.
     """
 
-    def __init__(self, listing: Listing, seed: int, target: int) -> None:
+    def __init__(self, listing: Listing, seed: int, target: int, *, steady: bool = False) -> None:
         problem = self.problem = listing.problem
         self.listing, self.target = listing, target
         plan = listing.plan
@@ -81,7 +84,7 @@ class ListSearch:
         self._given: list[Found] = []
         self._cycles = -1
         self._heat = 0
-        self._steps = max(1, _ACTIVITY_STEPS // self._size)
+        self._steps = max(1, (STEADY_STEPS if steady else _ACTIVITY_STEPS) // self._size)
 
     def step(self) -> None:
         """Searches on for a little while."""

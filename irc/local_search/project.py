@@ -54,11 +54,14 @@ _WORD_BITS = 62
 _ACTIVITY_BIRTHS = 300_000 if IS_COMPILED else 500
 """The children of one call are about this, divided by the number of activities."""
 
+STEADY_BIRTHS = 5_000
+"""The same for a steady search, with numba and without it."""
+
 
 class ProjectSearch:
     """The search of one problem, from the same seed always the same."""
 
-    def __init__(self, ways: Ways, seed: int, target: int) -> None:
+    def __init__(self, ways: Ways, seed: int, target: int, *, steady: bool = False) -> None:
         self.ways, self.target = ways, target
         ticks = _ticks(ways)
         self.project = _project(ways, ticks)
@@ -77,7 +80,7 @@ class ProjectSearch:
             counts[TICKS] = ticks
             kept_or_not(lay_grid, self._work, self._use, self.project[BASE_USE])
         counts[RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
-        self._births = max(1, _ACTIVITY_BIRTHS // max(1, n))
+        self._births = max(1, (STEADY_BIRTHS if steady else _ACTIVITY_BIRTHS) // max(1, n))
 
     def step(self) -> None:
         """Searches on for a little while."""

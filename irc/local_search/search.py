@@ -59,41 +59,47 @@ def is_large(problem: Problem) -> bool:
     return IS_COMPILED
 
 
-def search_of(problem: Problem, seed: int = 0, target: int | None = None) -> LocalSearch:
+def search_of(
+    problem: Problem, seed: int = 0, target: int | None = None, *, steady: bool = False
+) -> LocalSearch:
     """The search of a problem, which ends where a schedule's value is `target`.
 
-    Without a target it is a proven bound. Repeats must be unrolled. Raises
-    `irc.local_search.ways.NotApplicable`. Loads numpy, and numba where it is installed.
+    Without a target it is a proven bound. A `steady` one does as much in a step without numba as
+    with it. Repeats must be unrolled. Raises `irc.local_search.ways.NotApplicable`. Loads numpy,
+    and numba where it is installed.
     """
     if _knows_ways(problem):
         try:
-            return search_with(ways_of(problem), seed, target)
+            return search_with(ways_of(problem), seed, target, steady=steady)
         except NotApplicable:
             pass  # The search over lists knows more about single activities.
     listing = listing_of(problem)
     from irc.local_search.list_search import ListSearch
 
-    return ListSearch(listing, seed, least_value(problem) if target is None else target)
+    least = least_value(problem) if target is None else target
+    return ListSearch(listing, seed, least, steady=steady)
 
 
-def search_with(ways: Ways, seed: int = 0, target: int | None = None) -> LocalSearch:
+def search_with(
+    ways: Ways, seed: int = 0, target: int | None = None, *, steady: bool = False
+) -> LocalSearch:
     """The same for the ways of a problem."""
     least = ways.problem.bounds.makespan.value if target is None else target
     if is_shop(ways):
-        if len(ways.of) >= LARGE:
+        if len(ways.of) >= LARGE and not steady:
             from irc.local_search.shop_windows import ShopWindows
 
             return ShopWindows(ways, seed, least)
         from irc.local_search.shop import ShopSearch
 
-        return ShopSearch(ways, seed, least)
-    if len(ways.of) >= LARGE and not ways.stock:
+        return ShopSearch(ways, seed, least, steady=steady)
+    if len(ways.of) >= LARGE and not ways.stock and not steady:
         from irc.local_search.project_windows import ProjectWindows
 
         return ProjectWindows(ways, seed, least)
     from irc.local_search.project import ProjectSearch
 
-    return ProjectSearch(ways, seed, least)
+    return ProjectSearch(ways, seed, least, steady=steady)
 
 
 def is_shop(ways: Ways) -> bool:

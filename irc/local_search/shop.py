@@ -61,6 +61,9 @@ PATIENCE = 5_000
 _ACTIVITY_STEPS = 3_000_000 if IS_COMPILED else 5_000
 """The steps of one call are about this, divided by the number of activities."""
 
+STEADY_STEPS = 50_000
+"""The same for a steady search, with numba and without it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Solution:
@@ -114,7 +117,7 @@ def machines_of(ways: Ways) -> Machines:
 class ShopSearch:
     """The search of one problem, from the same seed always the same; `best` is what it has."""
 
-    def __init__(self, ways: Ways, seed: int, target: int) -> None:
+    def __init__(self, ways: Ways, seed: int, target: int, *, steady: bool = False) -> None:
         self.ways, self.target = ways, target
         self.machines = machines_of(ways)
         self.best: Solution | None = None
@@ -127,7 +130,7 @@ class ShopSearch:
         self._in_vain = 0
         self._begun = False
         n = len(ways.problem.activities)
-        self._steps = max(20, _ACTIVITY_STEPS // max(1, n))
+        self._steps = max(20, (STEADY_STEPS if steady else _ACTIVITY_STEPS) // max(1, n))
 
     def step(self) -> None:
         """Searches on for a little while."""

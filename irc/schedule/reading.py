@@ -34,6 +34,7 @@ _SCHEDULE_FIELDS = frozenset(
         "time_zone",
         "outcome",
         "interrupted",
+        "repeatable",
         "left_out",
     ]
 )
@@ -111,6 +112,7 @@ class _ScheduleReader:
             self._text(raw, "time_unit"),
             self._flag(raw, "interrupted"),
             left_out=self._left_out(raw.get("left_out")),
+            repeatable=self._flag(raw, "repeatable") if "repeatable" in raw else None,
             dates=self.dates,
         )
         self._check_makespan(raw, schedule)

@@ -65,7 +65,8 @@ class Schedule:
 
     `schedule["eat"]` is the entry of an action, `schedule["eat", 2]` that of its second occurrence.
     Iterating gives all entries in order of time. `interrupted`: planning was ended before it was
-    done, so that a better answer may be close, or any.
+    done, so that a better answer may be close, or any. `repeatable`: whether the same deterministic
+    call gives the same answer again; None where it was not a deterministic one.
     """
 
     entries: tuple[Entry, ...]
@@ -81,6 +82,7 @@ class Schedule:
     reasons: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
     left_out: tuple[LeftOut, ...] = ()
     """The required actions and goals that a running task goes on without."""
+    repeatable: bool | None = None
     dates: Dates | None = field(default=None, repr=False, compare=False)
     """The dates of its task, where this has an origin; its entries have them, too."""
     made_for: Task | None = field(default=None, repr=False, compare=False)

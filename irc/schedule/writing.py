@@ -26,6 +26,7 @@ def document(schedule: Schedule) -> dict[str, Any]:
         **(schedule.dates.to_dict() if schedule.dates is not None and dated else {}),
         "status": str(schedule.status),
         **({"interrupted": True} if schedule.interrupted else {}),
+        **({} if schedule.repeatable is None else {"repeatable": schedule.repeatable}),
         "makespan": json_number(schedule.makespan) if schedule.answered else None,
         "objective": [
             {

@@ -1,8 +1,9 @@
 """Targets: the interfaces of backends, programs and engines; in, a `Problem`; out, an `Outcome`."""
 
 from irc.targets.backend import MANIFEST_FILE, MANIFEST_VERSION, Backend, Engine, Program
-from irc.targets.budget import Budget, Cancellation, Clock
+from irc.targets.budget import Budget, Cancellation, Clock, Work
 from irc.targets.options import (
+    USUAL_WORK,
     EngineKeywords,
     SolveKeywords,
     SolveOptions,
@@ -24,6 +25,7 @@ from irc.targets.registry import backends, get_backend, refused_features, requir
 __all__ = [
     "MANIFEST_FILE",
     "MANIFEST_VERSION",
+    "USUAL_WORK",
     "Backend",
     "Budget",
     "Cancellation",
@@ -41,6 +43,7 @@ __all__ = [
     "SolveKeywords",
     "SolveOptions",
     "UnknownTarget",
+    "Work",
     "backends",
     "get_backend",
     "read_share",

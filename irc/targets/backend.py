@@ -107,6 +107,9 @@ class Engine(ABC):
 
     name: ClassVar[str]
 
+    is_repeatable: ClassVar[bool] = False
+    """Whether it can count work instead of time, so that an answer can be had again."""
+
     @property
     def loading_seconds(self) -> float:
         """About how long it takes until the engine can begin to search; 0 where it is at once.

@@ -164,6 +164,11 @@ class Budget:
         """The cancellation that ends it, for what has a clock of its own."""
         return self._cancel
 
+    @property
+    def work(self) -> Work | None:
+        """The work that it counts instead of seconds; None: it counts seconds."""
+        return self._cancel if isinstance(self._cancel, Work) else None
+
     def share(self, fraction: float) -> Self:
         """A part of what is left, from now on; of no limit there is no smaller part."""
         now = self._clock()
@@ -204,6 +209,43 @@ class Budget:
         part._computed = time.process_time()
         part._end = max(now, min(self._end, now + seconds))
         return part
+
+
+class Work(Cancellation):
+    """Work that is counted instead of time, so that a search ends at the same point every time.
+
+    A budget of it (`of`) has the work that is `done` as its clock. The wall-clock time of `guard`
+    ends it too, or the cancellation of that; `is_cut` says so. One unit is CP-SAT's unit of
+    deterministic time, a few seconds of a processor.
+    """
+
+    __slots__ = ("_guard", "done")
+
+    def __init__(self, guard: Budget) -> None:
+        """No work is done yet."""
+        super().__init__(guard.cancel)
+        self._guard = guard
+        self.done = 0.0
+
+    def of(self, units: float) -> Budget:
+        """A budget of some units, from now on."""
+        return Budget(units, cancel=self, clock=lambda: self.done)
+
+    def add(self, units: float) -> None:
+        """Counts units that have been done."""
+        self.done += units
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether the clock or a cancellation has ended it."""
+        if self._guard.is_over:
+            self._noticed = True
+        return self._noticed
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether it was ended, and the search saw it."""
+        return self._noticed
 
 
 def seconds_since_start(*, waited: bool = False) -> float:

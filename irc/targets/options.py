@@ -11,8 +11,11 @@ from irc.diagnostics import did_you_mean
 from irc.errors import OptionError
 from irc.model.quantities import TimeError, exact
 from irc.model.times import format_number, parse_number
-from irc.targets.budget import Budget, Cancellation
+from irc.targets.budget import Budget, Cancellation, Work
 from irc.targets.outcome import OnProgress
+
+USUAL_WORK = 5.0
+"""The work limit of a deterministic call that names none, in units."""
 
 
 def require_seconds(time_limit: float | None) -> None:
@@ -53,6 +56,8 @@ class EngineKeywords(TypedDict, total=False):
     workers: int | None
     seed: int
     shortcut: bool
+    deterministic: bool
+    work_limit: float | None
     stability: float | Fraction | str
     on_progress: OnProgress | None
     cancel: Cancellation | None
@@ -71,8 +76,9 @@ class SolveOptions:
     `time_limit` is in wall-clock seconds for each plan (None: no limit), `memory_limit` in MB. With
     `shortcut`, a task without contention is solved by its critical path alone. `stability` is how
     much worse the last objective may get, as a fraction (0.05 or "5%"), so that fewer occurrences
-    of a running plan move. `cancel` ends the call early, with the best answer so far. Raises
-    `OptionError`.
+    of a running plan move. `cancel` ends the call early, with the best answer so far. A
+    `deterministic` call gives the same answer every time: it ends after `work_limit` units of work
+    (None: `USUAL_WORK`), and the clock is only a guard. Raises `OptionError`.
     """
 
     target: str = "cpsat"
@@ -85,6 +91,8 @@ class SolveOptions:
     stability: float | Fraction | str = 0
     on_progress: OnProgress | None = None
     cancel: Cancellation | None = None
+    deterministic: bool = False
+    work_limit: float | None = None
 
     def __post_init__(self) -> None:
         require_seconds(self.time_limit)
@@ -92,6 +100,10 @@ class SolveOptions:
             value = getattr(self, name)
             if value is not None and value < least:
                 raise OptionError(f"{name} must be at least {least}, not {value}")
+        if self.work_limit is not None and not self.deterministic:
+            raise OptionError("work_limit is the limit of a deterministic call: set deterministic")
+        if self.work_limit is not None and not self.work_limit > 0:
+            raise OptionError(f"work_limit must be more than 0 units, not {self.work_limit}")
         object.__setattr__(self, "stability", read_share(self.stability))
 
     @classmethod
@@ -114,6 +126,15 @@ class SolveOptions:
         if since is not None:
             return since.limited(self.time_limit, self.cancel)
         return Budget(self.time_limit, spent=spent, cancel=self.cancel)
+
+    def require_seconds_only(self, what: str) -> None:
+        """Raises `OptionError` where a deterministic call is wanted of `what`, which has none."""
+        if self.deterministic:
+            raise OptionError(f"{what} cannot be deterministic: it depends on the clock")
+
+    def work(self, guard: Budget) -> Work | None:
+        """The work that a deterministic call counts; None where it is to count seconds."""
+        return Work(guard) if self.deterministic else None
 
     @property
     def share(self) -> Fraction:

@@ -112,7 +112,8 @@ class Outcome:
     """The result of an engine's run: the proven status and the best schedule found.
 
     `bound` is a proven lower bound on the makespan in ticks. `levels` are the objectives in their
-    order, if there are others than the makespan.
+    order, if there are others than the makespan. A deterministic run `is_cut` where the clock ended
+    it before its work was done.
     """
 
     status: Status
@@ -122,6 +123,7 @@ class Outcome:
     seconds: float = 0.0
     notes: tuple[Diagnostic, ...] = ()
     levels: tuple[ObjectiveLevel, ...] = ()
+    is_cut: bool = False
 
 
 class EngineMissing(IrcError):

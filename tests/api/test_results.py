@@ -14,6 +14,7 @@ import pytest
 
 import irc
 from irc.cli.online import replan, run, simulate
+from irc.cli.solve import solve
 from irc.schedule import COLUMNS
 from irc.targets import EngineKeywords, SolveKeywords
 
@@ -142,7 +143,9 @@ def test_options_have_the_same_names_everywhere() -> None:
     shown = {"target", "engine", "time_limit", "memory_limit", "seed", "workers", "stability"}
     for command in (replan, simulate, run):
         assert names & set(signature(command).parameters) == shown
-    assert names - shown == {"shortcut", "on_progress", "cancel"}
+    only_first = {"shortcut", "deterministic", "work_limit"}
+    assert names - shown == {*only_first, "on_progress", "cancel"}
+    assert names & set(signature(solve).parameters) == (shown | only_first) - {"stability"}
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,7 @@ def test_a_cancelled_call_ends_with_the_best_so_far() -> None:
 
 
 def test_what_local_search_raises_reaches_the_caller(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails(*_: Any) -> Any:
+    def fails(*_: Any, **__: Any) -> Any:
         raise OSError("no room to compile in")
 
     monkeypatch.setattr("irc_cpsat.solving.improving.search_of", fails)

@@ -41,17 +41,23 @@ def asked(
 
     It ends earlier where `ended`, which is asked again and again meanwhile, says so.
 
+    A budget of work limits the search by CP-SAT's own measure, with one worker.
+
     CP-SAT runs in a thread of its own while this one waits in Python, where signals are handled.
     What is raised meanwhile (`KeyboardInterrupt`) ends the search before it goes on its way.
     """
     # (CP-SAT would take ^C for itself, and nobody else would learn of it.)
     solver.parameters.catch_sigint_signal = False
-    if budget.is_limited:
+    work = budget.work
+    if work is not None:
+        solver.parameters.num_workers = 1
+        solver.parameters.max_deterministic_time = budget.left
+    elif budget.is_limited:
         solver.parameters.max_time_in_seconds = budget.left
     search: Future[Any] = Future()
     # (A pool would make the whole program wait for it at its end.)
-    work = (search, solver, model, callback)
-    Thread(target=_search, args=work, name="irc-cpsat", daemon=True).start()
+    arguments = (search, solver, model, callback)
+    Thread(target=_search, args=arguments, name="irc-cpsat", daemon=True).start()
     try:
         while not wait((search,), _LOOK_SECONDS).done:
             if budget.is_over or ended():
@@ -59,7 +65,11 @@ def asked(
     finally:
         while not wait((search,), _LOOK_SECONDS).done:
             solver.stop_search()
-    return search.result()
+    status = search.result()
+    if work is not None:
+        response: Any = solver.response_proto
+        work.add(response.deterministic_time)
+    return status
 
 
 def _search(

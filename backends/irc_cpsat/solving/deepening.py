@@ -15,7 +15,7 @@ from irc.local_search.search import begins_with_lists, may_apply
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
-from irc.targets import Budget, EngineFailed, Outcome, SolveOptions
+from irc.targets import USUAL_WORK, Budget, EngineFailed, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.encoding.hints import without_hint
@@ -34,6 +34,7 @@ from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
 from irc_cpsat.solving.reporting import Reporter, tell_hint
+from irc_cpsat.solving.rounds import Rounds
 from irc_cpsat.solving.solution import Answer, Reached
 
 _DEPTH_SHARE = 0.4
@@ -48,6 +49,9 @@ _MOST_SEARCHING_SECONDS = 3.0
 
 _MOVES = 40
 """The number of orders that are tried for it at most, for each pair of activities."""
+
+_UNIT_MOVES = 500_000
+"""The orders of a unit of work are this, divided by the number of activities."""
 
 _STATE_WORKERS = 8
 """With state, which of CP-SAT's searches succeeds differs from task to task: with fewer workers
@@ -75,13 +79,21 @@ class DeepeningSearch:
         improves: bool = True,
     ) -> None:
         self.engine, self.problem, self.options = engine, problem, options
-        self.budget = budget.share(1)
-        self._least = min(_LEAST_SECONDS, budget.limit)
+        self._clock = budget.share(1)
+        self._work = options.work(budget)
+        units = USUAL_WORK if options.work_limit is None else options.work_limit
+        self.budget = self._clock if self._work is None else self._work.of(units)
+        self._least = min(_LEAST_SECONDS, self.budget.limit)
         self.bounds, self.hints, self.improves = bounds, hints, improves
         self._builder: Builder | None = None
         self._improving: Improving | None = None
 
     def run(self) -> Outcome:
+        """The outcome within the budget; of a deterministic run, whether the clock has cut it."""
+        outcome = self._run()
+        return outcome if self._work is None else replace(outcome, is_cut=self._work.is_cut)
+
+    def _run(self) -> Outcome:
         """The outcome at the first depth with a schedule, or at one that leaves nothing out."""
         best: Outcome | None = None
         depth = 0
@@ -93,7 +105,7 @@ class DeepeningSearch:
                 break
         if best is None:
             notes = (_too_many_occurrences(),)
-            return Outcome(Status.UNKNOWN, self.engine, seconds=self.budget.elapsed, notes=notes)
+            return Outcome(Status.UNKNOWN, self.engine, seconds=self._clock.elapsed, notes=notes)
         return self._completed(best, depth)
 
     def solve_at(self, problem: Problem, depth: int, share: float) -> Outcome:
@@ -101,7 +113,7 @@ class DeepeningSearch:
         budget = self.budget.share(share)
         unrolled = unroll(problem, depth)
         wanted = self.improves and self.hints and may_apply(unrolled)
-        self._improving = Improving(unrolled, self.options.seed) if wanted else None
+        self._improving = self._local_search(unrolled) if wanted else None
         try:
             return self._solved(unrolled, budget)
         finally:
@@ -118,7 +130,7 @@ class DeepeningSearch:
             built = write_model(builder)
         except OutOfTimeError as error:
             note = Diagnostic(Code.NO_ANSWER, f"{self.engine}: {error}")
-            seconds = self.budget.elapsed
+            seconds = self._clock.elapsed
             return Outcome(Status.UNKNOWN, self.engine, notes=(note,), seconds=seconds)
         improving = self._improving
         if improving is None or not improving.is_met:
@@ -133,10 +145,15 @@ class DeepeningSearch:
             raise EngineFailed(f"CP-SAT rejects the model: {error}") from None
         return self.outcome_of(unrolled, built, result)
 
+    def _local_search(self, problem: Problem) -> Improving:
+        return Improving(problem, self.options.seed, steady=self._work is not None)
+
     def _listed(self, problem: Problem, budget: Budget) -> Hint | None:
         """A list schedule, improved for a part of the time; None where the quick one will do."""
         improving = self._improving
-        if improving is not None and self._workers > 1 and begins_with_lists(problem):
+        # (Whether numba is there must not decide what a deterministic call does.)
+        first = self._work is None and self._workers > 1 and begins_with_lists(problem)
+        if improving is not None and first:
             # (In a thread of its own: the first search of all is compiled for some time.)
             improving.start()
             improving.wait(budget.share(_LISTING_SHARE).at_most(_MOST_SEARCHING_SECONDS))
@@ -150,13 +167,17 @@ class DeepeningSearch:
         if search is None:
             return None
         part = budget.share(_LISTING_SHARE).at_most(_MOST_LISTING_SECONDS)
-        search.improve(_MOVES * len(problem.activities) ** 2, lambda: part.is_over)
+        moves = _MOVES * len(problem.activities) ** 2
+        if self._work is not None:
+            moves = min(moves, round(part.left * _UNIT_MOVES / len(problem.activities)))
+            self._work.add(moves * len(problem.activities) / _UNIT_MOVES)
+        search.improve(moves, lambda: part.is_over)
         return search.found
 
     def outcome_of(self, problem: Problem, built: Model, result: LexicographicResult) -> Outcome:
         """The outcome of one depth's result, at this moment."""
         outcome = outcome_of(self.engine, problem, built, result)
-        return replace(outcome, seconds=self.budget.elapsed)
+        return replace(outcome, seconds=self._clock.elapsed)
 
     def _completed(self, best: Outcome, depth: int) -> Outcome:
         """The answer at a depth that leaves nothing out, or a note that this one may."""
@@ -200,7 +221,9 @@ class DeepeningSearch:
         if budget.is_cancelled:
             return cp_model.UNKNOWN, Reached(0)
         budget = budget.at_least(self._least)
-        if self._improving is not None and not earlier and budget.left > LEAST_SECONDS:
+        # (Counted work has rounds for both, however little it is.)
+        enough = budget.work is not None or budget.left > LEAST_SECONDS
+        if self._improving is not None and not earlier and enough:
             return self._beside(built, objective, self._improving, budget)
         solver = self._solver(self.options.workers)
         if self.options.on_progress is None:
@@ -212,7 +235,8 @@ class DeepeningSearch:
     ) -> tuple[Any, Answer]:
         """The status and the answer of CP-SAT and local search together."""
         assert self._builder is not None
-        beside = Beside(
+        kind = Beside if budget.work is None else Rounds
+        beside = kind(
             self._builder,
             built,
             improving,

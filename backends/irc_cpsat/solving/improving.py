@@ -24,10 +24,10 @@ class Improving:
     raised by `check`.
     """
 
-    def __init__(self, problem: Problem, seed: int) -> None:
+    def __init__(self, problem: Problem, seed: int, *, steady: bool = False) -> None:
         self.value: int | None = None
         self.found: Found | None = None
-        self.problem, self._seed = problem, seed
+        self.problem, self._seed, self._steady = problem, seed, steady
         self._given: Found | None = None
         self._error: BaseException | None = None
         self._ended = Event()
@@ -87,7 +87,7 @@ class Improving:
     def begin(self) -> bool:
         """Reads the problem; False where it has something that the search does not know about."""
         try:
-            self._search = search_of(self.problem, self._seed)
+            self._search = search_of(self.problem, self._seed, steady=self._steady)
         except NotApplicable:
             return False
         return True
