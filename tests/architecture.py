@@ -31,6 +31,7 @@ ORDER = (
     "checks",
     "events",
     "driver",
+    "cluster",
     "frontends",
     "explanation",
     "execution",

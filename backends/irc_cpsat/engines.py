@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from typing import ClassVar
 
 from irc.local_search.search import is_large
-from irc.targets import Budget, Engine, Outcome, Program, SolveOptions
+from irc.targets import Budget, Engine, Exchange, Outcome, Program, SolveOptions
 
 LOADING_SECONDS = 0.3
 LOADED_SECONDS = 0.02
@@ -23,13 +23,27 @@ class OrTools(Engine):
     name: ClassVar[str] = "ortools"
     is_repeatable: ClassVar[bool] = True
 
-    def __init__(self, *, bounds: bool = True, hints: bool = True, improves: bool = True) -> None:
+    def __init__(
+        self,
+        *,
+        bounds: bool = True,
+        hints: bool = True,
+        improves: bool = True,
+        exchange: Exchange | None = None,
+    ) -> None:
         self.bounds, self.hints, self.improves = bounds, hints, improves
+        self.exchange = exchange
 
     @property
     def loading_seconds(self) -> float:
         """About what it takes to load ortools, and to build a model."""
         return LOADED_SECONDS if "ortools.sat.python.cp_model" in sys.modules else LOADING_SECONDS
+
+    def sharing(self, exchange: Exchange) -> OrTools:
+        """One of several: each has a part of its own, and they exchange schedules and bounds."""
+        return OrTools(
+            bounds=self.bounds, hints=self.hints, improves=self.improves, exchange=exchange
+        )
 
     def missing(self) -> str | None:
         """The reason why ortools cannot be imported, or None if it can."""
@@ -62,5 +76,6 @@ class OrTools(Engine):
             bounds=self.bounds,
             hints=self.hints,
             improves=self.improves,
+            exchange=self.exchange,
         )
         return search.run()

@@ -80,17 +80,25 @@ def solve(
     target: str | None = None,
     *,
     options: SolveOptions | None = None,
+    scheduler: str | None = None,
     **more: Unpack[EngineKeywords],
 ) -> Schedule:
     """The best schedule found, validated, with its status.
 
     The options are those of `SolveOptions`, alone or on top of `options`: `engine`, `time_limit`
     (seconds of wall-clock time), `memory_limit` (MB), `workers`, `seed`, `shortcut`, `on_progress`,
-    `cancel`. `cancel`, and in the main thread ^C, end it with the best schedule so far.
-    The task is planned as of t = 0: its events are ignored. Raises `InputError`, `OptionError`,
+    `cancel`, `deterministic`, `work_limit`. `cancel`, and in the main thread ^C, end it with the
+    best schedule so far. With `scheduler`, the address of a Dask scheduler such as
+    "tcp://10.0.0.5:8786", the workers of that cluster race for the best schedule. The task is
+    planned as of t = 0: its events are ignored. Raises `InputError`, `OptionError`,
     `UnknownTarget`, `EngineMissing` or `EngineFailed`.
     """
-    return solve_task(ir_of(task), SolveOptions.of(options, more, target)).schedule
+    chosen = SolveOptions.of(options, more, target)
+    if scheduler is None:
+        return solve_task(ir_of(task), chosen).schedule
+    from irc.cluster.solving import solve_on_cluster
+
+    return solve_on_cluster(ir_of(task), scheduler, chosen).schedule
 
 
 def explain(

@@ -7,28 +7,23 @@ sent as texts. A trial that is cancelled while a worker solves it goes on to its
 
 from __future__ import annotations
 
-import concurrent.futures
 import queue
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from irc._version import __version__
 from irc.batches.answering import answered
 from irc.batches.local import MOST_CHARACTERS, POLL_SECONDS, Answered
 from irc.batches.result import ended_as, fault_of
 from irc.batches.trial import Trial
-from irc.errors import IrcError, LibraryMissing
-from irc.outcome import FAILED, MISSING
+from irc.cluster import connecting
+from irc.cluster.connecting import ClusterError, close, connected
+from irc.outcome import FAILED
 from irc.targets import Budget, Cancellation
 
 if TYPE_CHECKING:
     from distributed import Client, Future
-
-CONNECT_SECONDS = 10.0
-"""How long the scheduler may take to answer, and its first worker to be there."""
 
 WORKERLESS_SECONDS = 30.0
 """A cluster that has no worker for this long is lost."""
@@ -36,17 +31,8 @@ WORKERLESS_SECONDS = 30.0
 AHEAD = 3
 """Trials that each thread of the cluster is given in advance."""
 
-_WAITS = 3
-"""To connect, to wait for a worker, and to ask the workers for their version."""
-
 _LOOK_SECONDS = 1.0
 """Between two looks at the workers."""
-
-
-class ClusterError(IrcError):
-    """The cluster cannot be used; the message says why."""
-
-    ends_as = MISSING
 
 
 class ClusterLost(ClusterError):
@@ -76,91 +62,13 @@ def run_on_cluster(
     Raises `LibraryMissing` without the extra `cluster`, `ClusterError` where the scheduler cannot
     be reached or its workers have no or another irc, and `ClusterLost` if it goes away.
     """
-    client = _waited_for(options.scheduler, cancel)
+    client = connected(options.scheduler, cancel, "irc-batch")
     if client is None:
         return
     try:
         yield from _Cluster(client, options).answers(trials, cancel)
     finally:
-        _close(client)
-
-
-def _waited_for(scheduler: str, cancel: Cancellation) -> Client | None:
-    """The connection to a scheduler that answers in time; None once cancelled.
-
-    It is made in a thread of its own: a scheduler that takes connections and then says nothing
-    would keep this one waiting for ever.
-    """
-    try:
-        import distributed  # noqa: F401 - here and not in the thread, because it is slow to load
-    except ImportError:
-        raise LibraryMissing(
-            "a cluster needs dask.distributed: pip install 'irc-compiler[cluster]'"
-        ) from None
-    found: concurrent.futures.Future[Client] = concurrent.futures.Future()
-    Thread(target=_connect, args=(scheduler, found), name="irc-cluster", daemon=True).start()
-    patience = Budget(CONNECT_SECONDS * _WAITS)
-    while not cancel.is_cancelled:
-        with suppress(concurrent.futures.TimeoutError):
-            return found.result(POLL_SECONDS)
-        if patience.is_over:
-            found.add_done_callback(_close_late)
-            raise ClusterError(f"cannot reach the scheduler {scheduler!r}: it does not answer")
-    found.add_done_callback(_close_late)
-    return None
-
-
-def _connect(scheduler: str, found: concurrent.futures.Future[Client]) -> None:
-    try:
-        found.set_result(_connected(scheduler))
-    except BaseException as error:  # noqa: BLE001 - it is raised where the connection is waited for
-        found.set_exception(error)
-
-
-def _close_late(found: concurrent.futures.Future[Client]) -> None:
-    if found.exception() is None:
-        _close(found.result())
-
-
-def _connected(scheduler: str) -> Client:
-    from distributed import Client
-
-    try:
-        client = Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False, name="irc-batch")
-    except (OSError, ValueError, TypeError) as error:
-        reason = str(error) or type(error).__name__
-        raise ClusterError(f"cannot reach the scheduler {scheduler!r}: {reason}") from None
-    try:
-        _require_workers(client, scheduler)
-    except BaseException:
-        _close(client)
-        raise
-    return client
-
-
-def _require_workers(client: Client, scheduler: str) -> None:
-    """Raises `ClusterError` where there is no worker, or one without this version of irc."""
-    try:
-        client.wait_for_workers(1, timeout=CONNECT_SECONDS)
-    except TimeoutError:
-        message = f"the scheduler {scheduler!r} has no workers: start some with `dask worker`"
-        raise ClusterError(message) from None
-    versions = client.run(_version, on_error="return")
-    for worker, version in versions.items():
-        if isinstance(version, BaseException):
-            raise ClusterError(f"worker {worker} cannot load irc: {version}")
-        if version != __version__:
-            found = f"worker {worker} has irc {version}, and this is {__version__}"
-            raise ClusterError(f"{found}: install the same version")
-
-
-def _version() -> str:
-    return __version__
-
-
-def _close(client: Client) -> None:
-    with suppress(TimeoutError, OSError, RuntimeError):
-        client.close(timeout=1)
+        close(client)
 
 
 @dataclass
@@ -211,11 +119,11 @@ class _Cluster:
         trial, _ = self.given[future.key]
         if future.status == "finished":
             try:
-                answer: Mapping[str, Any] = future.result(timeout=CONNECT_SECONDS)
+                answer: Mapping[str, Any] = future.result(timeout=connecting.CONNECT_SECONDS)
             except Exception as error:  # noqa: BLE001 - the result was lost with its worker
                 raise self._lost(f"an answer cannot be fetched ({error})") from None
         elif future.status == "error":
-            died = future.exception(timeout=CONNECT_SECONDS)
+            died = future.exception(timeout=connecting.CONNECT_SECONDS)
             answer = ended_as(FAILED, f"on the cluster: {type(died).__name__}: {died}")
         else:
             raise self._lost(f"a trial is {future.status}")
@@ -229,8 +137,9 @@ class _Cluster:
         if not self.next_look.is_over:
             return
         self.next_look = Budget(_LOOK_SECONDS)
-        workers = self.client.scheduler_info(n_workers=-1)["workers"]
-        self.room = AHEAD * sum(worker["nthreads"] for worker in workers.values())
+        # (`scheduler_info` may return what the client has meanwhile asked for itself: no workers.)
+        workers: dict[str, int] = self.client.nthreads()
+        self.room = AHEAD * sum(workers.values())
         if workers:
             self.workerless = None
             return

@@ -15,6 +15,7 @@ from irc.cli.options import (
     FormatOption,
     MemoryLimitOption,
     OutOption,
+    SchedulerOption,
     SeedOption,
     TimeLimitOption,
 )
@@ -52,9 +53,6 @@ DomainOption = Annotated[
 ProcessesOption = Annotated[
     int | None,
     typer.Option("--processes", "-j", min=1, max=4096, help="Default: one for each core."),
-]
-SchedulerOption = Annotated[
-    str | None, typer.Option("--scheduler", help="A Dask scheduler: tcp://HOST:8786.")
 ]
 FinishOption = Annotated[
     bool,

@@ -53,6 +53,9 @@ SeedOption = Annotated[
 WorkersOption = Annotated[
     int | None, typer.Option(min=1, max=10_000, help="Threads of the engine.")
 ]
+SchedulerOption = Annotated[
+    str | None, typer.Option("--scheduler", help="A Dask scheduler: tcp://HOST:8786.")
+]
 DeterministicOption = Annotated[
     bool,
     typer.Option("--deterministic", help="Count work instead of time: the same answer every time."),

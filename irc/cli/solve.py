@@ -21,6 +21,7 @@ from irc.cli.options import (
     FormatOption,
     MemoryLimitOption,
     ProblemOption,
+    SchedulerOption,
     SeedOption,
     TargetOption,
     TimeLimitOption,
@@ -68,6 +69,7 @@ def solve(
     workers: WorkersOption = None,
     deterministic: DeterministicOption = False,
     work_limit: WorkLimitOption = None,
+    scheduler: SchedulerOption = None,
     shortcut: Annotated[
         bool,
         typer.Option(
@@ -91,9 +93,9 @@ def solve(
         options = replace(options, deterministic=deterministic, work_limit=work_limit)
         tasks = list(_tasks(files, problem, output, format))
     if len(tasks) == 1:
-        _solve(tasks[0], options, times, format, first=True)
+        _solve(tasks[0], options, scheduler, times, format, first=True)
     else:
-        _solve_all(tasks, options, times, format)
+        _solve_all(tasks, options, scheduler, times, format)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +148,11 @@ def _pddl_pairs(files: Sequence[str], format: Format) -> list[tuple[str, str | N
 
 
 def _solve_all(
-    tasks: Sequence[_Input], options: SolveOptions, times: TimesStyle | None, format: Format
+    tasks: Sequence[_Input],
+    options: SolveOptions,
+    scheduler: str | None,
+    times: TimesStyle | None,
+    format: Format,
 ) -> None:
     """Solves tasks one after the other; exits with the status of the first one that failed."""
     from irc.cli.interruption import INTERRUPTION
@@ -159,9 +165,9 @@ def _solve_all(
         try:
             if format is Format.json:
                 with redirect_stdout(printed):
-                    _solve(task, options, times, format, first=not k)
+                    _solve(task, options, scheduler, times, format, first=not k)
             else:
-                _solve(task, options, times, format, first=not k)
+                _solve(task, options, scheduler, times, format, first=not k)
         except SystemExit as ended:
             statuses.append(ended.code)
         if format is Format.json:
@@ -174,6 +180,7 @@ def _solve_all(
 def _solve(
     task: _Input,
     options: SolveOptions,
+    scheduler: str | None,
     times: TimesStyle | None,
     format: Format,
     *,
@@ -195,7 +202,13 @@ def _solve(
         with progress_shown(reading.task) as on_progress:
             chosen = replace(options, on_progress=on_progress, cancel=cancel)
             spent = INTERRUPTION.spent(task.file) if first else 0.0
-            answer = solve_task(reading.task, chosen, chosen.budget(spent))
+            budget = chosen.budget(spent)
+            if scheduler is None:
+                answer = solve_task(reading.task, chosen, budget)
+            else:
+                from irc.cluster.solving import solve_on_cluster
+
+                answer = solve_on_cluster(reading.task, scheduler, chosen, budget)
         print_reading_notes(reading, format)
         if answer.schedule.status == "infeasible" and format is Format.text:
             from irc.cli.explain import hint_for

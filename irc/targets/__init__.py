@@ -2,6 +2,7 @@
 
 from irc.targets.backend import MANIFEST_FILE, MANIFEST_VERSION, Backend, Engine, Program
 from irc.targets.budget import Budget, Cancellation, Clock, Work
+from irc.targets.exchange import Exchange, Part
 from irc.targets.options import (
     USUAL_WORK,
     EngineKeywords,
@@ -34,9 +35,11 @@ __all__ = [
     "EngineFailed",
     "EngineKeywords",
     "EngineMissing",
+    "Exchange",
     "ObjectiveLevel",
     "OnProgress",
     "Outcome",
+    "Part",
     "Program",
     "Progress",
     "Refusal",

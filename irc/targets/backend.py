@@ -20,6 +20,7 @@ from irc.model.features import Feature
 from irc.model.times import format_number
 from irc.problem import Problem
 from irc.targets.budget import Budget
+from irc.targets.exchange import Exchange
 from irc.targets.options import SolveOptions
 from irc.targets.outcome import Outcome, UnknownTarget
 
@@ -121,6 +122,13 @@ class Engine(ABC):
     def can_begin(self, budget: Budget) -> bool:
         """Whether the budget lasts until the engine has been loaded, as busy as the machine is."""
         return not budget.is_over and budget.left >= self.loading_seconds * budget.slowness
+
+    def sharing(self, exchange: Exchange) -> Engine:
+        """The engine as one of several that search for one problem and exchange what they find.
+
+        An engine that cannot exchange searches alone, which is what this one does.
+        """
+        return self
 
     @abstractmethod
     def missing(self) -> str | None:

@@ -60,7 +60,7 @@ def test_a_killed_worker_and_a_lost_scheduler_cost_no_trial(tmp_path: Path) -> N
 def test_a_cluster_that_cannot_be_used_is_reported_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from irc.batches import cluster as module
+    from irc.cluster import connecting as module
 
     monkeypatch.setattr(module, "CONNECT_SECONDS", 0.3)
     with socket.socket() as silent:

@@ -19,7 +19,15 @@ from irc.problem.objective_values import schedule_values
 from irc.retiming.retime import retime
 from irc.retiming.to_schedule import schedule_of
 from irc.schedule import Status
-from irc.targets import Budget, Cancellation, Progress, SolveOptions, get_backend
+from irc.targets import (
+    Budget,
+    Cancellation,
+    Exchange,
+    Part,
+    Progress,
+    SolveOptions,
+    get_backend,
+)
 from irc.validation import validate
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
@@ -68,7 +76,10 @@ def without_answer(
 
 
 def run(
-    problem: Problem, told: list[Progress] | None = None, workers: int = 2
+    problem: Problem,
+    told: list[Progress] | None = None,
+    workers: int = 2,
+    exchange: Exchange | None = None,
 ) -> tuple[Any, Any, Model]:
     """The status and the answer of local search beside a CP-SAT that finds nothing.
 
@@ -89,7 +100,8 @@ def run(
     def reporter() -> Reporter:
         return Reporter("ortools", built, "makespan", (), budget, tell)
 
-    both = Beside(builder, built, Improving(problem, 0), workers, budget, reporter, without_answer)
+    improving = Improving(problem, 0)
+    both = Beside(builder, built, improving, workers, budget, reporter, without_answer, exchange)
     return *both.run(), built
 
 
@@ -105,6 +117,29 @@ def test_a_schedule_that_meets_the_bound_is_optimal_and_ends_the_search(workers:
     assert status == cp_model.OPTIMAL
     assert answer.value(built.makespan) == best.makespan
     assert budget.elapsed < 30
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_bound_and_a_schedule_of_others_count_as_its_own(workers: int) -> None:
+    task = shop(3)
+    problem = problem_for_cpsat(task).with_bound(1, "nothing is proven")
+    best = int(solve_task(task).schedule.makespan)
+    first = Exchange(Part(1, 2))
+    first.prove(best)
+    status, answer, built = run(problem, workers=workers, exchange=first)
+    assert status == cp_model.OPTIMAL
+    assert answer.value(built.makespan) == best
+    assert first.best is not None
+    assert first.best[0] == best
+    # Where nothing else is found, the schedule of others is the answer.
+    second = Exchange(Part(2, 3))
+    second.offer(*first.best)
+    second.prove(best)
+    status, answer, built = run(problem, workers=workers, exchange=second)
+    assert status == cp_model.OPTIMAL
+    schedule = schedule_of(problem, retime(problem, decisions_of(built, answer)))
+    assert schedule.makespan == best
+    assert not validate(task, schedule).violations
 
 
 def test_without_a_bound_it_is_feasible_and_valid() -> None:

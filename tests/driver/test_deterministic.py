@@ -26,7 +26,7 @@ from irc.local_search import compiled, shop as machines
 from irc.targets import Progress, SolveOptions
 from irc_cpsat.solving import rounds
 
-rounds.FIRST_ROUND, rounds.UNIT_STEPS, machines.STEADY_STEPS = 0.01, 100, 5_000
+rounds.FIRST_ROUND, rounds.UNIT_STEPS, machines.STEADY_STEPS = 0.01, 100, 2_000
 workers, seed = int(sys.argv[1]), int(sys.argv[2])
 told = []
 schedule = solve_task(

@@ -15,13 +15,14 @@ from ortools.sat.python import cp_model
 
 from irc.local_search.listing import least_value
 from irc.local_search.ways import knows
-from irc.targets import Budget, EngineFailed
+from irc.targets import Budget, EngineFailed, Exchange
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.hints import hint_at
 from irc_cpsat.solving.hinting import complete_hint
 from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.reporting import Reporter
 from irc_cpsat.solving.solution import FoundSolution, Reached, found_of
+from irc_cpsat.solving.variations import search_limits
 
 ALONE_SECONDS = 0.5
 ALONE_SHARE = 0.1
@@ -36,10 +37,6 @@ LEAST_SECONDS = 1.5
 EXCHANGE_SECONDS = 1.5
 EXCHANGE_FACTOR = 2.0
 """When CP-SAT first begins again, and by how much later each further time."""
-
-SINGLE_SHARE = 0.5
-SINGLE_SECONDS = 30.0
-"""With one worker, the part of the time that local search gets, and the most, before CP-SAT."""
 
 Ask = Callable[[int, Budget, Reporter, Callable[[], bool]], Any]
 """(workers, budget, callback, whether to end now) → status of a search of the model."""
@@ -57,10 +54,14 @@ class Beside:
         budget: Budget,
         reporter: Callable[[], Reporter],
         ask: Ask,
+        exchange: Exchange | None = None,
     ) -> None:
         self.builder, self.built, self.workers, self.budget = builder, built, workers, budget
         self.improving = improving
-        self._reporter, self._ask = reporter, ask
+        self._reporter, self._ask, self._exchanged = reporter, ask, exchange
+        self._search_share, self._most_search = search_limits(
+            None if exchange is None else exchange.part
+        )
         self._exchange_at = EXCHANGE_SECONDS
         share = min(MOST_ALONE_SECONDS, ALONE_SHARE * budget.limit)
         self._alone = max(ALONE_SECONDS, share)
@@ -108,6 +109,7 @@ class Beside:
         """Passes on what is new; whether CP-SAT is to end now."""
         self.improving.check()
         self._take(reporter)
+        self._share()
         elapsed = self.budget.elapsed
         if not self.improving.has_begun and elapsed >= self._alone * self.budget.slowness:
             if self.workers > 1:
@@ -143,6 +145,22 @@ class Beside:
             self._best, self._best_value = solution, value
             self.improving.give(found_of(self.built, solution), value)
 
+    def _share(self) -> None:
+        """Exchanges the best schedule and bound with the searches of other processes."""
+        others = self._exchanged
+        if others is None:
+            return
+        others.prove(self._bound)
+        self._bound = max(self._bound, others.bound)
+        own, value, found = self._best_value, self.improving.value, self.improving.found
+        if own is not None and self._best is not None and (value is None or own < value):
+            if others.best is None or own < others.best[0]:
+                others.offer(own, found_of(self.built, self._best))
+        elif value is not None and found is not None:
+            others.offer(value, found)
+        if others.best is not None:
+            self.improving.take(others.best[1], others.best[0])
+
     def _exchange(self) -> None:
         """Makes the model begin from the best schedule; with one worker, searches for it now."""
         if self.workers == 1 and self.improving.value is None:
@@ -164,9 +182,11 @@ class Beside:
 
     def _search_alone(self) -> None:
         """Local search in this thread, for a part of the time."""
-        part = self.budget.share(SINGLE_SHARE).at_most(SINGLE_SECONDS)
+        part = self.budget.share(self._search_share).at_most(self._most_search)
         while not part.is_over and self.improving.step():
-            pass
+            self._share()
+            if self._is_met:
+                break
 
     def _proven(self, status: Any) -> tuple[Any, Reached]:
         if status == cp_model.INFEASIBLE and self.improving.found is not None:

@@ -15,7 +15,7 @@ from irc.local_search.search import begins_with_lists, may_apply
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
-from irc.targets import USUAL_WORK, Budget, EngineFailed, Outcome, SolveOptions
+from irc.targets import USUAL_WORK, Budget, EngineFailed, Exchange, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.encoding.hints import without_hint
@@ -36,6 +36,7 @@ from irc_cpsat.solving.outcome import better, outcome_of
 from irc_cpsat.solving.reporting import Reporter, tell_hint
 from irc_cpsat.solving.rounds import Rounds
 from irc_cpsat.solving.solution import Answer, Reached
+from irc_cpsat.solving.variations import vary
 
 _DEPTH_SHARE = 0.4
 """The part of the time left that a depth may take before a greater one is tried."""
@@ -77,6 +78,7 @@ class DeepeningSearch:
         bounds: bool = True,
         hints: bool = True,
         improves: bool = True,
+        exchange: Exchange | None = None,
     ) -> None:
         self.engine, self.problem, self.options = engine, problem, options
         self._clock = budget.share(1)
@@ -85,6 +87,10 @@ class DeepeningSearch:
         self.budget = self._clock if self._work is None else self._work.of(units)
         self._least = min(_LEAST_SECONDS, self.budget.limit)
         self.bounds, self.hints, self.improves = bounds, hints, improves
+        # (Of actions that repeat, models of two searches may hold other numbers of occurrences.)
+        repeats = any(a.details.repeats is not None for a in problem.activities)
+        self.part = None if exchange is None else exchange.part
+        self.exchange = None if repeats else exchange
         self._builder: Builder | None = None
         self._improving: Improving | None = None
 
@@ -246,6 +252,7 @@ class DeepeningSearch:
             lambda workers, part, reporter, ended: reporter.asked(
                 self._solver(workers), part, ended
             ),
+            self.exchange,
         )
         return beside.run()
 
@@ -256,6 +263,8 @@ class DeepeningSearch:
 
     def _solver(self, workers: int | None) -> cp_model.CpSolver:
         solver = solver_for(self.problem, self.options.seed)
+        if self.part is not None:
+            vary(solver, self.part)
         if self.options.memory_limit is not None:
             solver.parameters.max_memory_in_mb = self.options.memory_limit
         if workers is not None:

@@ -73,6 +73,12 @@ class Improving:
         if self.value is None or value < self.value:
             self._given = found
 
+    def take(self, found: Found, value: int) -> None:
+        """Takes a schedule of another process as if it had been found here."""
+        if self.value is None or value < self.value:
+            self._given = found
+            self.found, self.value = found, value
+
     def end(self) -> None:
         """Ends the search."""
         self._ended.set()

@@ -29,7 +29,7 @@ _ENDED = (cp_model.OPTIMAL, cp_model.INFEASIBLE, cp_model.MODEL_INVALID)
 
 
 class Rounds(Beside):
-    """Solves a model for its first objective by CP-SAT and local search, within a budget of work."""
+    """Solves a model for its first objective by both, within a budget of work."""
 
     def run(self) -> tuple[Any, Reached]:
         """The status, and the best schedule with the best bound."""
