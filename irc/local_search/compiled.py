@@ -11,13 +11,15 @@ another module.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any, TypeVar
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+from irc.local_search.arrays import Ints as Ints
+from irc.local_search.arrays import constant as constant
+from irc.local_search.arrays import ints as ints
+from irc.local_search.arrays import table as table
 
-Ints = Any
-"""An array of whole numbers of 64 bits, or a table of them."""
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _numba() -> Any:
@@ -60,24 +62,3 @@ def kept_or_not(call: Callable[..., Any], *args: Any) -> Any:
         except OSError:
             continue
     return call(*args)
-
-
-def ints(values: Iterable[int]) -> Ints:
-    """Whole numbers as loops take them."""
-    import numpy
-
-    return numpy.fromiter(values, numpy.int64)
-
-
-def constant(value: int, count: int) -> Ints:
-    """A number, `count` times."""
-    import numpy
-
-    return numpy.full(count, value, numpy.int64)
-
-
-def table(rows: int, columns: int) -> Ints:
-    """A table of zeros."""
-    import numpy
-
-    return numpy.zeros((rows, columns), numpy.int64)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import accumulate, islice, product
 from math import prod
 
-from irc.local_search.compiled import Ints, ints
+from irc.local_search.arrays import Ints, ints
 from irc.local_search.ways import (
     LATEST_TIME,
     MOST_ACTIVITIES,

@@ -75,7 +75,7 @@ class Cancellation:
 
 MOST_SLOWNESS = 8.0
 _ENOUGH_SECONDS = 0.05
-"""With less than this computed, nothing is known about the machine."""
+"""Less than this was not computed: of a short while nothing is known about the machine."""
 
 Clock = Callable[[], float]
 """Seconds since some moment; only differences count."""
@@ -129,9 +129,7 @@ class Budget:
         It is estimated from what this process has computed since the beginning, and at most
         `MOST_SLOWNESS`.
         """
-        computed = time.process_time() - self._computed
-        if computed < _ENOUGH_SECONDS:
-            return 1.0
+        computed = max(_ENOUGH_SECONDS, time.process_time() - self._computed)
         return min(MOST_SLOWNESS, max(1.0, self.elapsed / computed))
 
     @property

@@ -192,6 +192,14 @@ def test_importing_irc_loads_nothing_heavy(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_what_is_proven_at_once_loads_no_local_search(tmp_path: Path) -> None:
+    options = "shortcut=False, time_limit=300"
+    loaded = loaded_after(f"import irc\nprint(irc.solve({TASK!r}, {options}).status)\n", tmp_path)
+    assert "ortools" in loaded
+    assert not loaded & {"numba", "pandas"}
+
+
+@pytest.mark.slow
 def test_compiling_to_pddl_loads_no_solver(tmp_path: Path) -> None:
     (tmp_path / "task.json").write_text(json.dumps(TASK))
     command = ["irc", "compile", "task.json", "--target", "pddl21", "-o", "out"]
