@@ -57,7 +57,9 @@ class OrTools(Engine):
         If actions repeat, the model is deepened until there is a schedule, and then to the depth
         that leaves nothing out, if there is one. Large problems are left to local search.
         """
-        if self.improves and self.hints and is_large(program.problem):
+        # (Such a search is ended by the clock.)
+        alone = self.improves and self.hints and not options.deterministic
+        if alone and is_large(program.problem):
             from irc_cpsat.solving.large import large_outcome
 
             found = large_outcome(program.problem, options.seed, budget, options.on_progress)
