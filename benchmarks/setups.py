@@ -1,12 +1,14 @@
 """Set-ups: irc side by side with a hand-written circuit model and with PyJobShop.
 
-python benchmarks/setups.py [--shops 30] [--single 20] [--seconds 60] [--workers 2] [--factory CASE]
+python benchmarks/setups.py [--shops 30] [--single 20] [--seconds 60] [--workers 2] [--processor]
+  [--factory CASE]
 
 Job shops with set-ups between families (makespan) and single machines with a weighted tardiness and
 set-ups between any two jobs (as Cicirello's, 2005) are made here; the three solve each of them in
 turn. The gap of a value is that to the best value that any of the three has found. `--factory`
 reads the case with set-ups as state, writes them as a field, and solves it. PyJobShop must be
-installed.
+installed. With `--processor` each gets the seconds as processor time, for each of its workers, and
+as much time on the clock as it takes to have it on a busy machine.
 """
 
 from __future__ import annotations
@@ -16,15 +18,44 @@ import json
 import random
 import time
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ortools.sat.python import cp_model
 
 import irc
 from irc.model import Task
+from irc.targets import Cancellation
+from racing.spending import when_spent
 
 Document = dict[str, Any]
+
+
+MOST_PACE = 20
+"""On a busy machine, a run gets up to that many times the wall-clock time."""
+
+
+class Limit(NamedTuple):
+    """What each of the three is given: seconds of the clock, or of processor time of each worker."""
+
+    seconds: float
+    workers: int
+    processor: bool
+
+    @property
+    def on_the_clock(self) -> float:
+        """The seconds that it may take on the clock."""
+        return self.seconds * MOST_PACE if self.processor else self.seconds
+
+    def now(self) -> float:
+        """The time that counts."""
+        return time.process_time() if self.processor else time.monotonic()
+
+    def watch(self, end: Callable[[], object]) -> None:
+        """Calls `end` when the processor time is over that begins now."""
+        if self.processor:
+            when_spent(time.process_time() + self.seconds * self.workers, end)
 
 
 class Found(NamedTuple):
@@ -113,12 +144,16 @@ def single_machine(seed: int, jobs: int = 60) -> Document:
 # --- the three ------------------------------------------------------------------------------------
 
 
-def by_irc(document: Document, seconds: float, workers: int) -> Found:
+def by_irc(document: Document, limit: Limit) -> Found:
     """irc, with a limit on all that it does."""
-    begun = time.monotonic()
+    begun = limit.now()
+    cancel = Cancellation()
+    limit.watch(cancel.cancel)
     task = Task.model_validate(document)
-    schedule = irc.solve(task, time_limit=seconds, workers=workers)
-    took = time.monotonic() - begun
+    schedule = irc.solve(task, time_limit=limit.on_the_clock, workers=limit.workers, cancel=cancel)
+    took = limit.now() - begun
+    if not schedule.answered:
+        return Found(float("inf"), 0.0, took)
     level = schedule.objective[0]
     return Found(float(level.value), float(level.bound or 0), took)
 
@@ -131,9 +166,9 @@ def tables(document: Document) -> dict[str, Mapping[tuple[str, str], int]]:
     }
 
 
-def by_circuit(document: Document, seconds: float, workers: int) -> Found:
+def by_circuit(document: Document, limit: Limit) -> Found:
     """A CP-SAT model as one writes it by hand: a circuit and NoOverlap for each machine."""
-    begun = time.monotonic()
+    begun, clock = limit.now(), time.monotonic()
     model = cp_model.CpModel()
     actions = document["actions"]
     times = tables(document)
@@ -177,19 +212,32 @@ def by_circuit(document: Document, seconds: float, workers: int) -> Found:
             model.add(makespan >= end[a["id"]])
         model.minimize(makespan)
     solver = cp_model.CpSolver()
-    solver.parameters.num_workers = workers
-    solver.parameters.max_time_in_seconds = max(0.1, seconds - (time.monotonic() - begun))
+    solver.parameters.num_workers = limit.workers
+    left = limit.on_the_clock - (time.monotonic() - clock)
+    solver.parameters.max_time_in_seconds = max(0.1, left)
+    limit.watch(solver.stop_search)
     status = solver.solve(model)
     found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
     value = solver.objective_value if found else float("inf")
-    return Found(value, solver.best_objective_bound, time.monotonic() - begun)
+    return Found(value, solver.best_objective_bound, limit.now() - begun)
 
 
-def by_pyjobshop(document: Document, seconds: float, workers: int) -> Found:
+class _EndingSolver(cp_model.CpSolver):
+    """The solver that PyJobShop asks, which ends when its processor time is over."""
+
+    limit: ClassVar[Limit] = Limit(0.0, 1, False)
+
+    def solve(self, model: cp_model.CpModel, solution_callback: Any = None) -> Any:
+        """Solves until the processor time is over."""
+        self.limit.watch(self.stop_search)
+        return super().solve(model, solution_callback)
+
+
+def by_pyjobshop(document: Document, limit: Limit) -> Found:
     """PyJobShop's own model of the same instance."""
     from pyjobshop import Model
 
-    begun = time.monotonic()
+    begun, clock = limit.now(), time.monotonic()
     model = Model()
     machines = {r["id"]: model.add_machine(name=r["id"]) for r in document["resources"]}
     tardiness = document.get("objective") == "minimize_tardiness"
@@ -224,31 +272,35 @@ def by_pyjobshop(document: Document, seconds: float, workers: int) -> Found:
         model.set_objective(weight_total_tardiness=1)
     else:
         model.set_objective(weight_makespan=1)
-    left = max(0.1, seconds - (time.monotonic() - begun))
-    result = model.solve(time_limit=left, num_workers=workers, display=False)
-    return Found(float(result.objective), float(result.lower_bound), time.monotonic() - begun)
+    left = max(0.1, limit.on_the_clock - (time.monotonic() - clock))
+    _EndingSolver.limit = limit
+    import_module("pyjobshop.solvers.ortools.CPModel").__dict__["CpSolver"] = _EndingSolver
+    result = model.solve(time_limit=left, num_workers=limit.workers, display=False)
+    return Found(float(result.objective), float(result.lower_bound), limit.now() - begun)
 
 
-SOLVERS: dict[str, Callable[[Document, float, int], Found]] = {
+SOLVERS: dict[str, Callable[[Document, Limit], Found]] = {
     "irc": by_irc,
     "circuit": by_circuit,
     "pyjobshop": by_pyjobshop,
 }
 
 
-def compare(kind: str, instances: list[Document], seconds: float, workers: int) -> None:
+def compare(kind: str, instances: list[Document], limit: Limit) -> None:
     """Prints a line for each instance, and the mean gaps."""
     gaps: dict[str, list[float]] = {name: [] for name in SOLVERS}
     to_bound: dict[str, list[float]] = {name: [] for name in SOLVERS}
     for number, document in enumerate(instances):
         order = list(SOLVERS)
         order = order[number % 3 :] + order[: number % 3]
-        found = {name: SOLVERS[name](document, seconds, workers) for name in order}
+        found = {name: SOLVERS[name](document, limit) for name in order}
         best = min(answer.value for answer in found.values())
         for name, answer in found.items():
-            gaps[name].append((answer.value - best) / best if best else float(answer.value > 0))
+            gap = (answer.value - best) / best if best else float(answer.value > 0)
+            gaps[name].append(gap if answer.value < float("inf") else 1.0)
             value = answer.value
-            to_bound[name].append((value - answer.bound) / value if value else 0.0)
+            known = 0 < value < float("inf")
+            to_bound[name].append((value - answer.bound) / value if known else float(value > 0))
         line = ", ".join(
             f"{name} {found[name].value:.0f} [{found[name].bound:.0f}] {found[name].seconds:.1f} s"
             for name in SOLVERS
@@ -301,11 +353,13 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--factory", type=Path)
+    parser.add_argument("--processor", action="store_true", help="count processor time")
     options = parser.parse_args()
+    limit = Limit(options.seconds, options.workers, options.processor)
     seeds = range(options.first, options.first + options.shops)
-    compare("shop", [job_shop(s) for s in seeds], options.seconds, options.workers)
+    compare("shop", [job_shop(s) for s in seeds], limit)
     seeds = range(options.first, options.first + options.single)
-    compare("single", [single_machine(s) for s in seeds], options.seconds, options.workers)
+    compare("single", [single_machine(s) for s in seeds], limit)
     if options.factory is not None:
         document = factory(options.factory)
         schedule = irc.solve(
