@@ -37,7 +37,7 @@ MOST_PACE = 20
 
 
 class Limit(NamedTuple):
-    """What each of the three is given: seconds of the clock, or of processor time of each worker."""
+    """What each of the three is given: seconds on the clock, or of processor time per worker."""
 
     seconds: float
     workers: int
