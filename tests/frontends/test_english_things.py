@@ -126,3 +126,121 @@ def test_what_is_not_exact_is_refused(sentence: str, code: str) -> None:
     with pytest.raises(InputError) as refused:
         document(sentence)
     assert [e.code.id for e in refused.value.report.errors] == [code]
+
+
+def test_an_amount_of_several_things_is_used() -> None:
+    found = document("Steps 1 and 2 each use 2 of the 3 bowls.", "Step 3 uses one of the 3 bowls.")
+    assert found["resources"] == [{"id": "bowls", "capacity": 3}]
+    uses = [action.get("uses") for action in found["actions"]]
+    two = [{"resource": "bowls", "amount": 2}]
+    assert uses == [two, two, [{"resource": "bowls"}], None]
+
+
+MORNING = {"from": "00:00", "to": "12:00"}
+BEGINS = "Work begins on 2026-03-02 at 6:00."
+
+
+@pytest.mark.parametrize(
+    ("sentences", "calendar"),
+    [
+        (
+            ["The oven is closed from 12:00 to 13:00 every day."],
+            {
+                "every": "1 day",
+                "open": [{"from": "0 h", "to": "12 h"}, {"from": "13 h", "to": "24 h"}],
+            },
+        ),
+        (
+            [
+                "The oven is open from 8 to 17 on weekdays.",
+                "The oven is closed from 12 to 12:30 every day.",
+                BEGINS,
+            ],
+            {
+                "open": [
+                    {"days": ["mon", "tue", "wed", "thu", "fri"], "from": "08:00", "to": "12:00"},
+                    {"days": ["mon", "tue", "wed", "thu", "fri"], "from": "12:30", "to": "17:00"},
+                ]
+            },
+        ),
+        (
+            ["The oven is closed on Mondays.", BEGINS],
+            {
+                "open": [
+                    {
+                        "days": ["tue", "wed", "thu", "fri", "sat", "sun"],
+                        "from": "00:00",
+                        "to": "24:00",
+                    }
+                ]
+            },
+        ),
+        (
+            ["The oven is closed on 2026-12-25 and 2026-12-26.", BEGINS],
+            {
+                "open": [{"from": "00:00", "to": "24:00"}],
+                "closed": ["2026-12-25T00:00:00", "2026-12-26T00:00:00"],
+            },
+        ),
+        (
+            [
+                "The oven is open from 22 to 6 every day.",
+                "The oven is closed from 1 to 2 on Tuesdays.",
+                BEGINS,
+            ],
+            {
+                "open": [
+                    {
+                        "days": ["mon", "wed", "thu", "fri", "sat", "sun"],
+                        "from": "00:00",
+                        "to": "06:00",
+                    },
+                    {
+                        "days": ["mon", "wed", "thu", "fri", "sat", "sun"],
+                        "from": "22:00",
+                        "to": "24:00",
+                    },
+                    {"days": ["tue"], "from": "00:00", "to": "01:00"},
+                    {"days": ["tue"], "from": "02:00", "to": "06:00"},
+                    {"days": ["tue"], "from": "22:00", "to": "24:00"},
+                ]
+            },
+        ),
+    ],
+)
+def test_a_thing_is_closed(sentences: list[str], calendar: dict[str, Any]) -> None:
+    found = document("Step 1 uses the oven.", *sentences)
+    assert [{k: v for k, v in c.items() if k != "id"} for c in found["calendars"]] == [calendar]
+    assert found["resources"] == [{"id": "oven", "calendar": "oven hours"}]
+
+
+def test_all_work_has_working_hours() -> None:
+    found = document(
+        "Work is done from 8 to 17 on weekdays.", "There is no work on 2026-03-03.", BEGINS
+    )
+    assert {action["calendar"] for action in found["actions"]} == {"working hours"}
+    assert "resources" not in found
+    task = irc.loads(
+        STEPS + "There is no work from 1 to 2 every day.\nStep 1 may pause at closed times."
+    )
+    schedule = irc.solve(task)
+    assert [(e.start, e.end) for e in schedule if e.id == "step1"] == [(0, 4 * 3600)]
+    assert schedule["step2"].start == 2 * 3600
+
+
+@pytest.mark.parametrize(
+    ("sentences", "message"),
+    [
+        (["Step 1 uses 4 of the 3 bowls."], "there are not so many of them"),
+        (["Step 1 uses 2 of the 3 bowls.", "Step 2 uses the bowls."], "another number of them"),
+        (["Step 1 uses the oven.", "The oven is closed on Mondays."], "on which day does the work"),
+        (["The oven is closed from 12 to 13."], "on which days"),
+        (["There is no work from 12 to 13."], "on which days"),
+        (["Steps 1 and 2 need the oven."], "a limit that cannot be read exactly"),
+    ],
+)
+def test_what_is_not_exact_about_amounts_and_closed_times(
+    sentences: list[str], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        document(*sentences)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any, cast
 
@@ -499,11 +500,35 @@ def _days(values: list[Any], _place: _Place) -> tuple[str, ...]:
     return ("days", *(word.text.lower()[:3] for word in values))
 
 
-def _open_times(values: list[Any], _place: _Place) -> OpenTimes:
-    thing = next(v for v in values if isinstance(v, Word))
+def _hours(values: list[Any], _place: _Place) -> OpenTimes:
     begin, end = (v for v in values if isinstance(v, str))
     days = next((v[1:] for v in values if isinstance(v, tuple)), ())
-    return OpenTimes(thing.text, begin, end, days)
+    return OpenTimes(None, begin, end, days)
+
+
+def _days_off(values: list[Any], _place: _Place) -> OpenTimes:
+    return OpenTimes(None, "00:00", "24:00", values[0][1:])
+
+
+def _dates(values: list[Any], _place: _Place) -> OpenTimes:
+    return OpenTimes(None, "00:00", "24:00", dates=tuple(str(word.value) for word in values))
+
+
+def _times(closed: bool) -> Callable[[list[Any], _Place], OpenTimes]:
+    def make(values: list[Any], _place: _Place) -> OpenTimes:
+        *thing, spoken = values
+        times = cast(OpenTimes, spoken)
+        return replace(times, thing=thing[0].text if thing else None, closed=closed)
+
+    return make
+
+
+def _uses_amount(values: list[Any], _place: _Place) -> UsesThing:
+    refs, amount, number, thing = values
+    capacity = _number_of(number)
+    if not isinstance(capacity, int) or not 1 <= amount <= capacity:
+        raise Inexact("amount")
+    return UsesThing(refs, (thing.text,), amount=amount, capacity=capacity)
 
 
 def _changes(values: list[Any], _place: _Place) -> Changes:
@@ -632,9 +657,12 @@ _RULES: Mapping[str, Callable[[list[Any], _Place], Any]] = {
     "hour": _hour,
     "weekdays": lambda _values, _place: ("days", "mon", "tue", "wed", "thu", "fri"),
     "some_days": _days,
-    "open_daily": _open_times,
-    "open_on": _open_times,
-    "open_days": _open_times,
+    "uses_amount": _uses_amount,
+    "hours": _hours,
+    "days_off": _days_off,
+    "dates": _dates,
+    "open_times": _times(False),
+    "closed_times": _times(True),
     "changes": _changes,
     "pauses": lambda values, _place: MayPause(values[0]),
     "begins": _begins,

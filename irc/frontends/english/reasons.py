@@ -128,10 +128,25 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
         "this is no hour of a day",
         'write hours from 0 to 24, or times such as "8:30"',
     ),
+    "days": (
+        Code.AMBIGUOUS,
+        "on which days?",
+        'say "every day", "on weekdays" or "on Mondays and Fridays" at the end',
+    ),
     "no date": (
         Code.AMBIGUOUS,
         "on which day does the work begin?",
         'say "Work begins on 2026-03-02 at 6:00."',
+    ),
+    "amount": (
+        Code.AMBIGUOUS,
+        "there are not so many of them",
+        'say "Step 2 uses 2 of the 3 bowls.", with a first number from 1 to the second one',
+    ),
+    "how many": (
+        Code.AMBIGUOUS,
+        "the text says elsewhere that there is another number of them",
+        'say the same number each time: "Step 2 uses 1 of the 3 bowls."',
     ),
     "same as what": (
         Code.AMBIGUOUS,
@@ -182,8 +197,9 @@ _LIMITED = re.compile(
     re.IGNORECASE,
 )
 _LIMIT_HINT = (
-    'say what it means for the steps: "Only one step can be done at a time.", "At most 2 steps can '
-    'be done at the same time." or "Steps 2 and 3 cannot be done at the same time."'
+    'say what it means for the steps: "Steps 2 and 3 each use the oven.", "Step 2 uses 1 of the 2 '
+    'workers.", "Only one step can be done at a time.", "At most 2 steps can be done at the same '
+    'time." or "Steps 2 and 3 cannot be done at the same time."'
 )
 
 

@@ -176,11 +176,16 @@ class Due:
 
 @dataclass(frozen=True, slots=True)
 class UsesThing:
-    """Steps use one of some things; set-ups depend on the `family`."""
+    """Steps use one of some things, or an `amount` of a thing of which there are several.
+
+    Set-ups depend on the `family`.
+    """
 
     refs: Refs
     things: tuple[str, ...]
     family: str | None = None
+    amount: int | None = None
+    capacity: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,12 +199,17 @@ class UsesTheSame:
 
 @dataclass(frozen=True, slots=True)
 class OpenTimes:
-    """A thing is open from one hour to another, on some days of the week; () is every day."""
+    """A thing is open, or closed, from one hour to another, on some days of the week.
 
-    thing: str
+    No thing: all work. No days: every day. It may be closed on whole `dates` instead.
+    """
+
+    thing: str | None
     begin: str
     end: str
     days: tuple[str, ...] = ()
+    dates: tuple[str, ...] = ()
+    closed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

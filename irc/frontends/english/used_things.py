@@ -8,6 +8,7 @@ from typing import Any
 
 from irc.diagnostics import Code
 from irc.diagnostics.source import Pointer, Range
+from irc.frontends.english.open_times import calendar, hours_of
 from irc.frontends.english.reasons import TextFault, Unclear, because, shown
 from irc.frontends.english.references import Finder, SentenceSpan
 from irc.frontends.english.statements import (
@@ -31,7 +32,10 @@ class Things:
 
     resources: dict[str, tuple[Document, Range]] = field(default_factory=dict)
     uses: dict[int, list[Document]] = field(default_factory=dict)
-    open_times: dict[str, list[tuple[OpenTimes, SentenceSpan]]] = field(default_factory=dict)
+    open_times: dict[str | None, list[tuple[OpenTimes, SentenceSpan]]] = field(default_factory=dict)
+    """By thing, when it is open or closed; None: all work."""
+    capacities: dict[str, int | None] = field(default_factory=dict)
+    """By thing that steps use, how many there are; None: it is one."""
     select: list[tuple[Document, Range]] = field(default_factory=list)
     couplings: list[tuple[list[tuple[int, int]], Range]] = field(default_factory=list)
     due: dict[int, tuple[str, Range]] = field(default_factory=dict)
@@ -52,7 +56,8 @@ class Things:
             case UsesTheSame():
                 self._use_the_same(statement, span, find)
             case OpenTimes():
-                self._resource(statement.thing, span)
+                if statement.thing is not None:
+                    self._resource(statement.thing, span)
                 self.open_times.setdefault(statement.thing, []).append((statement, span))
             case Changes():
                 self._change(statement, span)
@@ -82,12 +87,18 @@ class Things:
 
     def _use(self, uses: UsesThing, span: SentenceSpan, find: Finder) -> None:
         for thing in uses.things:
-            self._resource(thing, span)
+            resource = self._resource(thing, span)
+            if self.capacities.setdefault(thing, uses.capacity) != uses.capacity:
+                raise Unclear(find.because("how many", span))
+            if uses.capacity is not None:
+                resource["capacity"] = uses.capacity
         one: Document = {"resource": uses.things[0]}
         if len(uses.things) > 1:
             one = {"one_of": list(uses.things)}
         if uses.family is not None:
             one["family"] = uses.family
+        if uses.amount is not None and uses.amount > 1:
+            one["amount"] = uses.amount
         for position in find.positions(uses.refs, span):
             self.uses.setdefault(position, []).append(one)
 
@@ -126,7 +137,7 @@ class Things:
         """Yields the faults of all sentences together."""
         for rules in self.open_times.values():
             for opened, span in rules:
-                if opened.days and self.origin is None:
+                if (opened.days or opened.dates) and self.origin is None:
                     yield because("no date", span.start, text[span.start : span.end])
         if all_needed and self.select:
             place = self.select[0][1]
@@ -143,12 +154,17 @@ class Things:
         if self.origin is not None:
             document["origin"] = self.origin
         if self.open_times:
-            document["calendars"] = [self._calendar(thing) for thing in self.open_times]
+            document["calendars"] = [
+                calendar(
+                    hours_of(thing), [rule for rule, _ in rules], dated=self.origin is not None
+                )
+                for thing, rules in self.open_times.items()
+            ]
         resources: list[Document] = document.get("resources", [])
         for name, (resource, place) in self.resources.items():
             places["resources", len(resources)] = place
-            calendar = {"calendar": f"{name} hours"} if name in self.open_times else {}
-            resources.append({**resource, **calendar})
+            opened = {"calendar": hours_of(name)} if name in self.open_times else {}
+            resources.append({**resource, **opened})
         if resources:
             document["resources"] = resources
         for position, action in enumerate(document["actions"]):
@@ -168,29 +184,14 @@ class Things:
         if position in self.uses:
             # (They come first: couplings count them from 0.)
             action["uses"] = [*self.uses[position], *action.get("uses", ())]
+        if None in self.open_times:
+            action["calendar"] = hours_of(None)
         if position in self.optional:
             action["occurs"] = "optional"
         if position in self.pausing:
             action["breaks"] = "pause"
         if position in self.due:
             action["due"], places["actions", position, "due"] = self.due[position]
-
-    def _calendar(self, thing: str) -> Document:
-        """Without a date its days begin at t = 0."""
-        rules = [opened for opened, _ in self.open_times[thing]]
-        if self.origin is not None:
-            times = [
-                {**({"days": list(o.days)} if o.days else {}), "from": o.begin, "to": o.end}
-                for o in rules
-            ]
-            return {"id": f"{thing} hours", "open": times}
-        cycle = [{"from": _since_midnight(o.begin), "to": _since_midnight(o.end)} for o in rules]
-        return {"id": f"{thing} hours", "every": "1 day", "open": cycle}
-
-
-def _since_midnight(clock: str) -> str:
-    hours, minutes = (int(part) for part in clock.split(":"))
-    return f"{hours} h {minutes} min" if minutes else f"{hours} h"
 
 
 def _place(span: SentenceSpan) -> Range:
