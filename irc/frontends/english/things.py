@@ -23,7 +23,7 @@ _FORMS = tuple(
         rf".*?\buses? (?:the|an?) (?!same\b)({_NAME})(?: for ({_NAME}))?{_END}",
         rf".*?\buses? the same ({_NAME})(?: as\b.*)?{_END}",
         rf".*?\buses? [\w-]+ of the [\w-]+ ({_NAME}){_END}",
-        rf"the ({_NAME}) (?:is|are) (?:open|free|available|closed)\b.*{_END}",
+        rf"the ({_NAME}) (?:is (?:open|free|available|closed)|are (?:open|closed))\b.*{_END}",
         rf"(?:changing|switching) the ({_NAME}) from ({_NAME}) to ({_NAME}) takes?\b.*{_END}",
     )
 )
