@@ -6,7 +6,7 @@ import sys
 from importlib.util import find_spec
 from typing import ClassVar
 
-from irc.local_search.search import is_large
+from irc.local_search.ways import LARGE
 from irc.targets import Budget, Engine, Exchange, Outcome, Program, SolveOptions
 
 LOADING_SECONDS = 0.3
@@ -59,7 +59,7 @@ class OrTools(Engine):
         """
         # (Such a search is ended by the clock.)
         alone = self.improves and self.hints and not options.deterministic
-        if alone and is_large(program.problem):
+        if alone and len(program.problem.activities) >= LARGE:
             from irc_cpsat.solving.large import large_outcome
 
             found = large_outcome(program.problem, options.seed, budget, options.on_progress)

@@ -37,10 +37,14 @@ def in_a_file() -> bool:
 
 
 def print_lines(page: Page, console: Console, lines: Iterable[Text]) -> None:
+    plain = not (console.is_terminal or console.record)
     for line in lines:
         line.truncate(page.width, overflow="crop")
         line.rstrip()
-        console.print(line, soft_wrap=True)
+        if plain:  # (Without styles there is nothing for rich to do, which takes its time.)
+            console.file.write(f"{line.plain}\n")
+        else:
+            console.print(line, soft_wrap=True)
 
 
 class Kind(NamedTuple):

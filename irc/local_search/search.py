@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from irc.local_search.listing import least_value, listing_of, may_list
-from irc.local_search.ways import Found, NotApplicable, Ways, knows, units_of, ways_of
+from irc.local_search.ways import LARGE, Found, NotApplicable, Ways, knows, units_of, ways_of
 from irc.local_search.ways import may_apply as _knows_ways
 from irc.problem import Problem
 
@@ -31,9 +31,6 @@ def may_apply(problem: Problem) -> bool:
     """Whether nothing but single activities could rule local search out; a quick test."""
     return _knows_ways(problem) or may_list(problem)
 
-
-LARGE = 5_000
-"""From so many activities on a model of the whole improves no list schedule in reasonable time."""
 
 LISTS_FROM = 40
 """Of fewer activities CP-SAT soon has a good schedule, before the search would be loaded."""

@@ -24,6 +24,9 @@ MOST_WAYS = 200
 
 MOST_ACTIVITIES = 200_000
 
+LARGE = 5_000
+"""From so many activities on a model of the whole improves no list schedule in reasonable time."""
+
 LATEST_TIME = 1 << 50
 """Sums of times must stay below this."""
 

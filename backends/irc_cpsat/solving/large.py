@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from irc.local_search.search import is_large
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
 from irc.retiming.listed import listed_schedule
@@ -21,7 +22,7 @@ def large_outcome(
     None where it knows not about all of the problem, or finds no schedule: solvers may.
     """
     improving = Improving(problem, seed)
-    if not improving.begin():
+    if not is_large(problem) or not improving.begin():
         return None
     told: int | None = None
     while improving.step() and not budget.is_over:
