@@ -13,6 +13,9 @@ from irc_cpsat.solving.improving import Improving
 NAME = "local-search"
 """The engine in a schedule that local search alone has made."""
 
+PATIENCE = 0.5
+"""The part of the time after which it gives up, where nothing it finds meets a deadline."""
+
 
 def large_outcome(
     problem: Problem, seed: int, budget: Budget, on_progress: OnProgress | None = None
@@ -26,6 +29,8 @@ def large_outcome(
         return None
     told: int | None = None
     while improving.step() and not budget.is_over:
+        if improving.found is None and budget.elapsed > PATIENCE * budget.limit:
+            return None
         if on_progress is not None and improving.value != told:
             told = improving.value
             _tell(improving, budget, on_progress)

@@ -1,0 +1,170 @@
+"""Measures contended tasks of 10,000 and 100,000 activities: whole `irc solve` processes.
+
+    python benchmarks/large.py [--limit 60] [--names shop_100x100 project_10000 ...] [--processor]
+
+Job shops are by Taillard's formula; projects have four resources and, as in ProGen, one to three
+predecessors for an activity, among the sixty before it. Wall-clock and processor time, memory,
+makespan and proven bound are printed. With `--processor` the search alone is measured: lists and
+windows in this process, until they have used `--limit` seconds of processor time, so that a busy
+machine changes nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from irc.diagnostics import Findings
+from irc.driver.compile import lower_for
+from irc.frontends.files import read_task
+from irc.local_search.search import search_of
+from irc.model import Task
+from irc.model.from_document import to_task
+from irc.targets import get_backend
+from racing.generate import Lehmer, job_shop, job_shop_text
+from size import measure
+
+SHOPS = {"shop_100x100": (100, 100), "shop_500x20": (500, 20), "shop_1000x100": (1000, 100)}
+PROJECTS = {"project_10000": 10_000, "project_100000": 100_000}
+REACH = 60
+"""A predecessor is at most so many activities earlier: ProGen's networks of 100,000 would have no
+end of parallel work."""
+
+
+def project(activities: int, seed: int, complexity: float = 1.8, strength: float = 0.05) -> Task:
+    """A project in the manner of ProGen: see `racing.generate.project`; each takes two resources.
+
+    `strength` is between capacities as small as can be and the peak of the earliest schedule.
+    """
+    draw = Lehmer(seed)
+    durations = [draw.whole(1, 10) for _ in range(activities)]
+    requests = [_requests(draw) for _ in range(activities)]
+    arcs = _arcs(draw, activities, complexity)
+    starts = [0] * activities
+    for i, j in sorted(arcs, key=lambda arc: arc[1]):
+        starts[j] = max(starts[j], starts[i] + durations[i])
+    capacities = [
+        10 + round(strength * (_peak(starts, durations, [q[r] for q in requests]) - 10))
+        for r in range(4)
+    ]
+    document = {
+        "resources": [{"id": f"R{r}", "capacity": c} for r, c in enumerate(capacities)],
+        "actions": [
+            {
+                "id": f"a{i}",
+                "duration": durations[i],
+                "uses": [{"resource": f"R{r}", "amount": n} for r, n in enumerate(q) if n],
+            }
+            for i, q in enumerate(requests)
+        ],
+        "precedence": [{"before": f"a{i}", "after": f"a{j}"} for i, j in sorted(arcs)],
+    }
+    task = to_task(document, Findings())
+    if task is None:
+        raise ValueError("the generator wrote a task with faults")
+    return task
+
+
+def _requests(draw: Lehmer) -> list[int]:
+    left = [0, 1, 2, 3]
+    chosen = [left.pop(draw.whole(0, len(left) - 1)) for _ in range(2)]
+    return [draw.whole(1, 10) if r in chosen else 0 for r in range(4)]
+
+
+def _arcs(draw: Lehmer, n: int, complexity: float) -> set[tuple[int, int]]:
+    """Precedences from lower to higher numbers: at most three from and three to an activity."""
+    arcs: set[tuple[int, int]] = set()
+    after, before = [0] * n, [0] * n
+
+    def add(i: int, j: int) -> bool:
+        if after[i] >= 3 or before[j] >= 3 or (i, j) in arcs:
+            return False
+        arcs.add((i, j))
+        after[i] += 1
+        before[j] += 1
+        return True
+
+    for j in range(3, n):
+        any(add(draw.whole(max(0, j - REACH), j - 1), j) for _ in range(9))
+    for _ in range(50 * n):
+        if len(arcs) >= complexity * n:
+            break
+        i = draw.whole(0, n - 2)
+        add(i, draw.whole(i + 1, min(n - 1, i + REACH)))
+    return arcs
+
+
+def _peak(starts: list[int], durations: list[int], amounts: list[int]) -> int:
+    changes: dict[int, int] = {}
+    for start, duration, amount in zip(starts, durations, amounts, strict=True):
+        changes[start] = changes.get(start, 0) + amount
+        changes[start + duration] = changes.get(start + duration, 0) - amount
+    used = most = 0
+    for time_ in sorted(changes):
+        used += changes[time_]
+        most = max(most, used)
+    return most
+
+
+def written(name: str, folder: Path) -> Path:
+    """The file of an instance, as JSON or in the format of job shops."""
+    if name in SHOPS:
+        jobs, machines = SHOPS[name]
+        path = folder / f"{name}.jsp"
+        shop = job_shop(jobs, machines, 840612802 + jobs, 398197754 + machines)
+        path.write_text(job_shop_text(shop))
+        return path
+    size = PROJECTS[name]
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps(project(size, 840612802 + size).to_dict()))
+    return path
+
+
+def whole_process(path: Path, limit: float) -> str:
+    """The row of `irc solve` as a process of its own."""
+    out = path.with_suffix(".schedule.json")
+    irc = str(Path(sys.executable).with_name("irc"))
+    spent = measure([irc, "solve", str(path), "--time-limit", str(limit), "-o", str(out)])
+    first = json.loads(out.read_text())["objective"][0]
+    return (
+        f"{first['value']} bound {first['bound']}, {spent.wall:.1f} s ({spent.cpu:.1f} s of CPU),"
+        f" {spent.memory:.2f} GiB"
+    )
+
+
+def search_alone(path: Path, limit: float) -> str:
+    """The row of the search in this process, by processor time."""
+    problem = lower_for(read_task(path).task, get_backend("cpsat"))
+    search = search_of(problem)
+    began = time.process_time()
+    first: int | None = None
+    bound = problem.bounds.makespan.value
+    while time.process_time() - began < limit:
+        search.step()
+        first = search.value if first is None else first
+        if search.value is not None and search.value <= bound:
+            break
+    seconds = time.process_time() - began
+    return f"lists {first}, windows {search.value} bound {bound}, {seconds:.1f} s of CPU"
+
+
+def main() -> None:
+    """Prints one row for each instance."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
+    parser.add_argument("--limit", type=float, default=60)
+    parser.add_argument("--names", nargs="*", default=[*SHOPS, *PROJECTS])
+    parser.add_argument("--processor", action="store_true")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        for instance in options.names:
+            path = written(instance, Path(name))
+            measured = search_alone if options.processor else whole_process
+            print(f"{instance}: {measured(path, options.limit)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
