@@ -453,6 +453,23 @@ def test_a_hint_is_no_longer_than_the_list_schedule_and_keeps_order_and_capacity
     assert len(followed.arcs) > len(problem.arcs)
 
 
+def test_a_pool_whose_users_all_keep_their_order_is_not_asked_for() -> None:
+    use = {"duration": 2, "uses": [{"resource": "crew", "amount": 2}]}
+    other = {"duration": 2, "uses": [{"resource": "van"}]}
+    away = [{"from": 9, "to": 11, "capacity": 0}]
+    resources = [{"id": "crew", "capacity": 3}, {"id": "van", "availability": away}]
+    problem = problem_of(use, use, other, other, resources=resources)
+    known = short_list_schedule(problem, 0, Budget(1), random.Random(0))
+    assert known is not None
+    assert makespan_of(known) == 4
+
+    def asked(free: frozenset[int]) -> list[bool]:
+        return [bool(a.open_demands) for a in near(problem, known, free).activities]
+
+    assert asked(frozenset()) == [False, False, True, True]
+    assert asked(frozenset([0])) == [True, True, True, True]
+
+
 def test_there_is_no_hint_where_a_list_schedule_would_overlook_something() -> None:
     optional = problem_of({"occurs": "optional"}, {})
     assert short_list_schedule(optional, 0, Budget(1), random.Random(0)) is None
