@@ -24,7 +24,7 @@ from irc.targets import Budget, Program, SolveOptions, get_backend
 from irc.validation import validate
 from irc_pddl21.decoding.rounding import rounded
 from irc_pddl21.planners.kairos import KairosPlanner
-from irc_pddl21.search.list_schedules import short_list_schedule
+from irc_pddl21.search.list_schedules import searched_schedule, short_list_schedule
 from irc_pddl21.search.neighbourhood import makespan_of, near, neighbourhoods
 from irc_pddl21.search.planner_session import PlannerSession
 from irc_pddl21.search.reachability import is_out_of_reach
@@ -468,6 +468,22 @@ def test_a_pool_whose_users_all_keep_their_order_is_not_asked_for() -> None:
 
     assert asked(frozenset()) == [False, False, True, True]
     assert asked(frozenset([0])) == [True, True, True, True]
+
+
+def test_local_search_gives_a_schedule_to_follow() -> None:
+    machines = [{"id": "m1"}, {"id": "m2"}]
+    steps = [
+        {"duration": d, "uses": [{"resource": m}]}
+        for d, m in ((3, "m1"), (2, "m2"), (2, "m2"), (4, "m1"), (4, "m1"), (1, "m2"))
+    ]
+    jobs = [["a", "b"], ["c", "d"], ["e", "f"]]
+    problem = problem_of(*steps, resources=machines, precedence=jobs)
+    known = searched_schedule(problem, 11, Budget(30), 0)
+    assert known is not None
+    assert makespan_of(known) == 11
+    assert retime(problem, [known[i][0] for i in range(len(problem.activities))])
+    optional = problem_of({"occurs": "optional"}, {})
+    assert searched_schedule(optional, 0, Budget(1), 0) is None
 
 
 def test_there_is_no_hint_where_a_list_schedule_would_overlook_something() -> None:

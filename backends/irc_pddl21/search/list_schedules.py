@@ -41,6 +41,27 @@ def short_list_schedule(
     return best_list_schedule(problem, _makespan, (enough,), budget, rng)
 
 
+def searched_schedule(problem: Problem, enough: int, budget: Budget, seed: int) -> Places | None:
+    """The shortest schedule that local search finds; one of makespan `enough` (ticks) ends it.
+
+    None for problems with more than resources and lags, and where it finds none in time. Loads
+    numpy, and numba where it is installed.
+    """
+    if not problem.is_plain:
+        return None
+    from irc.local_search.search import search_of
+    from irc.local_search.ways import NotApplicable
+
+    try:
+        search = search_of(replace(problem, deadline=None), seed)
+    except NotApplicable:
+        return None
+    while not budget.is_over and (search.value is None or search.value > enough):
+        search.step()
+    found = search.found()
+    return None if found is None else dict(enumerate(zip(*found, strict=True)))
+
+
 def best_list_schedule(
     problem: Problem, judge: Judge, enough: Value, budget: Budget, rng: random.Random
 ) -> Places | None:

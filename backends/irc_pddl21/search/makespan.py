@@ -13,8 +13,8 @@ import random
 
 from irc.problem import Problem
 from irc.schedule import Schedule
-from irc_pddl21.search.list_schedules import short_list_schedule
-from irc_pddl21.search.neighbourhood import makespan_of, near, neighbourhoods, places_in
+from irc_pddl21.search.list_schedules import searched_schedule, short_list_schedule
+from irc_pddl21.search.neighbourhood import Places, makespan_of, near, neighbourhoods, places_in
 from irc_pddl21.search.planner_session import PlannerSession, ticks, with_deadline
 
 BOUND_SECONDS = 0.6
@@ -25,6 +25,10 @@ the time left."""
 HINT_SECONDS = 2.0
 HINT_SHARE = 0.1
 """For the search for a list schedule to follow."""
+
+SEARCH_SECONDS = 10.0
+SEARCH_SHARE = 0.4
+"""For the local search for a schedule to follow."""
 
 STEP_SECONDS = 0.5
 STEP_SHARE = 0.05
@@ -77,7 +81,7 @@ class _MakespanSearch:
         if self.tactics.bound and _may_bind(self.problem):
             self._ask_at_bound(self.session.planner.searches[0], BOUND_SECONDS)
         if self.tactics.hint and not self.is_done:
-            self._follow_list_schedule(0)
+            self._follow_list_schedule()
         if self.tactics.bound and _may_bind(self.problem):
             for search in self.session.planner.searches[1:]:
                 self._ask_at_bound(search, BOUND_SHARE * self.session.left)
@@ -89,7 +93,7 @@ class _MakespanSearch:
         if self.tactics.tighten:
             self._tighten()
         if self.tactics.hint and not self.is_done:
-            self._follow_list_schedule(1)
+            self._follow_local_search()
         if self.tactics.steps and self.best is not None:
             self._step_down()
         return self.best
@@ -120,11 +124,20 @@ class _MakespanSearch:
         before, self.best = self.best, _shorter(self.problem, self.best, plan)
         return self.best is not before
 
-    def _follow_list_schedule(self, attempt: int) -> None:
+    def _follow_list_schedule(self) -> None:
         """Asks for the plan that follows a list schedule, if that is shorter than the best."""
         budget = self.session.budget.share(HINT_SHARE).at_most(HINT_SECONDS)
-        rng = random.Random(self.session.options.seed + attempt)
-        known = short_list_schedule(self.problem, self.problem.bounds.makespan.value, budget, rng)
+        rng = random.Random(self.session.options.seed)
+        least = self.problem.bounds.makespan.value
+        self._follow(short_list_schedule(self.problem, least, budget, rng))
+
+    def _follow_local_search(self) -> None:
+        """The same with a schedule that local search finds."""
+        budget = self.session.budget.share(SEARCH_SHARE).at_most(SEARCH_SECONDS)
+        least = self.problem.bounds.makespan.value
+        self._follow(searched_schedule(self.problem, least, budget, self.session.options.seed))
+
+    def _follow(self, known: Places | None) -> None:
         if known is None:
             return
         if self.best is None or makespan_of(known) < ticks(self.problem, self.best):
