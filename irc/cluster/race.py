@@ -99,7 +99,7 @@ class Contact:
     part: Part
     future: Future | None = None
     thread: Thread | None = None
-    told: tuple[int, Any] | None = None
+    brought: tuple[int, Any] | None = None
     ended: str | None = None
     failure: str | None = None
     is_lost: bool = False
@@ -214,23 +214,23 @@ class Race:
 
     def _meet(self, contact: Contact) -> None:
         known = self.exchange.best
-        news = News(self.exchange.bound, None if known is contact.told else known)
-        (told,) = self.client.run(meet, self.name, news, workers=[contact.worker]).values()
-        contact.told = known
-        if told is not None:
-            self._take(contact, told)
+        ours = News(self.exchange.bound, None if known is contact.brought else known)
+        (theirs,) = self.client.run(meet, self.name, ours, workers=[contact.worker]).values()
+        if theirs is not None:
+            contact.brought = known
+            self._take(contact, theirs)
         elif contact.future is not None and contact.future.status == "error":
             contact.failure = str(contact.future.exception(timeout=LEAVE_SECONDS))
 
-    def _take(self, contact: Contact, told: News) -> None:
+    def _take(self, contact: Contact, theirs: News) -> None:
         """Takes home what a racer has found."""
-        self.exchange.prove(told.bound)
-        if told.best is not None:
-            self.exchange.offer(*told.best)
-        if told.document is not None:
-            self._take_schedule(Schedule.from_dict(told.document))
-        contact.ended, contact.failure = told.ended, told.failure
-        if told.ended == Status.INFEASIBLE:
+        self.exchange.prove(theirs.bound)
+        if theirs.best is not None:
+            self.exchange.offer(*theirs.best)
+        if theirs.document is not None:
+            self._take_schedule(Schedule.from_dict(theirs.document))
+        contact.ended, contact.failure = theirs.ended, theirs.failure
+        if theirs.ended == Status.INFEASIBLE:
             self.infeasible = True
 
     def _take_schedule(self, schedule: Schedule) -> None:
@@ -284,7 +284,7 @@ class Race:
         )
 
     def _notes(self) -> Sequence[Diagnostic]:
-        """What went wrong on the way: workers that failed or were lost."""
+        """The workers that failed or were lost on the way, with the reasons."""
         found = [
             Diagnostic(Code.NO_ANSWER, f"worker {c.worker} failed: {c.failure}")
             for c in self.contacts.values()

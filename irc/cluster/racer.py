@@ -35,7 +35,7 @@ _LOOK_SECONDS = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What a racer is to do: a task, the options of the race but its time, and its part."""
+    """The work of a racer: a task, the options of the race but its time, and its part."""
 
     race: str
     task: Task
@@ -46,7 +46,7 @@ class Request:
 
 @dataclass(slots=True)
 class News:
-    """What a racer tells: documents of schedules, list schedules and bounds in ticks.
+    """News of a racer: documents of schedules, list schedules and bounds in ticks.
 
     `document` is the best schedule since it was last met. `ended` is the racer's status, once it
     has one, and `failure` says why it has none.
@@ -142,7 +142,7 @@ class Racer:
         known = best is None or best[0] == self._sent or best is news.best
         self._sent = self._sent if best is None else best[0]
         with self._lock:
-            told = News(
+            own = News(
                 self.exchange.bound,
                 None if known else best,
                 self._document,
@@ -150,7 +150,7 @@ class Racer:
                 self._failure,
             )
             self._document = None
-        return told
+        return own
 
 
 _RACERS: dict[tuple[str, str], Racer] = {}
