@@ -18,6 +18,7 @@ from irc.driver.quick import QUICK_ENGINE
 from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
+from irc.execution.numbers import with_limits_held
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
 from irc.execution.state import key_of
@@ -221,7 +222,8 @@ class Repair:
         """The outcome of the residual problem, with the history before it."""
         now = self.frozen.now
         try:
-            residual = residual_problem(with_values_held(frozen), self.frozen.executed, now)
+            held = with_limits_held(with_values_held(frozen))
+            residual = residual_problem(held, self.frozen.executed, now)
         except PastError as error:
             return _impossible(str(error))
         left, impossible = self._passed(residual.problem, now)

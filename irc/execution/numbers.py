@@ -7,7 +7,19 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from irc.execution.executed import ExecutedActivity
-from irc.problem import Activity, NumberCondition, NumberVariable, Problem, TimedChange
+from irc.execution.fresh_names import fresh_name
+from irc.problem import (
+    Activity,
+    Condition,
+    Effect,
+    NumberCondition,
+    NumberEffect,
+    NumberVariable,
+    Problem,
+    ProtectedLimits,
+    TimedChange,
+    Variable,
+)
 
 _Key = tuple[int, int, int]
 """(time, rank, stage): at an instant ends (0) come before changes of the world (1), starts last."""
@@ -77,11 +89,15 @@ def _key(past: ExecutedActivity, *, at_end: bool) -> _Key:
 def without_unmet_limits(
     problem: Problem, executed: Mapping[int, ExecutedActivity], now: int
 ) -> Problem:
-    """Drops conditions on numbers that executed activities broke: they bind no more."""
+    """Drops conditions on numbers that the history broke: they bind no more.
+
+    Where one binds throughout what still runs, open activities do not break it again.
+    """
     if not any(problem.activities[i].details.number_conditions for i in executed):
         return problem
     histories = [_history(problem, executed, k) for k in range(len(problem.numbers))]
     activities = list(problem.activities)
+    protected: list[ProtectedLimits] = []
     for i, past in executed.items():
         details = activities[i].details
         kept = tuple(
@@ -91,7 +107,65 @@ def without_unmet_limits(
         )
         if len(kept) < len(details.number_conditions):
             activities[i] = replace(activities[i], details=replace(details, number_conditions=kept))
+            gone = (c for c in details.number_conditions if c not in kept and c.at == "all")
+            protected += [ProtectedLimits(i, c) for c in gone if past.running]
+    for j, activity in enumerate(activities if protected else ()):
+        its = tuple(p for p in protected if _may_take_away(activity, p))
+        if its and j not in executed:
+            details = replace(activity.details, protects_limits=its)
+            activities[j] = replace(activity, details=details)
     return replace(problem, activities=tuple(activities))
+
+
+def _may_take_away(activity: Activity, protected: ProtectedLimits) -> bool:
+    return any(map(protected.takes_away, activity.details.all_number_effects))
+
+
+def with_limits_held(problem: Problem) -> Problem:
+    """The problem in which protected limits may not be touched at all, instead of not broken again.
+
+    This is for a target that cannot say "where the number is within them" (see
+    `irc.execution.state_conflicts.with_values_held`).
+    """
+    activities, variables = list(problem.activities), list(problem.variables)
+    names = {v.id for v in variables}
+    over: dict[ProtectedLimits, int] = {}
+    for activity in problem.activities:
+        for p in activity.details.protects_limits:
+            if p in over:
+                continue
+            over[p] = len(variables)
+            who = activities[p.activity]
+            name = fresh_name(f"{who.id} is over: {problem.numbers[p.condition.number].id}", names)
+            names.add(name)
+            variables.append(Variable(name, (False, True), 0))
+            ends = (*who.details.effects, Effect(over[p], 1, at_end=True))
+            activities[p.activity] = replace(who, details=replace(who.details, effects=ends))
+    if not over:
+        return problem
+    found = tuple(_behind(activity, over) for activity in activities)
+    return replace(problem, activities=found, variables=tuple(variables))
+
+
+def _behind(activity: Activity, over: Mapping[ProtectedLimits, int]) -> Activity:
+    """An activity that breaks protected limits only behind what needs these."""
+    details = activity.details
+
+    def needed(effects: tuple[NumberEffect, ...]) -> tuple[Condition, ...]:
+        return tuple(
+            Condition(over[p], 1, "end" if e.at_end else "start")
+            for p in details.protects_limits
+            for e in effects
+            if p.takes_away(e)
+        )
+
+    if not details.protects_limits:
+        return activity
+    modes = tuple(
+        m._replace(conditions=m.conditions + needed(m.number_effects)) for m in details.modes
+    )
+    conditions = tuple(dict.fromkeys(details.conditions + needed(details.number_effects)))
+    return replace(activity, details=replace(details, conditions=conditions, modes=modes))
 
 
 def _is_met(
@@ -115,6 +189,8 @@ def _is_met(
     for change in history:
         if opening < change.key < closing and change.key[0] <= now:
             levels.append(change.amount if change.sets else levels[-1] + change.amount)
+        elif change.activity is None and opening < change.key < closing:
+            levels.append(change.amount)  # The world sets it, whatever is planned.
     return all(map(condition.allows, levels))
 
 
@@ -132,5 +208,10 @@ def without_limits_on(activity: Activity, number: int) -> Activity:
         return tuple(c for c in conditions if c.number != number)
 
     modes = tuple(m._replace(number_conditions=kept(m.number_conditions)) for m in details.modes)
-    details = replace(details, number_conditions=kept(details.number_conditions), modes=modes)
+    details = replace(
+        details,
+        number_conditions=kept(details.number_conditions),
+        modes=modes,
+        protects_limits=tuple(p for p in details.protects_limits if p.condition.number != number),
+    )
     return replace(activity, details=details)

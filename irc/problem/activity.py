@@ -14,6 +14,7 @@ from irc.problem.needs import (
     NumberEffect,
     OpenDemand,
     Protected,
+    ProtectedLimits,
     Ranks,
     Requirement,
     StockChange,
@@ -65,6 +66,7 @@ class Details:
     number_conditions: tuple[NumberCondition, ...] = ()
     number_effects: tuple[NumberEffect, ...] = ()
     protects: tuple[Protected, ...] = ()
+    protects_limits: tuple[ProtectedLimits, ...] = ()
     due: int | None = None
     weight: int = 1
     reward: int = 0

@@ -135,6 +135,27 @@ class Ranks(NamedTuple):
     at_least: bool = False
 
 
+class ProtectedLimits(NamedTuple):
+    """While `activity` (index) runs, a number does not leave the limits of a `condition` where it
+    is within them.
+
+    The activity needs the limits throughout, and they are broken; who has this in its
+    `protects_limits` does not break them again.
+    """
+
+    activity: int
+    condition: NumberCondition
+
+    def takes_away(self, effect: NumberEffect) -> bool:
+        """Whether an effect can lead out of the limits."""
+        limits = self.condition
+        if effect.number != limits.number:
+            return False
+        if effect.sets:
+            return not limits.allows(effect.amount)
+        return limits.least is not None if effect.amount < 0 else limits.greatest is not None
+
+
 class Protected(NamedTuple):
     """While `activity` (index) runs, `var` does not lose `value` (both indexes) where it has it.
 

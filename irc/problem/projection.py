@@ -23,6 +23,7 @@ from irc.problem.needs import (
     NumberCondition,
     NumberEffect,
     Protected,
+    ProtectedLimits,
     StockChange,
 )
 from irc.problem.problem import Arc, PreviousPlace, PreviousPlan, Problem
@@ -401,6 +402,9 @@ def _details(details: Details, way: Projection) -> Details:
         )
     if details.protects and not (way.activities.is_all and way.variables.is_all):
         changed = replace(changed, protects=tuple(_protected(details, way)))
+    if details.protects_limits and not (way.activities.is_all and way.numbers.is_all):
+        limits = tuple(_protected_limits(details, way))
+        changed = replace(changed, protects_limits=limits)
     if details.previous_occurrence is not None and not way.activities.is_all:
         previous = way.activities.new.get(details.previous_occurrence)
         changed = replace(changed, previous_occurrence=previous)
@@ -441,6 +445,13 @@ def _protected(details: Details, way: Projection) -> Iterator[Protected]:
     for activity, var, value in details.protects:
         if activity in activities and var in variables:
             yield Protected(activities[activity], variables[var], value)
+
+
+def _protected_limits(details: Details, way: Projection) -> Iterator[ProtectedLimits]:
+    for protected in details.protects_limits:
+        kept = _of_numbers((protected.condition,), way.numbers)
+        if kept and protected.activity in way.activities.new:
+            yield ProtectedLimits(way.activities.new[protected.activity], *kept)
 
 
 def with_uses(activity: Activity, kept: Sequence[int]) -> Activity:

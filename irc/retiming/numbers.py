@@ -126,6 +126,19 @@ class _NumberOrder:
             yield from self._read(read)
         for hold in self.timeline.holds:
             yield from self._hold(hold)
+        for change, ends in self._takings():
+            yield from between(ends, change.happening, strict=False)
+
+    def _takings(self) -> Iterator[tuple[_Change, Happening]]:
+        """The changes that break protected limits, each with the end of what needs these."""
+        for k, change in enumerate(self.changes):
+            details = self.problem.activities[change.happening.activity].details
+            for p in details.protects_limits:
+                if self.problem.numbers[p.condition.number] is not self.number:
+                    continue
+                before, after = map(p.condition.allows, self.levels[k : k + 2])
+                if before and not after:
+                    yield change, Happening(p.activity, True)
 
     def suits(self, last: Fraction | int) -> bool:
         """Whether everything holds exactly, with the changes until the last end."""

@@ -215,9 +215,57 @@ def best_makespan(task: Task, step_entries: tuple[Entry, ...]) -> int | None:
     return None if best is None else best[1]
 
 
+def random_number_case(seed: int) -> tuple[Task, Schedule, list[dict[str, Any]]]:
+    """Something that runs until 4 and needs a level throughout, and open actions that change it."""
+    rng = random.Random(f"carried level {seed}")
+
+    def effect() -> dict[str, Any]:
+        change = {"set": rng.randint(0, 4)} if rng.random() < 0.25 else {"add": rng.choice((-2, 2))}
+        return {"at": rng.choice(("start", "end")), "var": "fuel", **change}
+
+    limits = rng.choice(({"at_least": 2}, {"at_most": 2}, {"at_least": 1, "at_most": 3}))
+    runs = action("runs", 4, conditions=[{"at": "all", "var": "fuel", **limits}])
+    before = action("before", rng.choice((2, 3)), effects=[effect()])
+    opens = [
+        action(name, rng.choice((0, 1, 2)), effects=[effect()])
+        for name in "abc"[: rng.choice((2, 2, 3))]
+    ]
+    fuel = {"id": "fuel", "kind": "number", "initial": rng.randint(0, 4), "min": -9, "max": 9}
+    if rng.random() < 0.3:
+        fuel["changes"] = [{"at": rng.choice((2, 3, 5)), "value": rng.randint(0, 4)}]
+    task = task_of(runs, before, *opens, state=[fuel])
+    past = [entry("runs", 0, 4), entry("before", 0, before["duration"])]
+    later = [entry(a["id"], LATEST, LATEST + a["duration"]) for a in opens]
+    change = {"op": "set_state", "var": "fuel", "value": rng.randint(0, 4)}
+    return task, plan(*past, *later), [change] if rng.random() < 0.6 else []
+
+
+def test_limits_that_are_met_again_are_not_broken_again_while_they_are_needed() -> None:
+    task = task_of(
+        action("run", 6, conditions=[{"at": "all", "var": "fuel", "at_least": 3}]),
+        action("fill", 1, "hand", effects=[{"at": "end", "var": "fuel", "add": 4}]),
+        action(
+            "use",
+            1,
+            "hand",
+            conditions=[{"at": "start", "var": "fuel", "at_least": 4}],
+            effects=[{"at": "start", "var": "fuel", "add": -4}],
+        ),
+        state=[{"id": "fuel", "kind": "number", "initial": 4, "min": 0}],
+        resources=HAND,
+    )
+    old = plan(entry("run", 0, 6), entry("fill", 6, 7, "hand"), entry("use", 7, 8, "hand", rank=1))
+    empty = {"op": "set_state", "var": "fuel", "value": 1}
+    for target in TARGETS:
+        step = repaired(task, old, 1, empty, target=target)
+        assert starts(step.schedule) == {"run": 0, "fuel at 1": 1, "fill": 1, "use": 6}
+        assert sum("needs it to stay" in message for message in carried(step)) == 1
+
+
 @pytest.mark.parametrize("seed", range(20))
-def test_the_best_continuation_is_the_best_that_the_validator_accepts(seed: int) -> None:
-    task, old, changes = random_case(seed)
+@pytest.mark.parametrize("of", [random_case, random_number_case])
+def test_the_best_continuation_is_the_best_that_the_validator_accepts(of: Any, seed: int) -> None:
+    task, old, changes = of(seed)
     step = repaired(task, old, 1, *changes)
     best = best_makespan(step.task, step.schedule.entries or old.entries)
     if step.schedule.answered and not step.left_out:

@@ -157,6 +157,7 @@ class _NumberEncoder:
         self._add_owners()
         for write in self.touches.writes:
             self._keep_bounds(write)
+            self._add_protected(write)
         for i, condition, when in self.touches.reads:
             self._add_condition(i, condition, when)
         for goal in self.problem.number_goals:
@@ -463,6 +464,27 @@ class _NumberEncoder:
             greatest if write.amount > 0 else None,
         )
 
+    def _add_protected(self, write: _Write) -> None:
+        """Limits that what runs needs and has lost are not broken again by a change while it runs.
+
+        Either it is over, or the level before is beyond them, or the one after is within them.
+        """
+        i = write.point[0]
+        for protected in () if i < 0 else self.problem.activities[i].details.protects_limits:
+            limits = protected.condition
+            if limits.number != self.k:
+                continue
+            after, when = (write.amount, [*write.when]) if write.sets else self._after(write)
+            over, below, above, within = (self.model.new_bool_var("") for _ in range(4))
+            closing = self.happenings.point(protected.activity, at_end=True)
+            self.model.add(self.order.moment(write.point) >= closing).only_enforce_if(over)
+            before = self._level(write.point, "before", write.when)
+            self._within(before, None, _below(limits.least), [below])
+            self._within(before, _above(limits.greatest), None, [above])
+            self._within(after, limits.least, limits.greatest, [within])
+            beyond = [below] * (limits.least is not None) + [above] * (limits.greatest is not None)
+            self.model.add_bool_or([over, within, *beyond, *(~literal for literal in when)])
+
     def _keep_bounds(self, write: _Write) -> None:
         if write.sets:
             if not self.number.allows(write.amount):
@@ -526,3 +548,13 @@ class _NumberEncoder:
         if {end, write.point} <= self.touches.strict:
             return self.order.before(write.point, end)
         return self.order.earlier(write.point, end)
+
+
+def _below(least: int | None) -> int | None:
+    """The greatest level that is too low."""
+    return None if least is None else least - 1
+
+
+def _above(greatest: int | None) -> int | None:
+    """The least level that is too high."""
+    return None if greatest is None else greatest + 1
