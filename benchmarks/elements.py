@@ -2,10 +2,11 @@
 
     python -m benchmarks.elements modes --tasks 500 --target cpsat
     python -m benchmarks.elements pairs --tasks 3000 --target cpsat
+    python -m benchmarks.elements online --tasks 1000 --target cpsat
 
 The first draws tasks with one element. The second draws tasks with each element alone and with
 each pair of elements in turn, and prints for each how the answers ended; a fault is shown as the
-smallest task that has it.
+smallest task that has it. The third carries such tasks out until some time, and judges one step.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from irc.targets import EngineFailed
 from oracles.combined import document_with, pairs
 from oracles.combined_judge import is_fault, smallest, verdict
 from oracles.elements import KINDS, TooHardError
+from oracles.online_pairs import judged_step
 
 
 def judge_pairs(chosen: argparse.Namespace) -> int:
@@ -34,9 +36,14 @@ def judge_pairs(chosen: argparse.Namespace) -> int:
     for k in range(chosen.tasks):
         pair, seed = names[k % len(names)], chosen.first_seed + k // len(names)
         document, shortcut = document_with(pair, seed), bool(seed % 2)
-        said = verdict(document, chosen.target, chosen.seconds, shortcut=shortcut)
+        if chosen.kind == "online":
+            said = judged_step(pair, seed, chosen.target, chosen.seconds)
+        else:
+            said = verdict(document, chosen.target, chosen.seconds, shortcut=shortcut)
         seen[pair][said.split(":")[0] if is_fault(said) else said] += 1
-        if is_fault(said):
+        if is_fault(said) and chosen.kind == "online":
+            print(f"{' + '.join(pair)} {seed}: {said}", flush=True)
+        elif is_fault(said):
             least = smallest(document, chosen.target, chosen.seconds, shortcut=shortcut)
             print(f"{' + '.join(pair)} {seed}: {said}\n  {json.dumps(least)}", flush=True)
     for pair, counts in seen.items():
@@ -57,14 +64,14 @@ def judge_pairs(chosen: argparse.Namespace) -> int:
 def main() -> int:
     """Prints how the answers ended, and each that is wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kind", choices=["pairs", *KINDS])
+    parser.add_argument("kind", choices=["pairs", "online", *KINDS])
     parser.add_argument("--tasks", type=int, default=500)
     parser.add_argument("--first-seed", type=int, default=1000)
     parser.add_argument("--target", choices=["cpsat", "pddl21"], default="cpsat")
     parser.add_argument("--seconds", type=float, default=10.0, help="for each task")
     parser.add_argument("--only", nargs="*", default=[], help="elements that a pair must have")
     chosen = parser.parse_args()
-    if chosen.kind == "pairs":
+    if chosen.kind in ("pairs", "online"):
         return judge_pairs(chosen)
     began = time.perf_counter()
     seen: Counter[str] = Counter()

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 
 from irc.model import Action, Calendar, ClosedTime, DurationRange, Mode, Resource, StateGoal, Task
 from irc.model.quantities import Number, exact
+from irc.schedule import Entry
 from oracles.exhaustive_ranks import some_ranks_do, these_ranks_do
 
 Vector = tuple[Number, ...]
@@ -69,9 +70,27 @@ class Way:
         return own if self.mode is None else [*own, *getattr(self.mode, name)]
 
     @property
+    def holds(self) -> dict[str, int]:
+        """The amount that it holds of each resource."""
+        found: dict[str, int] = {}
+        for hold in self.held:
+            found[hold.resource] = found.get(hold.resource, 0) + hold.amount
+        return found
+
+    @property
     def cost(self) -> int:
         """The cost of the action and of its mode."""
         return (self.action.cost or 0) + ((self.mode and self.mode.cost) or 0)
+
+
+class Past(NamedTuple):
+    """What has begun of a schedule that is carried out, and the time in ticks.
+
+    An entry that has begun keeps its start, mode and resources; one that is over its end, too.
+    """
+
+    now: Number
+    entries: Sequence[Entry]
 
 
 class Placed(NamedTuple):
@@ -88,13 +107,14 @@ class Placed(NamedTuple):
         return self.way.action.id
 
 
-def best_of(task: Task, most_steps: int = 100_000) -> Vector | None:
+def best_of(task: Task, most_steps: int = 100_000, past: Past | None = None) -> Vector | None:
     """The best values of the objectives in their order and the task's unit; None: nothing is valid.
 
+    With a `past`, of the schedules that continue it. (Of ranks of the past nothing is asked.)
     Raises `ValueError` for what this oracle does not know, `TooHardError` where it would take more
     than `most_steps` placings of one occurrence and orders of ranks.
     """
-    world = World(task, most_steps)
+    world = World(task, most_steps, past=past)
     search = _Search(world)
     choices = list(world.choices())
     bounds = [search.values(c, []) for c in choices]
@@ -108,17 +128,27 @@ def best_of(task: Task, most_steps: int = 100_000) -> Vector | None:
 class World:
     """What a task says, in ticks."""
 
-    def __init__(self, task: Task, most_steps: int, moments: Sequence[Number] = ()) -> None:
-        """With `moments`, the times of a schedule, which is to be judged."""
+    def __init__(
+        self,
+        task: Task,
+        most_steps: int,
+        moments: Sequence[Number] = (),
+        past: Past | None = None,
+    ) -> None:
+        """With `moments`, the times of a schedule, which is to be judged; or with a `past`."""
         self.left = most_steps
+        begun = () if past is None else past.entries
+        self.begun = {(e.id, e.occurrence): e for e in begun}
         if task.events or any("changes" in str(o) for o in task.objective):
             raise ValueError("this oracle does not know events or changes of plan")
         self.task = task
         self._known: dict[Any, int] = {}
-        stated = [*_times(task), *moments]
+        stated = [*_times(task), *moments, *(t for e in begun for t in (e.start, e.end))]
+        stated += [] if past is None else [past.now]
         self.tick = _common(Fraction(task.number(t)) for t in stated)
         self.resources = {r.id: r for r in task.resources}
         self.calendars = {c.id: c for c in task.calendars}
+        self.now = 0 if past is None else self.ticks(past.now)
         self.lags = [
             (p, self.ticks(p.min_lag), None if p.max_lag is None else self.ticks(p.max_lag))
             for p in task.precedence
@@ -135,7 +165,7 @@ class World:
             if r.kind != "reservoir"
         }
         self.levels = [_terms(objective) for objective in task.objective]
-        self._places: dict[int, list[tuple[int, int]]] = {}
+        self._places: dict[tuple[int, int], list[tuple[int, int]]] = {}
 
     def ticks(self, time: Any) -> int:
         """A time of the task as a number of ticks."""
@@ -165,7 +195,7 @@ class World:
     def _horizon(self) -> int:
         """A time by which some best schedule ends (see the module)."""
         task = self.task
-        dates = [0]
+        dates = [self.now, *(self.ticks(e.end) for e in self.begun.values())]
         for action in task.actions:
             given = (action.release, action.start, action.earliest_end, action.due)
             dates += [self.ticks(t) for t in given if t is not None]
@@ -240,7 +270,20 @@ class World:
                 a.id: list(ways) for a, ways in zip(self.task.actions, taken, strict=True) if ways
             }
             if self.presence_holds(by_name) and self.couplings_hold(by_name):
-                yield [(w, n) for ways in by_name.values() for n, w in enumerate(ways, 1)]
+                found = [(w, n) for ways in by_name.values() for n, w in enumerate(ways, 1)]
+                if self._continues(found):
+                    yield found
+
+    def _continues(self, choice: Sequence[tuple[Way, int]]) -> bool:
+        """Whether a choice has all that has begun, as it was begun."""
+        chosen = {(way.action.id, number): way for way, number in choice}
+        for key, entry in self.begun.items():
+            way = chosen.get(key)
+            if way is None or (way.mode and way.mode.id) != entry.mode:
+                return False
+            if way.holds != dict(entry.resources):
+                return False
+        return True
 
     def counts(self, action: Action) -> tuple[int, int]:
         least, most = action.occurrence_bounds
@@ -304,11 +347,22 @@ class World:
 
     # Times of one occurrence.
 
-    def places(self, way: Way) -> list[tuple[int, int]]:
+    def places(self, way: Way, number: int) -> list[tuple[int, int]]:
         """Every (start, end) that keeps the rules about one occurrence alone."""
-        if id(way) not in self._places:
-            self._places[id(way)] = sorted(self._spans(way), key=lambda s: (s[1], s[0]))
-        return self._places[id(way)]
+        key = id(way), number
+        if key not in self._places:
+            spans = (s for s in self._spans(way) if self._may_be(way.action.id, number, *s))
+            self._places[key] = sorted(spans, key=lambda s: (s[1], s[0]))
+        return self._places[key]
+
+    def _may_be(self, name: str, number: int, start: int, end: int) -> bool:
+        """Whether these times are those of what has begun, or not before the present."""
+        entry = self.begun.get((name, number))
+        if entry is None:
+            return start >= self.now
+        over = self.ticks(entry.end) <= self.now
+        ended = end == self.ticks(entry.end) if over else end >= self.now
+        return start == self.ticks(entry.start) and ended
 
     def _spans(self, way: Way) -> Iterator[tuple[int, int]]:
         for start in range(self.horizon + 1):
@@ -396,7 +450,7 @@ class _Search:
                 self.best = values
             return
         (way, number), *rest = left
-        for start, end in self.world.places(way):
+        for start, end in self.world.places(way, number):
             self.world.spend()
             new = Placed(way, number, start, end)
             if fits(self.world, new, placed):
@@ -570,7 +624,7 @@ class Judge:
             if setup.after.start < ready:
                 return False
             stays = setup.before is not None and self.world.resources[setup.resource].no_idle
-            if stays and setup.after.start > ready:
+            if stays and setup.after.start > max(ready, self.world.now):
                 return False
         return True
 

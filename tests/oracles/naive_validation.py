@@ -334,10 +334,7 @@ def ways_of(world: World, entry: Entry) -> Iterator[Way]:
     """The ways to carry out an action that an entry can mean."""
     (action,) = (a for a in world.task.actions if a.id == entry.id)
     for way in world.ways(action):
-        held: dict[str, int] = {}
-        for hold in way.held:
-            held[hold.resource] = held.get(hold.resource, 0) + hold.amount
-        if (way.mode and way.mode.id) == entry.mode and held == dict(entry.resources):
+        if (way.mode and way.mode.id) == entry.mode and way.holds == dict(entry.resources):
             yield way
 
 
