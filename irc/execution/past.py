@@ -56,8 +56,7 @@ def without_clashes(problem: Problem, executed: Mapping[int, ExecutedActivity]) 
                 continue
             reads, writes = _touched(activity, at_end=at_end, both=one)
             for var in reads | writes:
-                if var >= 0:  # (Changes of a number may come together.)
-                    touched.setdefault((time, rank, var), []).append((i, var in writes))
+                touched.setdefault((time, rank, var), []).append((i, var in writes))
     clashing = {
         i
         for members in touched.values()

@@ -240,9 +240,12 @@ class _Search:
         """The values that variables have now, or that something may still give them.
 
         What gives a value must first be able to happen itself: no two activities wait for each
-        other. (Values never get lost here, which makes more of them seem to be reached.)
+        other. Timed changes give theirs. (Values never get lost here, which makes more of them
+        seem to be reached.)
         """
         values = set(self._now())
+        for v, variable in enumerate(self.problem.variables):
+            values |= {(v, change.value) for change in variable.changes}
         for i, activity in enumerate(self.problem.activities):
             if self._runs(i):
                 values |= {(e.var, e.value) for e in activity.details.effects if e.at_end}

@@ -220,8 +220,11 @@ def horizon(
     instants: Iterable[Number] = (),
     deadline: Number | None = None,
 ) -> Number:
-    """The time up to which the calendars of a task are expanded, in its unit."""
-    clock = task.clock
+    """The time up to which the calendars of a task are expanded, in its unit.
+
+    No later than its deadline, but for `instants`: what runs may have to end after it.
+    """
+    clock, instants = task.clock, [*instants]
     steps, shifts, kinds = 0, list[Number](), set[Need]()
     for action, needs in needs_of(task, clock):
         often = action.occurrence_bounds[1]
@@ -231,7 +234,7 @@ def horizon(
         free = max((need.length for need in needs if not need.calendars), default=0)
         shifts += [free] * occurrences if free else []
     shifts += _lags(task, clock)
-    start = _last_fixed_time(task, times, [*instants])
+    start = _last_fixed_time(task, times, instants)
     rare = {need for need in kinds if _is_rare(times, need, start)}
     kinds -= rare
     found = _after_steps(times, _possible(times, kinds, start), start, steps, shifts)
@@ -244,7 +247,7 @@ def horizon(
     if together:
         found += together * times.period(times.by_id)
     if deadline is not None:
-        found = min(found, deadline)
+        found = min(found, max([deadline, *instants]))
     return found
 
 

@@ -87,6 +87,20 @@ def test_a_timed_change_breaks_what_runs_and_is_carried() -> None:
     assert sum("needs" in message for message in carried(step)) == 2
 
 
+@pytest.mark.parametrize("at", [2, 3, 4])
+def test_what_waits_for_a_timed_change_is_not_left_out(at: int) -> None:
+    """Before the change, at its instant, and after it."""
+    task = room(
+        action("sit", 3),
+        action("read", 3, **needs("start")),
+        initial=False,
+        light={"changes": [{"at": 3, "value": True}]},
+    )
+    step = repaired(task, plan(entry("sit", 0, 3), entry("read", 5, 8)), at)
+    assert starts(step.schedule) == {"sit": 0, "read": max(3, at)}
+    assert not step.left_out
+
+
 @pytest.mark.parametrize("target", TARGETS)
 def test_an_end_whose_condition_comes_back_too_late_is_carried(target: str) -> None:
     task = room(

@@ -176,3 +176,15 @@ def test_stock_that_runs_out_later_because_of_history_alone_is_carried() -> None
     step = repaired(baking, old, 3, {"op": "cancel_actions", "actions": ["mill"]})
     assert starts(step.schedule) == {"bake": 0}
     assert len(carried(step)) == 1
+
+
+def test_the_pause_of_what_ends_after_a_new_deadline_is_stated_as_it_is() -> None:
+    """The calendar is known until that end, and not only until the deadline."""
+    task = task_of(
+        action("paint", 2, calendar="shift", breaks="pause"),
+        calendars=[{"id": "shift", "every": 4, "open": [{"from": 1, "to": 2}]}],
+    )
+    deadline = {"op": "set_deadline", "deadline": 8}
+    step = repaired(task, plan(entry("paint", 5, 10, paused=3)), 6, deadline)
+    assert [e.paused for e in step.schedule.entries] == [3]
+    assert any("deadline" in message for message in carried(step))

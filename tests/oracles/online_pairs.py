@@ -28,7 +28,13 @@ _TRIES = 300
 
 
 def some_schedule(task: Task, rng: random.Random) -> Schedule | None:
-    """Some valid schedule with early starts, drawn at random; None if none is found."""
+    """Some valid schedule with early starts, drawn at random; None if none is found.
+
+    Of a task in which ranks count it is one of irc, which gives ranks.
+    """
+    if task.state or any(r.kind == "reservoir" for r in task.resources):
+        found = irc.solve(task, workers=1)
+        return found if found.answered and found.entries else None
     try:
         world = World(task, 50_000)
         choices = list(world.choices())
