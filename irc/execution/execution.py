@@ -12,6 +12,7 @@ from irc.diagnostics.source import Source
 from irc.errors import OptionError
 from irc.events.apply import with_observations, without_observations
 from irc.execution.follow import follow, is_observation
+from irc.execution.found_ranks import with_found_ranks
 from irc.execution.history import History
 from irc.execution.interruption import breaks_off, lapses, with_repetitions, without_the_past
 from irc.execution.plannable import Plannable
@@ -75,6 +76,7 @@ class Execution:
         self._notes: tuple[Diagnostic, ...] = ()
         self._rounding = Rounding.of(self._told)
         schedule = self._take(self._rounding.schedule(self._told, schedule))
+        schedule = with_found_ranks(self._told, schedule)
         now = self._told.clock.exact(parse_instant(at))
         moment = self._rounding.moment(self._told, now, "the present, ", ("at",))
         self.now: Number = self._take(moment)

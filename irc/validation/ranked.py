@@ -12,7 +12,7 @@ from irc.validation.bound_schedule import bind
 from irc.validation.happenings import Edge, given_ranks, timelines_of, timing_edges
 from irc.validation.rank_graph import StepBudget
 from irc.validation.ranks import SEARCH_STEPS, STEPS_PER_OCCURRENCE, find_ranks
-from irc.validation.state import rank_changes
+from irc.validation.state import rank_changes, ranks_suit
 from irc.validation.verdict import Violations
 
 
@@ -36,7 +36,7 @@ class ScheduleRanks:
 
 
 def ranks_of(task: Task, schedule: Schedule) -> ScheduleRanks:
-    """Ranks for all entries: the given ranks, else ranks from a search.
+    """Ranks for all entries: the given ranks, else all 0 where these suit, else those of a search.
 
     Raises `NoRanksError` where no ranks exist, or where that is too hard to decide.
     """
@@ -45,11 +45,9 @@ def ranks_of(task: Task, schedule: Schedule) -> ScheduleRanks:
         bound,
         {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank},
     )
-    ranks: list[int] | None
-    if bound.ranked:
-        ranks = given_ranks(bound, timelines)
-        rank_changes(bound, timelines, ranks)
-    else:
+    ranks: list[int] | None = given_ranks(bound, timelines)
+    rank_changes(bound, timelines, ranks)
+    if not bound.ranked and not ranks_suit(bound, timelines, ranks):
         budget = StepBudget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
         violations = Violations(task.time_unit)
         ranks = find_ranks(bound, timelines, budget, violations)

@@ -62,6 +62,13 @@ def _check_given_ranks(bound: BoundSchedule, violations: Violations) -> None:
     _follow(bound, timelines, ranks, violations)
 
 
+def ranks_suit(bound: BoundSchedule, timelines: Timelines, ranks: Sequence[int]) -> bool:
+    """Whether conditions, effects and goals hold under some ranks."""
+    attempt = Violations(bound.task.time_unit)
+    _follow(bound, timelines, ranks, attempt)
+    return not attempt
+
+
 def rank_changes(bound: BoundSchedule, timelines: Timelines, ranks: list[int]) -> None:
     """Finds the ranks of timed changes, which no entry says: those with the fewest violations.
 

@@ -87,6 +87,24 @@ def test_a_timed_change_breaks_what_runs_and_is_carried() -> None:
     assert sum("needs" in message for message in carried(step)) == 2
 
 
+@pytest.mark.parametrize("number", [False, True])
+def test_a_schedule_in_force_without_ranks_has_those_under_which_it_is_valid(number: bool) -> None:
+    """At 0 `look` comes before `on`, which only ranks can say."""
+    light: dict[str, Any] = {"id": "light", "kind": "number"} if number else {"id": "light"}
+    dark: dict[str, Any] = {"equals": 0} if number else {"value": False}
+    lit: dict[str, Any] = {"add": 1} if number else {"value": True}
+    task = task_of(
+        action("look", 2, conditions=[{"at": "start", "var": "light", **dark}]),
+        action("on", 1, effects=[{"at": "start", "var": "light", **lit}]),
+        action("rest", 1),
+        state=[light],
+    )
+    step = repaired(task, plan(entry("look", 0, 2), entry("on", 0, 1), entry("rest", 1, 2)), 1)
+    assert starts(step.schedule) == {"look": 0, "on": 0, "rest": 1}
+    ranks = {e.id: e.rank for e in step.schedule.entries}
+    assert ranks["look"] < ranks["on"]
+
+
 @pytest.mark.parametrize("at", [2, 3, 4])
 def test_what_waits_for_a_timed_change_is_not_left_out(at: int) -> None:
     """Before the change, at its instant, and after it."""
