@@ -12,7 +12,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from irc.execution.executed import ExecutedActivity
-from irc.execution.numbers import without_unmet_limits
+from irc.execution.numbers import with_bounds_carried, without_unmet_limits
 from irc.execution.order_conflicts import without_broken_loads, without_broken_orders
 from irc.execution.state_conflicts import without_broken_conditions
 from irc.execution.stock_conflicts import with_stock_lent
@@ -38,7 +38,7 @@ def relaxed(
         problem, arcs=tuple(a for a in problem.arcs if not _is_broken(problem, a, executed))
     )
     problem = _with_room(problem, executed)
-    stock = state = False
+    stock = state = bounds = False
     if problem.has_setups:
         problem = _with_setups_done(problem, executed, now)
     if problem.sequences:
@@ -49,9 +49,10 @@ def relaxed(
         problem, stock = with_stock_lent(problem, executed, now, hopes=hopes)
     if problem.numbers:
         problem = without_unmet_limits(problem, executed, now)
+        problem, bounds = with_bounds_carried(problem, executed, now, hopes=hopes)
     if problem.has_state:
         problem, state = without_broken_conditions(problem, executed, now, hopes=hopes)
-    return problem, stock or state
+    return problem, stock or state or bounds
 
 
 def _without_late_deadline(problem: Problem, executed: Mapping[int, ExecutedActivity]) -> Problem:

@@ -117,6 +117,49 @@ def without_unmet_limits(
     return replace(problem, activities=tuple(activities))
 
 
+def with_bounds_carried(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], now: int, *, hopes: bool
+) -> tuple[Problem, bool]:
+    """The problem in which the history may leave the bounds of numbers, and nothing open does.
+
+    With `hopes` the bounds that only what is to come leaves are kept, for open activities may
+    prevent that; returns also whether some are.
+    """
+    hoped = False
+    for k, number in enumerate(problem.numbers):
+        levels, later = [number.initial], False
+        for change in _history(problem, executed, k):
+            levels.append(change.amount if change.sets else levels[-1] + change.amount)
+            later = later or (change.key[0] > now and not number.allows(levels[-1]))
+        if all(map(number.allows, levels[1:])):
+            continue
+        if later and hopes:
+            hoped = True
+            continue
+        problem = _leaving_bounds(problem, executed, k, levels)
+    return problem, hoped
+
+
+def _leaving_bounds(
+    problem: Problem, executed: Mapping[int, ExecutedActivity], k: int, levels: list[int]
+) -> Problem:
+    """The problem in which a number may have some levels, but open activities keep its bounds."""
+    number = problem.numbers[k]
+    least = None if number.least is None else min(number.least, *levels)
+    greatest = None if number.greatest is None else max(number.greatest, *levels)
+    numbers = list(problem.numbers)
+    numbers[k] = replace(number, least=least, greatest=greatest)
+    bounds = ProtectedLimits(-1, NumberCondition(k, number.least, number.greatest, "all"))
+    activities = list(problem.activities)
+    for j, activity in enumerate(activities):
+        if j not in executed and _may_take_away(activity, bounds):
+            its = (*activity.details.protects_limits, bounds)
+            activities[j] = replace(
+                activity, details=replace(activity.details, protects_limits=its)
+            )
+    return replace(problem, activities=tuple(activities), numbers=tuple(numbers))
+
+
 def _may_take_away(activity: Activity, protected: ProtectedLimits) -> bool:
     return any(map(protected.takes_away, activity.details.all_number_effects))
 
@@ -132,7 +175,7 @@ def with_limits_held(problem: Problem) -> Problem:
     over: dict[ProtectedLimits, int] = {}
     for activity in problem.activities:
         for p in activity.details.protects_limits:
-            if p in over:
+            if p in over or p.activity < 0:
                 continue
             over[p] = len(variables)
             who = activities[p.activity]
@@ -156,7 +199,7 @@ def _behind(activity: Activity, over: Mapping[ProtectedLimits, int]) -> Activity
             Condition(over[p], 1, "end" if e.at_end else "start")
             for p in details.protects_limits
             for e in effects
-            if p.takes_away(e)
+            if p in over and p.takes_away(e)
         )
 
     if not details.protects_limits:

@@ -140,7 +140,8 @@ class ProtectedLimits(NamedTuple):
     is within them.
 
     The activity needs the limits throughout, and they are broken; who has this in its
-    `protects_limits` does not break them again.
+    `protects_limits` does not break them again. -1 stands for the bounds of the number itself,
+    which the history leaves: they count at all times.
     """
 
     activity: int

@@ -450,8 +450,9 @@ def _protected(details: Details, way: Projection) -> Iterator[Protected]:
 def _protected_limits(details: Details, way: Projection) -> Iterator[ProtectedLimits]:
     for protected in details.protects_limits:
         kept = _of_numbers((protected.condition,), way.numbers)
-        if kept and protected.activity in way.activities.new:
-            yield ProtectedLimits(way.activities.new[protected.activity], *kept)
+        activity = way.activities.new.get(protected.activity, protected.activity)
+        if kept and (protected.activity < 0 or protected.activity in way.activities.new):
+            yield ProtectedLimits(activity, *kept)
 
 
 def with_uses(activity: Activity, kept: Sequence[int]) -> Activity:

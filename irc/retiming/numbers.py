@@ -134,7 +134,7 @@ class _NumberOrder:
         for k, change in enumerate(self.changes):
             details = self.problem.activities[change.happening.activity].details
             for p in details.protects_limits:
-                if self.problem.numbers[p.condition.number] is not self.number:
+                if p.activity < 0 or self.problem.numbers[p.condition.number] is not self.number:
                     continue
                 before, after = map(p.condition.allows, self.levels[k : k + 2])
                 if before and not after:

@@ -264,6 +264,8 @@ def random_number_case(seed: int) -> tuple[Task, Schedule, list[dict[str, Any]]]
     ]
     fuel = {"id": "fuel", "kind": "number", "initial": rng.randint(0, 4), "min": -9, "max": 9}
     if rng.random() < 0.3:
+        fuel |= {"min": 0, "max": 4}
+    if rng.random() < 0.3:
         fuel["changes"] = [{"at": rng.choice((2, 3, 5)), "value": rng.randint(0, 4)}]
     task = task_of(runs, before, *opens, state=[fuel])
     past = [entry("runs", 0, 4), entry("before", 0, before["duration"])]
@@ -292,6 +294,23 @@ def test_limits_that_are_met_again_are_not_broken_again_while_they_are_needed() 
         step = repaired(task, old, 1, empty, target=target)
         assert starts(step.schedule) == {"run": 0, "fuel at 1": 1, "fill": 1, "use": 6}
         assert sum("needs it to stay" in message for message in carried(step)) == 1
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("fills", [False, True])
+def test_a_number_that_what_runs_takes_out_of_its_bounds(target: str, fills: bool) -> None:
+    """What is open prevents that if it can; else it is carried."""
+    fill = action("fill", 1, effects=[{"at": "end", "var": "fuel", "add": 1}])
+    task = task_of(
+        action("run", 3, effects=[{"at": "end", "var": "fuel", "add": -1}]),
+        action("rest", 1),
+        *([{**fill, "occurs": "optional"}] if fills else []),
+        state=[{"id": "fuel", "kind": "number", "initial": 1, "min": 0}],
+    )
+    empty = {"op": "set_state", "var": "fuel", "value": 0}
+    step = repaired(task, plan(entry("run", 0, 3), entry("rest", 3, 4)), 1, empty, target=target)
+    assert ("fill" in starts(step.schedule)) is fills
+    assert any("stays at least 0" in message for message in carried(step)) is not fills
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -476,8 +476,11 @@ class _NumberEncoder:
                 continue
             after, when = (write.amount, [*write.when]) if write.sets else self._after(write)
             over, below, above, within = (self.model.new_bool_var("") for _ in range(4))
-            closing = self.happenings.point(protected.activity, at_end=True)
-            self.model.add(self.order.moment(write.point) >= closing).only_enforce_if(over)
+            if protected.activity < 0:
+                self.model.add(over == 0)
+            else:
+                closing = self.happenings.point(protected.activity, at_end=True)
+                self.model.add(self.order.moment(write.point) >= closing).only_enforce_if(over)
             before = self._level(write.point, "before", write.when)
             self._within(before, None, _below(limits.least), [below])
             self._within(before, _above(limits.greatest), None, [above])
