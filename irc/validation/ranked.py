@@ -45,14 +45,15 @@ def ranks_of(task: Task, schedule: Schedule) -> ScheduleRanks:
         bound,
         {o.number for o in bound.occurrences if o.start == o.end and o.rank != o.end_rank},
     )
-    ranks: list[int] | None = given_ranks(bound, timelines)
+    ranks = given_ranks(bound, timelines)
     rank_changes(bound, timelines, ranks)
     if not bound.ranked and not ranks_suit(bound, timelines, ranks):
         budget = StepBudget(SEARCH_STEPS + STEPS_PER_OCCURRENCE * len(bound.occurrences))
         violations = Violations(task.time_unit)
-        ranks = find_ranks(bound, timelines, budget, violations)
-        if ranks is None:
+        found = find_ranks(bound, timelines, budget, violations)
+        if found is None:
             raise NoRanksError("; ".join(v.message for v in violations.found) or "no ranks found")
+        ranks = found
     count = len(bound.occurrences)
     return ScheduleRanks(
         tuple(timelines.nodes[:count]),
