@@ -39,6 +39,7 @@ from irc.problem import (
     PreviousPlan,
     Problem,
     Protected,
+    ProtectedLimits,
     Ranks,
     Renewable,
     Requirement,
@@ -112,8 +113,10 @@ MEANING: dict[type, dict[str, str]] = {
         "number_conditions": "part",
         "number_effects": "part",
         "protects": "part",
+        "protects_limits": "part",
     },
     Protected: {"activity": "activities", "var": "variables", "value": PLAIN},
+    ProtectedLimits: {"activity": "activities", "condition": "part"},
     Mode: {
         **dict.fromkeys(("id", "duration_min", "duration_max", "cost"), PLAIN),
         **dict.fromkeys(("stock", "conditions", "effects"), "part"),
@@ -296,6 +299,10 @@ def random_activity(rng: random.Random, i: int, n: int, resources: int, pools: i
                 NumberEffect(rng.randrange(3), k, k == 2, k > 1) for k in range(3)
             ),
             protects=tuple(Protected(rng.randrange(n), rng.randrange(3), k) for k in range(2)),
+            protects_limits=tuple(
+                ProtectedLimits(rng.randrange(n), NumberCondition(rng.randrange(3), k, None, "all"))
+                for k in range(2)
+            ),
             reward=i,
         ),
     )
@@ -387,6 +394,7 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
             number_conditions=(),
             number_effects=(),
             protects=(),
+            protects_limits=(),
         )
         return (
             replace(a, uses=(), open_demands=(), details=rest),
@@ -418,6 +426,12 @@ def named(problem: Problem, names: Names, keeps: Keeps) -> dict[str, Any]:
                 for p in d.protects
                 if (runs := refs("activities", [p.activity]))
                 and (var := refs("variables", [p.var]))
+            ],
+            [
+                (runs, number, p.condition[1:])
+                for p in d.protects_limits
+                if (runs := refs("activities", [p.activity]))
+                and (number := refs("numbers", [p.condition.number]))
             ],
         )
 
