@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import Protocol
 
 from irc.local_search.listing import least_value, listing_of, may_list
-from irc.local_search.ways import LARGE, Found, NotApplicable, Ways, knows, units_of, ways_of
+from irc.local_search.ways import (
+    LARGE,
+    MOST_OF_A_PROJECT,
+    Found,
+    NotApplicable,
+    Ways,
+    knows,
+    units_of,
+    ways_of,
+)
 from irc.local_search.ways import may_apply as _knows_ways
 from irc.problem import Problem
 
@@ -80,7 +89,7 @@ def search_of(
 def search_with(
     ways: Ways, seed: int = 0, target: int | None = None, *, steady: bool = False
 ) -> LocalSearch:
-    """The same for the ways of a problem."""
+    """The same for ways. Raises `NotApplicable` for a project that is too large."""
     least = ways.problem.bounds.makespan.value if target is None else target
     if is_shop(ways):
         if len(ways.of) >= LARGE and not steady:
@@ -90,6 +99,8 @@ def search_with(
         from irc.local_search.shop import ShopSearch
 
         return ShopSearch(ways, seed, least, steady=steady)
+    if len(ways.of) > MOST_OF_A_PROJECT:
+        raise NotApplicable("it has too many activities for a project")
     if len(ways.of) >= LARGE and not ways.stock and not steady:
         from irc.local_search.project_windows import ProjectWindows
 

@@ -22,7 +22,14 @@ from irc.problem.horizon import safe_horizon
 MOST_WAYS = 200
 """The greatest number of ways of an activity."""
 
-MOST_ACTIVITIES = 200_000
+MOST_ACTIVITIES = 10_000
+"""The most activities for which lists are searched, with objectives and limits of any kind."""
+
+MOST_OPERATIONS = 200_000
+MOST_OF_A_PROJECT = 20_000
+"""The most activities of a shop, and of a project, whose makespan is searched. Justification takes
+more than in proportion: from the end of the schedule much has nothing that it must wait for.
+"""
 
 LARGE = 5_000
 """From so many activities on a model of the whole improves no list schedule in reasonable time."""
@@ -157,7 +164,7 @@ def _reasons_against(problem: Problem) -> Iterator[str]:
 
 
 def _general_reasons(problem: Problem) -> Iterator[str]:
-    if len(problem.activities) > MOST_ACTIVITIES:
+    if len(problem.activities) > MOST_OPERATIONS:
         yield "it has too many activities"
     if problem.objectives[0] != "makespan":
         yield f"the first objective is {problem.objectives[0]}"

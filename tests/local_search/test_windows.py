@@ -118,3 +118,9 @@ def test_large_problems_are_searched_by_windows(monkeypatch: pytest.MonkeyPatch)
     assert isinstance(search_with(ways_of(after_passes(larger_shop()))), ShopWindows)
     assert isinstance(search_with(ways_of(after_passes(larger_project()))), ProjectWindows)
     assert search.is_large(after_passes(larger_shop())) is compiled.IS_COMPILED
+
+
+def test_a_project_may_be_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "MOST_OF_A_PROJECT", 50)
+    with pytest.raises(NotApplicable, match="too many"):
+        search_with(ways_of(after_passes(larger_project())))
