@@ -472,16 +472,18 @@ def _offer_before(walk: Ints, tabu: Ints, v: int, u: int) -> None:
 @compiled
 def _offer_block(walk: Ints, tabu: Ints, first: int, last: int) -> None:
     """The moves within a critical block, from its first to its last operation."""
-    x = first
-    while x != last:
-        _offer_after(walk, tabu, x, last)
-        if x != first:
-            _offer_after(walk, tabu, first, x)
-            if walk[RIGHT, x] != last:
-                _offer_before(walk, tabu, last, x)
-        x = walk[RIGHT, x]
-        if x != walk[RIGHT, first]:
-            _offer_before(walk, tabu, x, first)
+    for side in range(2):
+        x = first
+        while True:
+            u, v = (x, last) if side == 0 else (first, x)
+            if u != v and (side == 0 or v != last):
+                _offer_after(walk, tabu, u, v)
+            u, v = (first, x) if side == 0 else (x, last)
+            if u != v and walk[RIGHT, u] != v and (side == 0 or u != first):
+                _offer_before(walk, tabu, v, u)
+            if x == last:
+                break
+            x = walk[RIGHT, x]
 
 
 @compiled
@@ -576,26 +578,32 @@ def _offer_all(shop: Shop, walk: Ints, tabu: Ints) -> None:
 def _do(shop: Shop, walk: Ints, tabu: Ints, at: int, tenure: int) -> bool:
     """Does the move at a place of `move`; whether there is one, and it makes no cycle."""
     kind, i = walk[MOVE, at + _KIND], walk[MOVE, at + _WHAT]
-    where, way = walk[MOVE, at + _WHERE], walk[MOVE, at + _TO]
-    until = walk[COUNTS, STEP] + tenure
     if kind == _NONE:
         return False
+    until = walk[COUNTS, STEP] + tenure
+    old = walk[WAY, i]
+    way = old
+    before = after = walk[MOVE, at + _WHERE]
     if kind == _ELSEWHERE:
-        old = walk[WAY, i]
+        way = walk[MOVE, at + _TO]
         m = shop[MACHINE, way]
-        after = -1
-        if m >= 0:
-            after = walk[FIRST, m] if where < 0 else walk[RIGHT, where]
+        if before >= 0:
+            after = walk[RIGHT, before]
+        elif m >= 0:
+            after = walk[FIRST, m]
         if after == i:
             after = walk[RIGHT, i]
-        if not _insert(shop, walk, i, way, where, after):
-            return False
+    else:
+        _forbid(walk, tabu, kind, i, before, until)
+        if kind == _AFTER:
+            after = walk[RIGHT, before]
+        else:
+            before = walk[LEFT, after]
+    if not _insert(shop, walk, i, way, before, after):
+        return False
+    if kind == _ELSEWHERE:
         tabu[walk[COUNTS, ORDERS] + old] = until + shop[WAY_AT, i + 1] - shop[WAY_AT, i]
-        return True
-    _forbid(walk, tabu, kind, i, where, until)
-    if kind == _AFTER:
-        return _insert(shop, walk, i, walk[WAY, i], where, walk[RIGHT, where])
-    return _insert(shop, walk, i, walk[WAY, i], walk[LEFT, where], where)
+    return True
 
 
 @compiled
@@ -617,7 +625,10 @@ def search(shop: Shop, walk: Ints, tabu: Ints, steps: int, patience: int, target
         done += 1
         _offer_all(shop, walk, tabu)
         chosen = tenure + _draw(walk, spread)
-        if not _do(shop, walk, tabu, 0, chosen) and not _do(shop, walk, tabu, _TABU, chosen):
+        moves = False
+        for at in range(0, 2 * _TABU, _TABU):
+            moves = moves or _do(shop, walk, tabu, at, chosen)
+        if not moves:
             walk[COUNTS, IMPROVED_AT] = walk[COUNTS, STEP] - patience
             break
         _keep_if_better(walk)

@@ -156,6 +156,62 @@ def test_without_a_bound_it_is_feasible_and_valid() -> None:
     assert not validate(task, told[-1].schedule()).violations
 
 
+@pytest.mark.parametrize(("workers", "searches", "rounds"), [(2, 2, [1]), (4, 3, [3, 1])])
+def test_on_a_large_shop_local_search_has_most_workers_after_a_while(
+    workers: int, searches: int, rounds: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(beside, "LARGE_SHOP", 1)
+    monkeypatch.setattr(beside, "FAIR_SHARE", 0.0)
+    monkeypatch.setattr(compiled, "IS_COMPILED", True)
+    problem = unroll(problem_for_cpsat(shop(5)).with_bound(1, "nothing is proven"), 1)
+    cancel = Cancellation()
+    counts: list[int] = []
+    asked: list[int] = []
+
+    class Counted(Improving):
+        """It is ended where CP-SAT has no worker left."""
+
+        def start(self, count: int = 1) -> None:
+            counts.append(count)
+            super().start(count)
+
+        def wait(self, budget: Budget) -> None:
+            cancel.cancel()
+
+    def ask(workers: int, budget: Budget, reporter: Reporter, ended: Callable[[], bool]) -> Any:
+        asked.append(workers)
+        if len(asked) > 1:
+            cancel.cancel()
+        status = without_answer(workers, budget, reporter, ended)
+        ended()  # CP-SAT does not end at once, and asks again.
+        return status
+
+    builder = Builder(problem, True, True)
+    built = write_model(builder)
+    budget = Budget(60, cancel=cancel)
+
+    def reporter() -> Reporter:
+        return Reporter("ortools", built, "makespan", (), budget, None)
+
+    both = Beside(builder, built, Counted(problem, 0), workers, budget, reporter, ask)
+    status, answer = both.run()
+    assert (counts, asked) == ([1, searches], rounds)
+    assert status == cp_model.FEASIBLE
+    assert retime(problem, decisions_of(built, answer))
+
+
+def test_searches_that_run_at_once_go_on_from_the_best_of_all() -> None:
+    problem = unroll(problem_for_cpsat(shop(5)).with_bound(1, "nothing is proven"), 1)
+    improving = Improving(problem, 0)
+    improving.start(2)
+    budget = Budget(60)
+    while improving.value is None and not budget.is_over:
+        improving.wait(budget.at_most(0.01))
+    improving.end()
+    assert improving.found is not None
+    assert improving.value == max(int(d.end) for d in improving.found[0])
+
+
 def test_both_together_prove_the_same_makespan_as_cp_sat_alone() -> None:
     task = shop(6)
     options = SolveOptions(time_limit=60, workers=2)

@@ -1,6 +1,7 @@
 """Runs local search beside CP-SAT on the first objective, each from what the other has found.
 
-CP-SAT begins alone: most tasks it proves at once. Then local search takes one of the workers. While
+CP-SAT begins alone: most tasks it proves at once. Then local search takes one of the workers. On a
+large shop it has one from the beginning, and after a while most of them. While
 both run, each better schedule of CP-SAT goes to the local search. At times that double, CP-SAT
 begins again where local search has a better schedule: with that as its hint, and with its value as
 an upper bound. A schedule that meets a proven bound, of the compiler or of CP-SAT, ends both.
@@ -9,12 +10,14 @@ an upper bound. A schedule that meets a proven bound, of the compiler or of CP-S
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 from ortools.sat.python import cp_model
 
 from irc.local_search.listing import least_value
 from irc.local_search.ways import knows
+from irc.problem import Problem
 from irc.targets import Budget, EngineFailed, Exchange
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.hints import hint_at
@@ -37,6 +40,24 @@ LEAST_SECONDS = 1.5
 EXCHANGE_SECONDS = 1.5
 EXCHANGE_FACTOR = 2.0
 """When CP-SAT first begins again, and by how much later each further time."""
+
+LARGE_SHOP = 300
+"""Operations of a shop from which CP-SAT in general neither proves a schedule within seconds nor
+finds the better ones (docs/benchmarks.md).
+"""
+
+FAIR_SHARE = 0.25
+FAIR_SECONDS = 60.0
+NEAR = Fraction(1, 100)
+"""The part of the time limit, and the most, after which local search takes over a large shop. It
+does not where the bound is as near as this to the best schedule.
+"""
+
+KEPT = 4
+"""CP-SAT keeps one of so many workers then."""
+
+_LOOK_SECONDS = 0.03
+"""Between two looks at the local search where CP-SAT has no worker."""
 
 Ask = Callable[[int, Budget, Reporter, Callable[[], bool]], Any]
 """(workers, budget, callback, whether to end now) → status of a search of the model."""
@@ -65,6 +86,9 @@ class Beside:
         self._exchange_at = EXCHANGE_SECONDS
         share = min(MOST_ALONE_SECONDS, ALONE_SHARE * budget.limit)
         self._alone = max(ALONE_SECONDS, share)
+        self._is_large_shop = workers > 1 and is_large_shop(improving.problem)
+        self._fair = min(FAIR_SECONDS, FAIR_SHARE * budget.limit)
+        self._has_taken_over = False
         self._aim = built.values[built.problem.objectives[0]]
         self._bound = least_value(improving.problem)
         self._best: FoundSolution | None = None
@@ -75,6 +99,8 @@ class Beside:
 
     def run(self) -> tuple[Any, Reached]:
         """The status, and the best schedule with the best bound."""
+        if self._is_large_shop:
+            self.improving.start()
         try:
             while True:
                 status = self._round()
@@ -94,15 +120,32 @@ class Beside:
     def _round(self) -> Any:
         """One search of CP-SAT, until it ends or something makes it begin again."""
         reporter = self._reporter()
-        alone = not self.improving.has_begun
-        workers = self.workers if alone else max(1, self.workers - 1)
+        workers = self._solver_workers
         self._ended = False
-        status = self._ask(workers, self.budget, reporter, lambda: self._ends(reporter))
+        if workers:
+            status = self._ask(workers, self.budget, reporter, lambda: self._ends(reporter))
+        else:
+            status = self._wait(reporter)
         self._take(reporter)
+        self._share()
         return status
 
+    @property
+    def _solver_workers(self) -> int:
+        """The workers of CP-SAT in the next round."""
+        if self._has_taken_over:
+            return self.workers // KEPT
+        return max(1, self.workers - 1) if self.improving.has_begun else self.workers
+
+    def _wait(self, reporter: Reporter) -> Any:
+        """Lets local search run alone until the time is over or a bound is met."""
+        while not self.budget.is_over and not self._ends(reporter):
+            self.improving.wait(self.budget.at_most(_LOOK_SECONDS))
+        return cp_model.UNKNOWN
+
     def _ends(self, reporter: Reporter) -> bool:
-        self._ended = self._looks(reporter)
+        """Whether this round is to end: CP-SAT, which takes a while to, asks again meanwhile."""
+        self._ended = self._ended or self._looks(reporter)
         return self._ended
 
     def _looks(self, reporter: Reporter) -> bool:
@@ -123,8 +166,25 @@ class Beside:
         self._tell(reporter, value)
         if value <= self._bound:
             return True
-        ahead = self._best_value is None or value < self._best_value
-        return ahead and elapsed >= self._exchange_at
+        if self._best_value is not None and value >= self._best_value:
+            return False
+        if self._is_time_to_take_over(value):
+            self._has_taken_over = True
+            self.improving.start(self.workers - self._solver_workers)
+            return True
+        return self._solver_workers > 0 and elapsed >= self._exchange_at
+
+    def _is_time_to_take_over(self, value: int) -> bool:
+        """Whether local search, whose schedule is the better one, gets most workers from now on."""
+        from irc.local_search import compiled
+
+        return (
+            self._is_large_shop
+            and compiled.IS_COMPILED
+            and not self._has_taken_over
+            and self.budget.elapsed >= self._fair
+            and value - self._bound > NEAR * value
+        )
 
     def _tell(self, reporter: Reporter, value: int) -> None:
         """Reports a better schedule of the local search."""
@@ -208,3 +268,12 @@ class Beside:
         if best is None:
             return cp_model.UNKNOWN, answer
         return (cp_model.OPTIMAL if best <= self._bound else cp_model.FEASIBLE), answer
+
+
+def is_large_shop(problem: Problem) -> bool:
+    """Whether a problem has so many operations, and machines that do one at a time, and no more."""
+    return (
+        len(problem.activities) >= LARGE_SHOP
+        and all(pool.capacity == 1 for pool in problem.contention.pools)
+        and knows(problem)
+    )

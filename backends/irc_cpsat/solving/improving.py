@@ -1,8 +1,8 @@
-"""A local search in a thread of its own, which takes and gives schedules while it runs."""
+"""Local searches in threads of their own, which take and give schedules while they run."""
 
 from __future__ import annotations
 
-from threading import Event, Thread
+from threading import Event, Lock, Thread
 
 from irc.local_search.listing import least_value
 from irc.local_search.search import LocalSearch, search_of
@@ -19,20 +19,21 @@ class Improving:
     """A local search of a problem. `value` is that of `found`, the best schedule so far, for the
     first objective.
 
-    It finds none where the problem has something that it does not know about. Schedules that end
-    after the deadline or the horizon do not count. An exception of the search is
-    raised by `check`.
+    Several searches, with other seeds, can run at once; each gets what another has found. They find
+    nothing where the problem has something that they do not know about. Schedules that end after
+    the deadline or the horizon do not count. An exception of a search is raised by `check`.
     """
 
     def __init__(self, problem: Problem, seed: int, *, steady: bool = False) -> None:
         self.value: int | None = None
         self.found: Found | None = None
         self.problem, self._seed, self._steady = problem, seed, steady
-        self._given: Found | None = None
+        self._given: dict[int, Found] = {}
         self._error: BaseException | None = None
         self._ended = Event()
-        self._thread: Thread | None = None
-        self._search: LocalSearch | None = None
+        self._found_one = Lock()
+        self._threads: list[Thread] = []
+        self._searches: dict[int, LocalSearch] = {}
         self._least = least_value(problem)
 
     @property
@@ -49,41 +50,48 @@ class Improving:
     @property
     def has_begun(self) -> bool:
         """Whether the search runs, or has run."""
-        return self._thread is not None
+        return bool(self._threads)
 
     @property
     def is_met(self) -> bool:
         """Whether no schedule can be better."""
         return self.value is not None and self.value <= self._least
 
-    def start(self) -> None:
-        """Lets the search run beside the caller until it is ended, or has met the bound."""
-        self._thread = Thread(target=self._run, name="irc-local-search", daemon=True)
-        self._thread.start()
+    def start(self, count: int = 1) -> None:
+        """Lets the search run beside the caller until it is ended, or has met the bound.
+
+        Where it runs already, others join it until there are `count`.
+        """
+        for number in range(len(self._threads), count):
+            thread = Thread(
+                target=self._run, args=(number,), name=f"irc-local-search-{number}", daemon=True
+            )
+            self._threads.append(thread)
+            thread.start()
 
     def wait(self, budget: Budget) -> None:
         """Waits until the search has met the bound, or the budget is over."""
-        assert self._thread is not None
-        while self._thread.is_alive() and not budget.is_over:
-            self._thread.join(_LOOK_SECONDS)
+        while not budget.is_over and (alive := [t for t in self._threads if t.is_alive()]):
+            alive[0].join(_LOOK_SECONDS)
         self.check()
 
     def give(self, found: Found, value: int) -> None:
         """Gives a schedule that the search may go on from, where it has no better one."""
         if self.value is None or value < self.value:
-            self._given = found
+            self._give_all(found)
 
     def take(self, found: Found, value: int) -> None:
         """Takes a schedule of another process as if it had been found here."""
-        if self.value is None or value < self.value:
-            self._given = found
-            self.found, self.value = found, value
+        with self._found_one:
+            if self.value is None or value < self.value:
+                self._give_all(found)
+                self.found, self.value = found, value
 
     def end(self) -> None:
         """Ends the search."""
         self._ended.set()
-        if self._thread is not None:
-            self._thread.join(_PATIENCE_SECONDS)
+        for thread in self._threads:
+            thread.join(_PATIENCE_SECONDS)
 
     def check(self) -> None:
         """Raises what the search has raised."""
@@ -92,31 +100,45 @@ class Improving:
 
     def begin(self) -> bool:
         """Reads the problem; False where it has something that the search does not know about."""
+        return self._begin(0)
+
+    def step(self) -> bool:
+        """Searches on for a little while, in the caller's thread; False: the bound is met."""
+        return self._step(0)
+
+    def _begin(self, number: int) -> bool:
         try:
-            self._search = search_of(self.problem, self._seed, steady=self._steady)
+            seed = self._seed + number
+            self._searches[number] = search_of(self.problem, seed, steady=self._steady)
         except NotApplicable:
             return False
         return True
 
-    def step(self) -> bool:
-        """Searches on for a little while, in the caller's thread; False: the bound is met."""
-        assert self._search is not None
-        if (given := self._given) is not None:
-            self._given = None
-            self._search.give(given)
-        self._search.step()
-        value = self._search.value
+    def _step(self, number: int) -> bool:
+        search = self._searches[number]
+        if (given := self._given.pop(number, None)) is not None:
+            search.give(given)
+        search.step()
+        value = search.value
         if value is None or any(value > limit for limit in self._limits):
             return True
-        if self.value is None or value < self.value:
-            self.found = self._search.found()
-            self.value = value
-        return value > self._least
+        with self._found_one:
+            if self.value is None or value < self.value:
+                self.found = search.found()
+                self.value = value
+                assert self.found is not None
+                self._give_all(self.found, but=number)
+        return not self.is_met
 
-    def _run(self) -> None:
+    def _give_all(self, found: Found, but: int | None = None) -> None:
+        """Gives a schedule to all searches (but one, whose own it is)."""
+        for number in {*range(max(1, len(self._threads)))} - {but}:
+            self._given[number] = found
+
+    def _run(self, number: int) -> None:
         try:
-            going = self.begin()
+            going = self._begin(number)
             while going and not self._ended.is_set():
-                going = self.step()
+                going = self._step(number)
         except BaseException as error:  # noqa: BLE001 - `check` raises it where the call waits
             self._error = error
