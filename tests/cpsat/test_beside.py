@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -12,6 +13,7 @@ from ortools.sat.python import cp_model
 from builders import Document, act, problem_for_cpsat
 from irc.driver.solve import solve_by, solve_task
 from irc.local_search import compiled
+from irc.local_search.ways import Found
 from irc.model import Task
 from irc.passes.unroll import unroll
 from irc.problem import Problem
@@ -32,7 +34,7 @@ from irc.validation import validate
 from irc_cpsat.encoding.builder import Builder, Model
 from irc_cpsat.encoding.encode import write_model
 from irc_cpsat.engines import OrTools
-from irc_cpsat.solving import beside
+from irc_cpsat.solving import beside, improving
 from irc_cpsat.solving.beside import Beside
 from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.reporting import Reporter
@@ -161,6 +163,7 @@ def test_on_a_large_shop_local_search_has_most_workers_after_a_while(
     workers: int, searches: int, rounds: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(beside, "LARGE_SHOP", 1)
+    monkeypatch.setattr(improving, "SMALL", 0)
     monkeypatch.setattr(beside, "FAIR_SHARE", 0.0)
     monkeypatch.setattr(compiled, "IS_COMPILED", True)
     problem = unroll(problem_for_cpsat(shop(5)).with_bound(1, "nothing is proven"), 1)
@@ -198,6 +201,41 @@ def test_on_a_large_shop_local_search_has_most_workers_after_a_while(
     assert (counts, asked) == ([1, searches], rounds)
     assert status == cp_model.FEASIBLE
     assert retime(problem, decisions_of(built, answer))
+
+
+class Counting:
+    """A search that finds nothing."""
+
+    value = None
+    steps = 0
+
+    def step(self) -> None:
+        self.steps += 1
+        time.sleep(0.001)
+
+    def give(self, found: Found) -> None:
+        self.given = found
+
+
+def test_the_search_of_a_small_problem_rests_until_it_is_given_something(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = Counting()
+    monkeypatch.setattr(improving, "_REST_AFTER_SECONDS", 0.0)
+    monkeypatch.setattr(improving, "search_of", lambda *_values, **_named: search)
+    small = Improving(unroll(problem_for_cpsat(shop(3)), 1), 0)
+    assert small.rests
+    small.start()
+    small.wait(Budget(0.3))
+    assert (resting := search.steps) > 0
+    small.wait(Budget(0.2))
+    assert search.steps == resting
+    small.give(((), ()), 100)
+    small.wait(Budget(0.3))
+    assert search.given == ((), ())
+    assert search.steps > resting
+    small.end()
+    assert not any(thread.is_alive() for thread in small._threads)
 
 
 def test_searches_that_run_at_once_go_on_from_the_best_of_all() -> None:

@@ -1,10 +1,11 @@
 """Runs local search beside CP-SAT on the first objective, each from what the other has found.
 
 CP-SAT begins alone: most tasks it proves at once. Then local search takes one of the workers. On a
-large shop it has one from the beginning, and after a while most of them. While
-both run, each better schedule of CP-SAT goes to the local search. At times that double, CP-SAT
-begins again where local search has a better schedule: with that as its hint, and with its value as
-an upper bound. A schedule that meets a proven bound, of the compiler or of CP-SAT, ends both.
+large shop it has one from the beginning, and after a while most of them; on a small task it takes
+none, but rests when it finds nothing better. While both run, each better schedule of CP-SAT goes to
+the local search. At times that double, CP-SAT begins again where local search has a better
+schedule: with that as its hint, and with its value as an upper bound. A schedule that meets a
+proven bound, of the compiler or of CP-SAT, ends both.
 """
 
 from __future__ import annotations
@@ -135,7 +136,8 @@ class Beside:
         """The workers of CP-SAT in the next round."""
         if self._has_taken_over:
             return self.workers // KEPT
-        return max(1, self.workers - 1) if self.improving.has_begun else self.workers
+        shares = self.improving.has_begun and not self.improving.rests
+        return max(1, self.workers - 1) if shares else self.workers
 
     def _wait(self, reporter: Reporter) -> Any:
         """Lets local search run alone until the time is over or a bound is met."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from threading import Event, Lock, Thread
 
 from irc.local_search.listing import least_value
@@ -14,6 +15,12 @@ _LOOK_SECONDS = 0.02
 _PATIENCE_SECONDS = 0.5
 """A step that takes longer (a first one that still compiles) is not waited for at the end."""
 
+SMALL = 40
+"""Activities up to which CP-SAT mostly proves a schedule within seconds, with all workers."""
+
+_REST_AFTER_SECONDS = 1.0
+"""The processor time without a better schedule after which a small problem's search rests."""
+
 
 class Improving:
     """A local search of a problem. `value` is that of `found`, the best schedule so far, for the
@@ -21,7 +28,9 @@ class Improving:
 
     Several searches, with other seeds, can run at once; each gets what another has found. They find
     nothing where the problem has something that they do not know about. Schedules that end after
-    the deadline or the horizon do not count. An exception of a search is raised by `check`.
+    the deadline or the horizon do not count. The search of a small problem rests when it finds
+    nothing better for a while, until it is given something. An exception of a search is raised by
+    `check`.
     """
 
     def __init__(self, problem: Problem, seed: int, *, steady: bool = False) -> None:
@@ -31,6 +40,7 @@ class Improving:
         self._given: dict[int, Found] = {}
         self._error: BaseException | None = None
         self._ended = Event()
+        self._given_one = Event()
         self._found_one = Lock()
         self._threads: list[Thread] = []
         self._searches: dict[int, LocalSearch] = {}
@@ -46,6 +56,11 @@ class Improving:
             return []
         known = self.problem.deadline, self.problem.horizon
         return [limit for limit in known if limit is not None]
+
+    @property
+    def rests(self) -> bool:
+        """Whether the search takes little of the time, so that CP-SAT can keep all workers."""
+        return len(self.problem.activities) <= SMALL
 
     @property
     def has_begun(self) -> bool:
@@ -90,6 +105,7 @@ class Improving:
     def end(self) -> None:
         """Ends the search."""
         self._ended.set()
+        self._given_one.set()
         for thread in self._threads:
             thread.join(_PATIENCE_SECONDS)
 
@@ -134,11 +150,19 @@ class Improving:
         """Gives a schedule to all searches (but one, whose own it is)."""
         for number in {*range(max(1, len(self._threads)))} - {but}:
             self._given[number] = found
+        self._given_one.set()
 
     def _run(self, number: int) -> None:
         try:
             going = self._begin(number)
+            value, since = self.value, time.thread_time()
             while going and not self._ended.is_set():
                 going = self._step(number)
+                if self.value != value:
+                    value, since = self.value, time.thread_time()
+                elif self.rests and time.thread_time() - since > _REST_AFTER_SECONDS:
+                    self._given_one.wait()
+                    self._given_one.clear()
+                    since = time.thread_time()
         except BaseException as error:  # noqa: BLE001 - `check` raises it where the call waits
             self._error = error
