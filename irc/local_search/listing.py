@@ -446,7 +446,7 @@ def _width(
 
 
 def _endings(problem: Problem) -> tuple[Ints, ...]:
-    """What activities end: themselves, and groups with a due date or flow time."""
+    """Lists what each activity ends: itself, and groups with a due date or flow time."""
     grouped = {i for group in problem.groups for i in group.members}
     by_activity: list[list[int]] = [[] for _ in problem.activities]
     rows: list[tuple[int, int, int, int]] = []

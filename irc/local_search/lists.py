@@ -509,7 +509,7 @@ def _shares(plan: Ints, work: Ints, i: int) -> bool:
 
 @compiled
 def _walk(plan: Ints, work: Ints, at: int, count: int, earlier: bool) -> int:
-    """The place in the list of the rival that is so many before (or behind) a place."""
+    """The place in the list of the `count`-th rival before (or behind) a place."""
     n = work[COUNTS, SIZE]
     to = at
     k = at

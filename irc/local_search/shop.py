@@ -49,8 +49,7 @@ MOST_ARCS = 1 << 22
 
 ELITE = 8
 RENEWAL = 100
-"""After so many solutions none of which is the best so far, the elite is the best one and new ones.
-"""
+"""After this many solutions without a new best one, the elite is the best one and new ones."""
 
 SPREAD = 0.3
 """The urgency of operations in the first solutions is more or less by up to this share."""

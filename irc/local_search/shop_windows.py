@@ -1,7 +1,7 @@
 """Searches large shops window by window: list schedules first, then tabu search in a part of time.
 
-A window is a contiguous part of a topological order by start. What is before it gives its
-operations releases, and what is behind it a time that must still follow: to the makespan of the
+A window is a contiguous part of a topological order by start. The operations before it give its
+operations releases, and those behind it give times that must still follow: to the makespan of the
 whole, nothing else matters, since no path leaves a window and comes back. So tabu search works on
 the window alone, with an operation without a machine for each time that must follow. Windows
 overlap by half, and pass through the schedule again and again, with more patience each time. An

@@ -32,7 +32,9 @@ more than in proportion: from the end of the schedule much has nothing that it m
 """
 
 LARGE = 5_000
-"""From so many activities on a model of the whole improves no list schedule in reasonable time."""
+"""From this many activities on, a model of the whole improves no list schedule in reasonable
+time.
+"""
 
 LATEST_TIME = 1 << 50
 """Sums of times must stay below this."""

@@ -1,4 +1,4 @@
-"""What passes find out: contended pools, choices fixed without loss, lower bounds."""
+"""Results of passes: contended pools, choices fixed without loss, lower bounds."""
 
 from __future__ import annotations
 

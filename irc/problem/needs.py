@@ -1,4 +1,4 @@
-"""What an activity needs and does: resources, stock, conditions, effects, its modes."""
+"""The resources, stock, conditions, effects and modes of an activity."""
 
 from __future__ import annotations
 

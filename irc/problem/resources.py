@@ -1,4 +1,4 @@
-"""What can be held or taken: renewable resources with windows and set-ups, calendars, stock."""
+"""All that can be held or taken: renewable resources with windows and set-ups, calendars, stock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has a value that changes: state variables and number variables."""
+"""All that has a value that changes: state variables and number variables."""
 
 from __future__ import annotations
 

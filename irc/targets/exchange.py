@@ -1,4 +1,4 @@
-"""What several searches for one problem tell each other while they run."""
+"""An exchange among several searches for one problem while they run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Exchange:
 
     Values are whole numbers, times in ticks. A list schedule is one of `irc.local_search`, of the
     problem that all of the searches have. An engine offers what it finds and takes what is better
-    than its own; whoever carries it to other processes does the same. All of it may be called by
+    than its own; code that carries it to other processes does the same. All of it may be called by
     any thread.
     """
 

@@ -44,5 +44,5 @@ def test_the_commands_and_the_python_api_have_a_page(monkeypatch: pytest.MonkeyP
         assert option in commands
     assert "## irc eval reproduce" in commands
     api = "\n".join(hooks._api())
-    for name in ("irc.api.task.Task", "irc.api.calls.solve", "irc.schedule.Schedule"):
+    for name in ("irc.api.task.Task", "irc.api.calls.solve", "irc.schedule.schedule.Schedule"):
         assert f"::: {name}\n" in api

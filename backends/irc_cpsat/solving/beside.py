@@ -55,7 +55,7 @@ does not where the bound is as near as this to the best schedule.
 """
 
 KEPT = 4
-"""CP-SAT keeps one of so many workers then."""
+"""CP-SAT keeps one worker of this many then."""
 
 _LOOK_SECONDS = 0.03
 """Between two looks at the local search where CP-SAT has no worker."""
@@ -273,7 +273,7 @@ class Beside:
 
 
 def is_large_shop(problem: Problem) -> bool:
-    """Whether a problem has so many operations, and machines that do one at a time, and no more."""
+    """Whether a problem has LARGE_SHOP or more operations, machines of capacity 1, and no more."""
     return (
         len(problem.activities) >= LARGE_SHOP
         and all(pool.capacity == 1 for pool in problem.contention.pools)

@@ -27,12 +27,12 @@ def large_outcome(
     improving = Improving(problem, seed)
     if not is_large(problem) or not improving.begin():
         return None
-    told: int | None = None
+    reported: int | None = None
     while improving.step() and not budget.is_over:
         if improving.found is None and budget.elapsed > PATIENCE * budget.limit:
             return None
-        if on_progress is not None and improving.value != told:
-            told = improving.value
+        if on_progress is not None and improving.value != reported:
+            reported = improving.value
             _tell(improving, budget, on_progress)
     if improving.found is None:
         return None

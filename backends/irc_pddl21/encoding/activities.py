@@ -43,7 +43,7 @@ class Elements(NamedTuple):
     declined: frozenset[int]
 
     def are_alone(self, i: int, activity: Activity) -> bool:
-        """Whether nothing but time and precedence is said of an activity."""
+        """Whether an activity has nothing but time and precedence."""
         return (
             activity.details is PLAIN
             and not activity.open_demands
@@ -117,7 +117,7 @@ class _ActivityEncoder:
             self._add_reusable(i, variants, occurrences)
 
     def _additions(self, i: int, variant: Variant) -> list[Additions] | None:
-        """What couplings and set-ups add to a variant; None where it contradicts itself."""
+        """The additions of couplings and set-ups to a variant; None where it contradicts itself."""
         activity = in_mode(self.builder.problem.activities[i], variant.mode)
         ties = self.elements.couplings.of(i, variant)
         if ties is None or self._contradicts_itself(activity, instant=not variant.span[1]):

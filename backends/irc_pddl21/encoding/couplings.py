@@ -22,14 +22,14 @@ Held = Mapping[int, int]
 
 @dataclass
 class CouplingFacts:
-    """What couplings add to the variants of their `members` (activities, by index)."""
+    """The additions of couplings to the variants of their `members` (activities, by index)."""
 
     problem: Problem
     members: set[int] = field(default_factory=set)
     rules: list[_Rule] = field(default_factory=list)
 
     def of(self, i: int, variant: Variant) -> list[Additions] | None:
-        """What couplings add to a variant; None where it contradicts one by itself."""
+        """The additions of couplings to a variant; None where it contradicts one by itself."""
         found = [rule.additions(i, variant) for rule in self.rules if i in self.members]
         return None if None in found else [each for each in found if each is not None]
 
@@ -60,7 +60,7 @@ class _Rule:
         self.coupling, self.number = coupling, number
 
     def additions(self, i: int, variant: Variant) -> Additions | None:
-        """What is added to a variant of activity i; None where the variant alone breaks it."""
+        """The additions to a variant of activity i; None where that alone breaks the coupling."""
         raise NotImplementedError
 
     def new_fact(self, text: str) -> str:
@@ -74,7 +74,7 @@ class _Rule:
         return (member for member in self.coupling.members if member.activity == i)
 
     def chosen(self, member: CoupledChoice, variant: Variant) -> frozenset[Hashable]:
-        """What a variant of a member chooses: a mode (its name), or the resources that it holds."""
+        """The choice of a variant of a member: a mode (its name), or the resources it holds."""
         activity = self.problem.activities[member.activity]
         if self.coupling.what == "mode":
             return frozenset([mode_name(activity, variant)])

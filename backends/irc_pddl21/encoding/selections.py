@@ -1,9 +1,9 @@
 """Selections in PDDL: a counter of the items that are present.
 
 Without a condition the counter has its limits in the goal, and no item begins beyond the greatest
-number. "All or none", and a selection that only binds where something else is present, are settled
+number. "All or none", and a selection that only binds where something else is present, are decided
 by a planner-only instant instead: once it has found the right number, no further item begins. Where
-the condition is absent, another instant settles the selection, and what it is about cannot begin.
+the condition is absent, another instant decides the selection, and what it is about cannot begin.
 
 An item begins with the start of the first of its activities, which are present together.
 """
@@ -20,12 +20,12 @@ from irc_pddl21.encoding.pddl import Additions, NumericCondition, NumericEffect,
 
 @dataclass
 class SelectionFacts:
-    """What selections add to the start of the first activity (by index) of an item."""
+    """The additions of selections to the start of the first activity (by index) of an item."""
 
     additions: dict[int, list[Additions]] = field(default_factory=dict)
 
     def of(self, i: int) -> list[Additions]:
-        """What is added to the start of an activity."""
+        """The additions to the start of an activity."""
         return self.additions.get(i, [])
 
     def add(self, i: int, additions: Additions) -> None:
@@ -73,7 +73,7 @@ class _SelectionEncoder:
         if always and not self.selection.all_or_none:
             self._add_range()
         else:
-            self._add_settled(None if always else condition)
+            self._add_decisions(None if always else condition)
 
     def _limits(self) -> list[NumericCondition]:
         """The limits on the number of items that are not kept in any case."""
@@ -93,11 +93,11 @@ class _SelectionEncoder:
             needs = (NumericCondition("start", "<=", self.counter, most - 1),)
         self._count(Additions(needs=needs))
 
-    def _add_settled(self, condition: tuple[int, ...] | None) -> None:
-        """Adds the instants that settle the selection."""
-        open_ = self._fact(f"open_selection_{self.k}", "no instant has settled it", initially=True)
-        settled = self._fact(f"settled_selection_{self.k}", "it is kept")
-        self.builder.encoding.goal.append(settled)
+    def _add_decisions(self, condition: tuple[int, ...] | None) -> None:
+        """Adds the instants that decide the selection."""
+        open_ = self._fact(f"open_selection_{self.k}", "no instant has decided it", initially=True)
+        decided = self._fact(f"decided_selection_{self.k}", "it is kept")
+        self.builder.encoding.goal.append(decided)
         self._count(Additions(at_start=(open_,)))
         everything = self.there + len(self.free)
         ways = [("keep", self._limits())]
@@ -107,28 +107,28 @@ class _SelectionEncoder:
                 ("all_of", [NumericCondition("start", ">=", self.counter, everything)]),
             ]
         for verb, needs in ways:
-            self._add_instant(f"{verb}_selection_{self.k}", open_, settled, needs)
+            self._add_instant(f"{verb}_selection_{self.k}", open_, decided, needs)
         if condition is not None:
             met = self._fact(f"met_selection_{self.k}", "its condition may begin", initially=True)
             self.found.add(condition[0], Additions(at_start=(met,)))
-            self._add_instant(f"without_selection_{self.k}", met, settled, [])
+            self._add_instant(f"without_selection_{self.k}", met, decided, [])
             begun = self._fact(f"unmet_selection_{self.k}", "it may not apply", initially=True)
             self.found.add(condition[0], Additions(start_deletes=(begun,)))
             self.builder.encoding.operators[-1].at_start.append(begun)
 
     def _add_instant(
-        self, text: str, fact: str, settled: str, needs: list[NumericCondition]
+        self, text: str, fact: str, decided: str, needs: list[NumericCondition]
     ) -> None:
-        """An instant that settles the selection and takes a fact away."""
+        """An instant that decides the selection and takes a fact away."""
         operator = Operator(
             self.builder.names.new(text),
             None,
             at_start=[fact],
             start_deletes=[fact],
-            start_adds=[settled],
+            start_adds=[decided],
             needs=needs,
         )
-        self.builder.add_helper(operator, f"selection {self.selection.origin + 1} is settled")
+        self.builder.add_helper(operator, f"selection {self.selection.origin + 1} is decided")
 
     def _fact(self, text: str, meaning: str, *, initially: bool = False) -> str:
         name = self.builder.names.new(text)

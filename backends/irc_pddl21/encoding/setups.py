@@ -56,7 +56,7 @@ class _Resource:
 
 @dataclass
 class SetupFacts:
-    """What set-ups add to the variants that use resources which have them.
+    """The additions of set-ups to the variants that use resources which have them.
 
     `resources` are those (by the index of their pools).
     """
@@ -65,7 +65,7 @@ class SetupFacts:
     resources: dict[int, _Resource] = field(default_factory=dict)
 
     def of(self, i: int, variant: Variant) -> list[Additions]:
-        """What is added to a variant of activity i."""
+        """The additions to a variant of activity i."""
         found = []
         activity = self.problem.activities[i]
         for demand, r in zip(variant.demands, variant.resources, strict=True):

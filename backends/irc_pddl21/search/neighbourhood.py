@@ -52,13 +52,13 @@ def near(problem: Problem, known: Places, free: frozenset[int]) -> Problem:
     overlap in pairs have a time in common (Helly), at which there was room for all of them.
     """
     fixed = {i: place for i, place in known.items() if i not in free}
-    settled = _settled_pools(problem, fixed)
+    fixed_pools = _fixed_pools(problem, fixed)
     arcs = {(a, b) for users in _users(problem, fixed).values() for a, b in _orders(users, fixed)}
     held = {(a.before, a.after) for a in problem.arcs if a.from_end and not a.to_end}
     return replace(
         problem,
         activities=tuple(
-            _with_choice(a, fixed[i][1], settled) if i in fixed and not a.details.modes else a
+            _with_choice(a, fixed[i][1], fixed_pools) if i in fixed and not a.details.modes else a
             for i, a in enumerate(problem.activities)
         ),
         arcs=(*problem.arcs, *(Arc(a, b, origin=-1) for a, b in sorted(arcs - held))),
@@ -93,9 +93,9 @@ def _orders(users: list[int], fixed: Places) -> Iterator[tuple[int, int]]:
             yield from ((i, j) for i in ended if fixed[i][0].end > latest)
 
 
-def _settled_pools(problem: Problem, fixed: Places) -> set[int]:
+def _fixed_pools(problem: Problem, fixed: Places) -> set[int]:
     """The pools of constant capacity, without set-ups, of which fixed activities are all users."""
-    settled = {
+    fixed_pools = {
         r
         for r, pool in enumerate(problem.contention.pools)
         if not (pool.windows or any(problem.resources[k].is_ordered for k in pool.members))
@@ -104,17 +104,17 @@ def _settled_pools(problem: Problem, fixed: Places) -> set[int]:
         kept = i in fixed and fixed[i][0].end > fixed[i][0].start and not activity.details.modes
         for demand in activity.open_demands:
             if not kept or len(demand.alternatives) > 1:
-                settled -= set(demand.alternatives)
-    return settled
+                fixed_pools -= set(demand.alternatives)
+    return fixed_pools
 
 
-def _with_choice(activity: Activity, choice: Choice, settled: set[int]) -> Activity:
+def _with_choice(activity: Activity, choice: Choice, fixed_pools: set[int]) -> Activity:
     return replace(
         activity,
         open_demands=tuple(
             demand._replace(alternatives=(r,))
             for demand, r in zip(activity.open_demands, choice, strict=True)
-            if r not in settled
+            if r not in fixed_pools
         ),
     )
 

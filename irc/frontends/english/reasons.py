@@ -140,7 +140,7 @@ REASONS: Mapping[str, tuple[Code, str, str]] = {
     ),
     "amount": (
         Code.AMBIGUOUS,
-        "there are not so many of them",
+        "the step cannot use this number of them",
         'say "Step 2 uses 2 of the 3 bowls.", with a first number from 1 to the second one',
     ),
     "how many": (

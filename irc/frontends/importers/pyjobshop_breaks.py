@@ -52,7 +52,7 @@ class BreakReader:
         return [] if resource in self._idled else self._windows(resource)
 
     def open(self, resource: int, demand: int) -> list[dict[str, Any]]:
-        """What a mode that names a resource uses for its breaks, besides the resource itself."""
+        """The uses of a mode that names a resource for its breaks, besides the resource itself."""
         kind = kind_of(self.resources[resource].value)
         held = kind == "machine" or (kind == "renewable" and demand)
         if not self._has_breaks(resource) or (held and resource not in self._idled):
