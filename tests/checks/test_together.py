@@ -53,13 +53,6 @@ def test_one_kind_of_coupling_at_a_time() -> None:
     assert "needs one of 'same', 'different'" in str(report)
 
 
-def test_pddl21_refuses_them_with_their_place() -> None:
-    task = irc.Task(actions=ACTIONS, resources=RESOURCES, select=[{"actions": ["b"], "min": 1}])
-    with pytest.raises(irc.InputError) as refused:
-        irc.solve(task, "pddl21")
-    assert [error.code.id for error in refused.value.report.errors] == ["IRC501"]
-
-
 def test_a_cancelled_action_leaves_its_selection() -> None:
     task = irc.Task(
         actions=[
