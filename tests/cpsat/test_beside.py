@@ -163,7 +163,7 @@ def test_on_a_large_shop_local_search_has_most_workers_after_a_while(
     workers: int, searches: int, rounds: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(beside, "LARGE_SHOP", 1)
-    monkeypatch.setattr(improving, "SMALL", 0)
+    monkeypatch.setattr(improving, "SMALL_SHOP", 0)
     monkeypatch.setattr(beside, "FAIR_SHARE", 0.0)
     monkeypatch.setattr(compiled, "IS_COMPILED", True)
     problem = unroll(problem_for_cpsat(shop(5)).with_bound(1, "nothing is proven"), 1)

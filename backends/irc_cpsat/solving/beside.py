@@ -10,6 +10,7 @@ proven bound, of the compiler or of CP-SAT, ends both.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -228,7 +229,8 @@ class Beside:
         if self.workers == 1 and self.improving.value is None:
             self._search_alone()
         while self._exchange_at <= self.budget.elapsed:
-            self._exchange_at *= EXCHANGE_FACTOR
+            # (Of a small task what CP-SAT has learned may be close to a proof.)
+            self._exchange_at *= math.inf if self.improving.rests else EXCHANGE_FACTOR
         value, found = self.improving.value, self.improving.found
         model, aim = self.built.model, self._aim
         if not isinstance(aim, int):

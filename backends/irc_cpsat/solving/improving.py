@@ -15,8 +15,11 @@ _LOOK_SECONDS = 0.02
 _PATIENCE_SECONDS = 0.5
 """A step that takes longer (a first one that still compiles) is not waited for at the end."""
 
-SMALL = 40
-"""Activities up to which CP-SAT mostly proves a schedule within seconds, with all workers."""
+SMALL = 64
+SMALL_SHOP = 100
+"""Activities, and operations on machines that do one at a time, up to which CP-SAT often proves a
+schedule within seconds, with all workers.
+"""
 
 _REST_AFTER_SECONDS = 1.0
 """The processor time without a better schedule after which a small problem's search rests."""
@@ -60,7 +63,8 @@ class Improving:
     @property
     def rests(self) -> bool:
         """Whether the search takes little of the time, so that CP-SAT can keep all workers."""
-        return len(self.problem.activities) <= SMALL
+        is_shop = all(pool.capacity == 1 for pool in self.problem.contention.pools)
+        return len(self.problem.activities) <= (SMALL_SHOP if is_shop else SMALL)
 
     @property
     def has_begun(self) -> bool:
