@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
 import tempfile
 import time
@@ -188,6 +189,9 @@ def main() -> None:
     print(f"{len(instances)} instances, {len(found.skipped)} skipped", flush=True)
     if not instances:
         sys.exit("no instance to race on")
+    if any(name.startswith("irc") for name in options.competitors):
+        # (What irc compiles once is not part of any run.)
+        subprocess.run([sys.executable, "-m", "irc", "prepare"], check=True)
     done = earlier_runs(options.results, Race(options.seconds, options.workers))
     report([*raced(options, instances, done)], options, known)
 

@@ -11,7 +11,7 @@ import typer
 
 from irc.cli.asking import ask
 from irc.cli.batch import batch
-from irc.cli.exit_codes import EXIT_INPUT, EXIT_STATUSES, EXIT_USE
+from irc.cli.exit_codes import EXIT_ENGINE, EXIT_INPUT, EXIT_STATUSES, EXIT_USE
 from irc.cli.generate import generate
 from irc.cli.new import new
 from irc.cli.online import replan, run, simulate
@@ -388,6 +388,18 @@ def targets(
             print_notes(later_events(reading.task))
 
 
+def prepare() -> None:
+    """Compile local search now (extra `fast`), so that no first task has to wait for it."""
+    from irc.cli.prepare import compile_searches
+    from irc.local_search.compiled import IS_COMPILED
+
+    if not IS_COMPILED:
+        message = "there is no numba to compile with: pip install 'irc-compiler[fast]'"
+        fail(EXIT_ENGINE, message, Format.text)
+    for name, seconds in compile_searches():
+        say(f"{name}: {seconds:.1f} s")
+
+
 def schema(
     strict: Annotated[
         bool,
@@ -443,6 +455,7 @@ _COMMANDS = (
     fmt,
     explain_code,
     targets,
+    prepare,
     schema,
     ask,
     lsp,
