@@ -56,23 +56,9 @@ def answer(workers: int, *, numba: bool = False, hashes: int = 0) -> Any:
     return json.loads(done.stdout.splitlines()[-1])
 
 
-@pytest.fixture
-def busy() -> Any:
-    """Threads of another process that keep the machine busy."""
-    code = "while True: pass"
-    children = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(2)]
-    yield
-    for child in children:
-        child.kill()
-        child.wait()
-
-
 @pytest.mark.slow
-def test_two_processes_give_the_same_answer_on_a_busy_machine_too(
-    request: pytest.FixtureRequest,
-) -> None:
+def test_two_processes_give_the_same_answer() -> None:
     first = answer(workers=2)
-    request.getfixturevalue("busy")
     assert answer(workers=1, hashes=3) == first
     _, told, document = first
     assert document["repeatable"] is True

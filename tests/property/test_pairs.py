@@ -18,12 +18,12 @@ from oracles.state_brute_force import TooLargeError, optimum
 def test_cpsat_answers_as_trying_everything_does() -> None:
     seen: Counter[str] = Counter()
     for k, pair in enumerate(pairs()):
-        if k % 24 == 0:
+        if k % 48 == 0:
             document = document_with(pair, 1)
             said = verdict(document, "cpsat", 30.0, shortcut=False)
             assert not is_fault(said), f"{pair}: {said}\n{json.dumps(document)}"
             seen[said] += 1
-    assert seen["optimal"] >= 14, seen
+    assert seen["optimal"] >= 6, seen
 
 
 @pytest.mark.slow
