@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from threading import Event, Lock, Thread
 
 from irc.local_search.listing import least_value
@@ -22,7 +21,7 @@ schedule within seconds, with all workers.
 """
 
 _REST_AFTER_SECONDS = 1.0
-"""The processor time without a better schedule after which a small problem's search rests."""
+"""The time without a better schedule after which a small problem's search rests."""
 
 
 class Improving:
@@ -159,14 +158,14 @@ class Improving:
     def _run(self, number: int) -> None:
         try:
             going = self._begin(number)
-            value, since = self.value, time.thread_time()
+            value, patience = self.value, Budget(_REST_AFTER_SECONDS)
             while going and not self._ended.is_set():
                 going = self._step(number)
                 if self.value != value:
-                    value, since = self.value, time.thread_time()
-                elif self.rests and time.thread_time() - since > _REST_AFTER_SECONDS:
+                    value, patience = self.value, Budget(_REST_AFTER_SECONDS)
+                elif self.rests and patience.is_over:
                     self._given_one.wait()
                     self._given_one.clear()
-                    since = time.thread_time()
+                    patience = Budget(_REST_AFTER_SECONDS)
         except BaseException as error:  # noqa: BLE001 - `check` raises it where the call waits
             self._error = error
