@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence, Sized
+from itertools import accumulate
 from typing import Any
 
 Ints = Any
@@ -28,3 +29,26 @@ def table(rows: int, columns: int) -> Ints:
     import numpy
 
     return numpy.zeros((rows, columns), numpy.int64)
+
+
+def places(rows: Iterable[Sized]) -> Ints:
+    """Where the entries of each row begin in one list of all, and where the last one ends."""
+    return ints([0, *accumulate(map(len, rows))])
+
+
+def columns(rows: Sequence[Sequence[tuple[int, ...]]], count: int) -> tuple[Ints, ...]:
+    """The entries of all rows in one list, each of their parts as an array."""
+    return tuple(ints(entry[k] for row in rows for entry in row) for k in range(count))
+
+
+def stacked(rows: Sequence[Ints]) -> Ints:
+    """Arrays as the rows of one table, which is as wide as the longest."""
+    found = table(len(rows), max(map(len, rows)))
+    for own, row in zip(found, rows, strict=True):
+        own[: len(row)] = row
+    return found
+
+
+def first_random(seed: int) -> int:
+    """The number from which a compiled search draws its random numbers; never 0."""
+    return 1 + (seed * 7919 + 12345) % 2147483646

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from irc.local_search.arcs import order_by
+from irc.local_search.arcs import adjacent, order_by
 from irc.local_search.listing import NEVER, Listing
 from irc.problem import Arc
 
@@ -45,10 +45,8 @@ def _dues(listing: Listing, lasts: list[int]) -> list[int]:
     for group in problem.groups:
         for i in group.members if group.due is not None else ():
             dues[i] = min(dues[i], group.due or 0)
-    into: dict[int, list[tuple[int, int]]] = {}
-    for arc in problem.arcs:
-        into.setdefault(arc.after, []).append((arc.before, arc.min_lag))
+    into = adjacent(problem, after=False)
     for i in reversed(order_by(problem, [0] * len(dues))):
-        for before, lag in into.get(i, ()):
+        for before, lag in into[i]:
             dues[before] = min(dues[before], dues[i] - lasts[i] - lag)
     return dues

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import log
 
+from irc.local_search.arrays import first_random
 from irc.local_search.compiled import IS_COMPILED, constant, ints, kept_or_not, table
 from irc.local_search.listing import (
     ENDINGS,
@@ -76,7 +77,7 @@ class ListSearch:
         self._lines = table(3 * pools, self.listing.width).reshape(3, pools, -1)
         counts = self._work[COUNTS]
         counts[SIZE], counts[BEST] = self._size, LACKING
-        counts[RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
+        counts[RANDOM] = first_random(seed)
         counts[APPENDS] = plan[plan[PARTS] + OF_SETUP_TIME] or plan[plan[PARTS] + OF_SETUP_COST]
         self._cooling = ints(round(1024 * COOLEST ** (-k / _LEVELS)) for k in range(_LEVELS))
         self._chances = ints(round(-1024 * log((k + 0.5) / _CHANCES)) for k in range(_CHANCES))

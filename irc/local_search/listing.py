@@ -9,22 +9,25 @@ not applicable, with a reason in words.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, islice, product
-from math import prod
+from functools import partial
+from itertools import accumulate
 
-from irc.local_search.arrays import Ints, ints
+from irc.local_search.arrays import Ints, columns, ints, places
 from irc.local_search.ways import (
     LATEST_TIME,
     MOST_ACTIVITIES,
-    MOST_WAYS,
+    Assignment,
     Found,
     NotApplicable,
+    decision_of,
+    in_all_modes,
+    number_of,
     others,
+    pools_in,
 )
 from irc.problem import NO_FAMILY, PLAIN, Activity, ContendedPool, Problem, Setups
-from irc.problem.decisions import Decision
 from irc.problem.horizon import safe_horizon
 from irc.problem.objective_values import whole_terms
 from irc.problem.work_times import WorkTimes, WorkTimesOf, work_range
@@ -102,13 +105,9 @@ MOST_TABLE = 1 << 22
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
-    """One way to carry out an activity: its mode, the pool of each open demand (-1: not held in
-    this mode), its working time, and (pool, amount, family) of what it holds.
-    """
+class Choice(Assignment):
+    """An assignment, its working time, and (pool, amount, family) of what it holds."""
 
-    mode: int | None
-    pools: tuple[int, ...]
     work: int
     held: tuple[tuple[int, int, int], ...]
 
@@ -126,7 +125,7 @@ class Listing:
         """The list schedule with these times and ways (numbers among those of the activity)."""
         taken = [self.choices[i][int(w)] for i, w in enumerate(ways)]
         decisions = [
-            Decision(int(start), int(end), self._members(i, choice), mode=choice.mode)
+            decision_of(self.problem, i, int(start), int(end), choice)
             for i, (start, end, choice) in enumerate(zip(starts, ends, taken, strict=True))
         ]
         return decisions, [self._pools(i, choice) for i, choice in enumerate(taken)]
@@ -138,29 +137,16 @@ class Listing:
             for demand, pool in zip(demands, choice.pools, strict=True)
         )
 
-    def _members(self, i: int, choice: Choice) -> tuple[int | None, ...]:
-        activity = self.problem.activities[i]
-        taken: list[int | None] = [None] * len(activity.uses)
-        for demand, pool in zip(activity.open_demands, choice.pools, strict=True):
-            members = self.problem.contention.pools[pool].members if pool >= 0 else ()
-            taken[demand.use] = members[0] if len(members) == 1 else None
-        return tuple(taken)
-
     def way_of(self, i: int, mode: int | None, pools: Sequence[int]) -> int:
         """The number of the way with a mode and the pools of the demands held in it; 0 if none."""
-        for number, choice in enumerate(self.choices[i]):
-            if choice.mode == mode and all(
-                own in (-1, pool) for own, pool in zip(choice.pools, pools, strict=True)
-            ):
-                return number
-        return 0
+        return number_of(self.choices[i], mode, pools)
 
 
 def listing_of(problem: Problem) -> Listing:
     """The arrays of a problem whose repeats are unrolled. Raises `NotApplicable`."""
     for reason in _reasons_against(problem):
         raise NotApplicable(reason)
-    choices = tuple(_choices(problem, a) for a in problem.activities)
+    choices = tuple(in_all_modes(a, partial(_choices_in, problem, a)) for a in problem.activities)
     kinds = [_families(problem, pool) for pool in problem.contention.pools]
     bases = [_base(pool) for pool in problem.contention.pools]
     lines = _lines(problem, choices)
@@ -279,35 +265,15 @@ def _weights(problem: Problem) -> list[int]:
 # --- activities -----------------------------------------------------------------------------------
 
 
-def _choices(problem: Problem, activity: Activity) -> tuple[Choice, ...]:
-    modes: list[int | None] = [*range(len(activity.details.modes))]
-    found = [c for mode in modes or [None] for c in _choices_in(problem, activity, mode)]
-    if not found or len(found) > MOST_WAYS:
-        raise NotApplicable(f"{activity.id!r} has {len(found)} ways")
-    return tuple(found)
-
-
 def _choices_in(problem: Problem, activity: Activity, mode: int | None) -> Iterator[Choice]:
-    """The ways of a mode: each choice of pools that are large enough."""
-    details, pools = activity.details, problem.contention.pools
     work = work_range(activity, mode)[0]
-    offers: list[tuple[int, ...]] = []
-    for demand in activity.open_demands:
-        held = details.use_mode(demand.use) in (None, mode)
-        large = tuple(r for r in demand.alternatives if pools[r].capacity >= demand.amount)
-        offers.append((large if work else demand.alternatives) if held else (-1,))
-    if prod(map(len, offers)) > MOST_WAYS:
-        raise NotApplicable(f"{activity.id!r} has too many ways")
-    for taken in islice(product(*offers), MOST_WAYS + 1):
-        amounts: Counter[int] = Counter()
-        families: dict[int, int] = {}
-        for demand, pool in zip(activity.open_demands, taken, strict=True):
-            if pool >= 0 and work:
-                amounts[pool] += demand.amount
-                families[pool] = activity.uses[demand.use].family
-        if all(amount <= pools[r].capacity for r, amount in amounts.items()):
-            held_by = tuple((r, n, families[r]) for r, n in sorted(amounts.items()))
-            yield Choice(mode, taken, work, held_by)
+    for taken, amounts in pools_in(problem, activity, mode, work):
+        families = {
+            pool: activity.uses[demand.use].family
+            for demand, pool in zip(activity.open_demands, taken, strict=True)
+        }
+        held = tuple((r, n, families[r]) for r, n in sorted(amounts.items()))
+        yield Choice(mode, taken, work, held)
 
 
 def _arcs(problem: Problem) -> tuple[Ints, ...]:
@@ -319,9 +285,9 @@ def _arcs(problem: Problem) -> tuple[Ints, ...]:
         into[arc.after].append((arc.before, arc.min_lag, int(arc.from_end)))
         out_of[arc.before].append(arc.after)
     return (
-        _places(into),
-        *_columns(into, 3),
-        _places(out_of),
+        places(into),
+        *columns(into, 3),
+        places(out_of),
         ints(j for own in out_of for j in own),
     )
 
@@ -348,12 +314,12 @@ def _ways(
             rows.append((choice.work, number, longest if details.work else -1, cost))
             held.append([(r, n, kinds[r].get(family, 0)) for r, n, family in choice.held])
     return (
-        _places(choices),
-        *_columns([rows], 4),
-        _places(held),
-        *_columns(held, 3),
-        _places([found.intervals for found in opened]),
-        *_columns([found.intervals for found in opened], 2),
+        places(choices),
+        *columns([rows], 4),
+        places(held),
+        *columns(held, 3),
+        places([found.intervals for found in opened]),
+        *columns([found.intervals for found in opened], 2),
     )
 
 
@@ -388,8 +354,8 @@ def _pools(
     return (
         ints(map(int, lines)),
         ints(pool.capacity for pool in problem.contention.pools),
-        _places(bases),
-        *_columns(bases, 2),
+        places(bases),
+        *columns(bases, 2),
     )
 
 
@@ -465,7 +431,7 @@ def _endings(problem: Problem) -> tuple[Ints, ...]:
             due = NEVER if group.due is None else group.due
             rows.append((len(members), due, group.weight, entered))
     flat = ints(e for own in by_activity for e in own)
-    return (_places(by_activity), flat, *_columns([rows], 4))
+    return (places(by_activity), flat, *columns([rows], 4))
 
 
 def _limits(problem: Problem) -> tuple[Ints, Ints]:
@@ -476,13 +442,3 @@ def _limits(problem: Problem) -> tuple[Ints, Ints]:
         ends.append(min((limit for limit in known if limit is not None), default=NEVER))
     starts = (NEVER if a.latest_start is None else a.latest_start for a in problem.activities)
     return ints(starts), ints(ends)
-
-
-def _places(rows: Iterable[Sequence[object]]) -> Ints:
-    """Where the entries of each row begin in one list of all, and where the last one ends."""
-    return ints([0, *accumulate(map(len, rows))])
-
-
-def _columns(rows: Sequence[Sequence[tuple[int, ...]]], count: int) -> tuple[Ints, ...]:
-    """The entries of all rows in one list, each of their parts as an array."""
-    return tuple(ints(entry[k] for row in rows for entry in row) for k in range(count))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import accumulate
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
+from irc.local_search.arrays import first_random, places
 from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
 from irc.local_search.genetic import (
     BASE_TIME,
@@ -79,7 +79,7 @@ class ProjectSearch:
         if ticks:
             counts[TICKS] = ticks
             kept_or_not(lay_grid, self._work, self._use, self.project[BASE_USE])
-        counts[RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
+        counts[RANDOM] = first_random(seed)
         self._births = max(1, (STEADY_BIRTHS if steady else _ACTIVITY_BIRTHS) // max(1, n))
 
     def step(self) -> None:
@@ -180,12 +180,12 @@ def _project(ways: Ways, ticks: int) -> Project:
         ints(a.release for a in problem.activities),
         *arcs_of(problem, after=False),
         *arcs_of(problem, after=True),
-        ints([0, *accumulate(map(len, ways.of))]),
+        places(ways.of),
         ints(way.duration for way in flat),
-        ints([0, *accumulate(map(len, held))]),
+        places(held),
         ints(word for own in held for word in own),
         ints(amount for own in held for amount in own.values()),
-        ints([0, *accumulate(len(way.used_up) for way in flat)]),
+        places(way.used_up for way in flat),
         ints(s for s, _ in used),
         ints(amount for _, amount in used),
         ints(_packed([(r, 1 << bits) for r, (_, _, bits) in enumerate(fields)], fields).values()),

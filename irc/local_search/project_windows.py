@@ -17,12 +17,12 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from irc.local_search.arcs import order_by, urgencies
+from irc.local_search.arcs import adjacent, order_by, urgencies
 from irc.local_search.compiled import ints
 from irc.local_search.genetic import BEST_START, BEST_WAY, WAY_AT
 from irc.local_search.project import ProjectSearch
 from irc.local_search.ways import Found, NotApplicable, Way, Ways
-from irc.problem import Activity, Arc, Bounds, ContendedPool, Problem, Window
+from irc.problem import Activity, Arc, Bounds, ContendedPool, Window
 
 SIZES = (120, 180, 80)
 """The activities of a window, in one pass after another."""
@@ -107,7 +107,7 @@ class _Pass:
     ) -> None:
         self.ways, self.chosen, self._starts = ways, chosen, starts
         self._tails, self._size, self._seed = tails, size, seed
-        self._incoming = _incoming(ways.problem)
+        self._incoming = adjacent(ways.problem, after=False)
         self._rest, self._at = order, 0
         self._makespan = max((self._end(i) for i in order), default=0)
         self._open: list[int] = []
@@ -215,11 +215,3 @@ class _Pass:
             level = next((n for at, n in reversed(levels) if at <= time), level)
             windows.append(Window(time, after, level - taken))
         return replace(pool, base=levels[-1][1], windows=tuple(windows))
-
-
-def _incoming(problem: Problem) -> list[list[tuple[int, int]]]:
-    """For each activity those that precede it, with the lags."""
-    found: list[list[tuple[int, int]]] = [[] for _ in problem.activities]
-    for arc in problem.arcs:
-        found[arc.after].append((arc.before, arc.min_lag))
-    return found

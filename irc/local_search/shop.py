@@ -19,6 +19,7 @@ from itertools import accumulate
 from random import Random
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
+from irc.local_search.arrays import first_random, stacked
 from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
 from irc.local_search.dispatch import dispatched
 from irc.local_search.tabu import (
@@ -43,7 +44,6 @@ from irc.local_search.tabu import (
     search,
 )
 from irc.local_search.ways import Found, Ways, units_of
-from irc.problem.decisions import Decision
 
 MOST_ARCS = 1 << 22
 
@@ -107,10 +107,7 @@ def machines_of(ways: Ways) -> Machines:
         ints(machine),
         ints(lasts),
     )
-    shop = table(len(rows), max(map(len, rows)))
-    for own, row in zip(shop, rows, strict=True):
-        own[: len(row)] = row
-    return Machines(shop, tuple(numbers), first[-1])
+    return Machines(stacked(rows), tuple(numbers), first[-1])
 
 
 class ShopSearch:
@@ -122,8 +119,9 @@ class ShopSearch:
         self.best: Solution | None = None
         self._random = Random(seed)
         self._urgencies = urgencies(ways)
-        self._walk = _walk(self.machines, len(ways.of), seed)
-        self._tabu = constant(0, _orders(len(ways.problem.activities)) + len(self.machines.numbers))
+        orders = _orders(len(ways.problem.activities))
+        self._walk = room_for(len(ways.of), self.machines.count, orders, seed)
+        self._tabu = constant(0, orders + len(self.machines.numbers))
         self._elite: list[Solution] = []
         self._given: Solution | None = None
         self._in_vain = 0
@@ -148,8 +146,8 @@ class ShopSearch:
 
     def give(self, found: Found) -> None:
         """Gives a schedule of somebody else's, from which the search goes on in time."""
-        decisions, pools = found
-        self._given = self._read(decisions, pools)
+        order, ways = read(self.ways, self.machines, found)
+        self._given = Solution(0, (), tuple(order), tuple(ways))
 
     @property
     def value(self) -> int | None:
@@ -215,35 +213,36 @@ class ShopSearch:
         order, ways = dispatched(self.machines.shop, self.machines.count, urgent)
         return Solution(0, (), tuple(order), tuple(ways))
 
-    def _read(self, decisions: Sequence[Decision], pools: Sequence[tuple[int, ...]]) -> Solution:
-        """A schedule as a solution; units of a pool go to who starts first."""
-        shop = self.machines.shop
-        starts = [int(d.start) for d in decisions]
-        order = order_by(self.ways.problem, starts)
-        free = [0] * self.machines.count
-        ways = [0] * len(order)
-        for i in order:
-            number = self.ways.way_of(i, decisions[i].mode, pools[i])
-            own = [
-                w
-                for w in range(shop[WAY_AT, i], shop[WAY_AT, i + 1])
-                if self.machines.numbers[w] == number
-            ]
-            ways[i] = int(
-                min(own, key=lambda w: free[shop[MACHINE, w]] if shop[MACHINE, w] >= 0 else 0)
-            )
-            if shop[MACHINE, ways[i]] >= 0:
-                free[shop[MACHINE, ways[i]]] = starts[i] + int(shop[LASTS, ways[i]])
-        return Solution(0, (), tuple(order), tuple(ways))
+
+def read(ways: Ways, machines: Machines, found: Found) -> tuple[list[int], list[int]]:
+    """A schedule as an order, and a way of the shop for each operation.
+
+    The units of a pool go to who starts first.
+    """
+    decisions, pools = found
+    way_at, machine, lasts = (machines.shop[row].tolist() for row in (WAY_AT, MACHINE, LASTS))
+    order = order_by(ways.problem, [int(d.start) for d in decisions])
+    free = [0] * machines.count
+    taken = [0] * len(order)
+    for i in order:
+        number = ways.way_of(i, decisions[i].mode, pools[i])
+        own = [w for w in range(way_at[i], way_at[i + 1]) if machines.numbers[w] == number]
+        way = taken[i] = min(own, key=lambda w: free[machine[w]] if machine[w] >= 0 else 0)
+        if machine[way] >= 0:
+            free[machine[way]] = int(decisions[i].start) + lasts[way]
+    return order, taken
 
 
-def _walk(machines: Machines, n: int, seed: int) -> Ints:
-    """Room for the search of a shop of `n` operations."""
-    walk = table(ROWS, max(COLUMNS, n, machines.count))
+def room_for(n: int, machines: int, orders: int, seed: int) -> Ints:
+    """Room for a walk through the solutions of a shop of `n` operations.
+
+    `orders` is the room for orders of two operations that are tabu.
+    """
+    walk = table(ROWS, max(COLUMNS, n, machines))
     walk[COUNTS, SIZE] = n
-    walk[COUNTS, MACHINES] = machines.count
-    walk[COUNTS, ORDERS] = _orders(n)
-    walk[COUNTS, RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
+    walk[COUNTS, MACHINES] = machines
+    walk[COUNTS, ORDERS] = orders
+    walk[COUNTS, RANDOM] = first_random(seed)
     return walk
 
 

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
 
 from irc.local_search import active_lists
-from irc.local_search.arcs import order_by, urgencies
+from irc.local_search.arcs import urgencies
+from irc.local_search.arrays import columns, places, stacked
 from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
-from irc.local_search.shop import machines_of
+from irc.local_search.shop import machines_of, read, room_for
 from irc.local_search.tabu import (
     AFTER,
     AFTER_AT,
@@ -30,25 +30,18 @@ from irc.local_search.tabu import (
     BEFORE_LAG,
     BEST,
     BEST_ORDER,
-    COLUMNS,
     COUNTS,
     DURATION,
     HEAD,
     LASTS,
     LEFT,
     MACHINE,
-    MACHINES,
     MAKESPAN,
     ORDER,
-    ORDERS,
-    RANDOM,
     RELEASE,
     RIGHT,
-    ROWS,
-    SIZE,
     TAIL,
     WAY,
-    WAY_AT,
     Shop,
     load,
     search,
@@ -96,7 +89,7 @@ class ShopWindows:
         self.machines = machines_of(ways)
         self._arrays = [array.tolist() for array in self.machines.shop]
         n, count = len(ways.of), self.machines.count
-        self._walk = _room(n, count, 1, seed)
+        self._walk = room_for(n, count, 1, seed)
         # (The walk of the whole is only loaded, never searched: it needs no room for what is tabu.)
         self._tabu = constant(0, 1)
         self._seed, self._passes = seed, 0
@@ -165,24 +158,11 @@ class ShopWindows:
         self._value = int(self._walk[COUNTS, MAKESPAN])
 
     def _take(self, found: Found) -> None:
-        """Takes a schedule of somebody else's where it is better; units go to who starts first."""
-        decisions, pools = found
+        """Takes a schedule of somebody else's where it is better."""
+        decisions, _ = found
         if self._value is not None and max(int(d.end) for d in decisions) >= self._value:
             return
-        machine, way_at, numbers = (
-            self._arrays[MACHINE],
-            self._arrays[WAY_AT],
-            self.machines.numbers,
-        )
-        order = order_by(self.ways.problem, [int(d.start) for d in decisions])
-        free = [0] * (self.machines.count + 1)
-        ways = [0] * len(order)
-        for i in order:
-            number = self.ways.way_of(i, decisions[i].mode, pools[i])
-            own = [w for w in range(way_at[i], way_at[i + 1]) if numbers[w] == number]
-            ways[i] = min(own, key=lambda w: free[machine[w]] if machine[w] >= 0 else 0)
-            if machine[ways[i]] >= 0:
-                free[machine[ways[i]]] = int(decisions[i].end)
+        order, ways = read(self.ways, self.machines, found)
         self._load(ints(order), ints(ways))
         self._open = None
 
@@ -208,7 +188,7 @@ class ShopWindows:
         chosen: list[int] = order[begin:end].tolist()
         shop, size = _cut(self._arrays, walk, chosen, self.machines.count)
         self._seed += 1
-        room = _room(size, self.machines.count, _ORDERS, self._seed)
+        room = room_for(size, self.machines.count, _ORDERS, self._seed)
         tabu = constant(0, _ORDERS + size)
         kept_or_not(load, shop, room, tabu, ints(range(size)), ints(range(size)))
         return _Open(begin, order, chosen, shop, size, room, tabu, int(room[COUNTS, BEST]))
@@ -303,32 +283,10 @@ def _shop(
             behind[j].append((k, lag))
     rows = (
         ints(releases),
-        *_flat(before),
-        *_flat(behind),
+        *(places(before), *columns(before, 2)),
+        *(places(behind), *columns(behind, 2)),
         ints(range(len(releases) + 1)),
         ints(machine),
         ints(lasts),
     )
-    shop = table(len(rows), max(map(len, rows)))
-    for own, row in zip(shop, rows, strict=True):
-        own[: len(row)] = row
-    return shop, len(releases)
-
-
-def _flat(lists: Sequence[Sequence[tuple[int, int]]]) -> tuple[Ints, Ints, Ints]:
-    flat = [pair for own in lists for pair in own]
-    return (
-        ints([0, *accumulate(map(len, lists))]),
-        ints(i for i, _ in flat),
-        ints(lag for _, lag in flat),
-    )
-
-
-def _room(n: int, machines: int, orders: int, seed: int) -> Ints:
-    """Room for a walk through the solutions of a shop."""
-    walk = table(ROWS, max(COLUMNS, n, machines))
-    walk[COUNTS, SIZE] = n
-    walk[COUNTS, MACHINES] = machines
-    walk[COUNTS, ORDERS] = orders
-    walk[COUNTS, RANDOM] = 1 + (seed * 7919 + 12345) % 2147483646
-    return walk
+    return stacked(rows), len(releases)

@@ -8,11 +8,12 @@ in words; nothing is left out in silence.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
+from functools import partial
 from itertools import islice, product
 from math import prod
-from typing import Any
+from typing import Any, TypeVar
 
 from irc.errors import IrcError
 from irc.problem import PLAIN, Activity, Problem
@@ -48,13 +49,20 @@ class NotApplicable(IrcError):
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """A mode (None: there are none), the pool of each open demand (-1: not held in this mode), and
-    what follows: ticks, amounts of pools, and amounts of stock used up.
-    """
+class Assignment:
+    """A mode (None: there are none), and the pool of each open demand (-1: not held in it)."""
 
     mode: int | None
     pools: tuple[int, ...]
+
+
+AnyAssignment = TypeVar("AnyAssignment", bound=Assignment)
+
+
+@dataclass(frozen=True, slots=True)
+class Way(Assignment):
+    """An assignment, and what follows: ticks, amounts of pools, and amounts of stock used up."""
+
     duration: int
     held: tuple[tuple[int, int], ...]
     used_up: tuple[tuple[int, int], ...] = ()
@@ -72,28 +80,34 @@ class Ways:
         """The list schedule with these starts and ways (numbers among those of the activity)."""
         ways = [self.of[i][int(w)] for i, w in enumerate(chosen)]
         decisions = [
-            Decision(int(start), int(start) + way.duration, self._members(i, way), mode=way.mode)
+            decision_of(self.problem, i, int(start), int(start) + way.duration, way)
             for i, (start, way) in enumerate(zip(starts, ways, strict=True))
         ]
         return decisions, [way.pools for way in ways]
 
-    def _members(self, i: int, way: Way) -> tuple[int | None, ...]:
-        """The resource of each use, None where its pool has several or it is not held."""
-        activity = self.problem.activities[i]
-        taken: list[int | None] = [None] * len(activity.uses)
-        for demand, pool in zip(activity.open_demands, way.pools, strict=True):
-            members = self.problem.contention.pools[pool].members if pool >= 0 else ()
-            taken[demand.use] = members[0] if len(members) == 1 else None
-        return tuple(taken)
-
     def way_of(self, i: int, mode: int | None, pools: Sequence[int]) -> int:
         """The number of the way with a mode and the pools of the demands held in it; 0 if none."""
-        for number, way in enumerate(self.of[i]):
-            if way.mode == mode and all(
-                own in (-1, pool) for own, pool in zip(way.pools, pools, strict=True)
-            ):
-                return number
-        return 0
+        return number_of(self.of[i], mode, pools)
+
+
+def decision_of(problem: Problem, i: int, start: int, end: int, assigned: Assignment) -> Decision:
+    """The decision on activity i; it names the resource of each use whose pool has but one."""
+    activity = problem.activities[i]
+    taken: list[int | None] = [None] * len(activity.uses)
+    for demand, pool in zip(activity.open_demands, assigned.pools, strict=True):
+        members = problem.contention.pools[pool].members if pool >= 0 else ()
+        taken[demand.use] = members[0] if len(members) == 1 else None
+    return Decision(start, end, tuple(taken), mode=assigned.mode)
+
+
+def number_of(known: Sequence[Assignment], mode: int | None, pools: Sequence[int]) -> int:
+    """The number of the one with a mode and the pools of the demands held in it; 0 if none."""
+    for number, one in enumerate(known):
+        if one.mode == mode and all(
+            own in (-1, pool) for own, pool in zip(one.pools, pools, strict=True)
+        ):
+            return number
+    return 0
 
 
 def ways_of(problem: Problem) -> Ways:
@@ -101,7 +115,8 @@ def ways_of(problem: Problem) -> Ways:
     for reason in _reasons_against(problem):
         raise NotApplicable(reason)
     stock = tuple(r.initial - r.least for r in problem.reservoirs)
-    return Ways(problem, tuple(_ways(problem, a) for a in problem.activities), stock)
+    of = (in_all_modes(a, partial(_ways_in, problem, a)) for a in problem.activities)
+    return Ways(problem, tuple(of), stock)
 
 
 _OF_PROBLEMS = frozenset(
@@ -197,36 +212,49 @@ def _reasons_against_activity(activity: Activity) -> Iterator[str]:
         yield f"{activity.id!r} adds to stock"
 
 
-def _ways(problem: Problem, activity: Activity) -> tuple[Way, ...]:
+def in_all_modes(
+    activity: Activity, in_mode: Callable[[int | None], Iterator[AnyAssignment]]
+) -> tuple[AnyAssignment, ...]:
+    """What there is in each mode of an activity. Raises `NotApplicable` for none or too many."""
     modes: list[int | None] = [*range(len(activity.details.modes))]
-    found = [way for mode in modes or [None] for way in _ways_in(problem, activity, mode)]
+    found = [one for mode in modes or [None] for one in in_mode(mode)]
     if not found or len(found) > MOST_WAYS:
         raise NotApplicable(f"{activity.id!r} has {len(found)} ways")
     return tuple(found)
 
 
-def _ways_in(problem: Problem, activity: Activity, mode: int | None) -> Iterator[Way]:
-    """The ways of a mode: each choice of pools that are large enough."""
-    details = activity.details
-    duration = activity.duration_min if mode is None else details.modes[mode].duration_min
+def pools_in(
+    problem: Problem, activity: Activity, mode: int | None, duration: int
+) -> Iterator[tuple[tuple[int, ...], Mapping[int, int]]]:
+    """Each choice of pools in a mode that are large enough, and the amounts held of them.
+
+    Raises `NotApplicable` for too many. What takes no time holds nothing.
+    """
     pools = problem.contention.pools
     choices: list[tuple[int, ...]] = []
     for demand in activity.open_demands:
-        held = details.use_mode(demand.use) in (None, mode)
+        held = activity.details.use_mode(demand.use) in (None, mode)
         large = tuple(r for r in demand.alternatives if pools[r].capacity >= demand.amount)
         choices.append((large if duration else demand.alternatives) if held else (-1,))
     if prod(map(len, choices)) > MOST_WAYS:
         raise NotApplicable(f"{activity.id!r} has too many ways")
-    used_up: Counter[int] = Counter()
-    for change in details.in_mode(mode).stock:
-        used_up[change.reservoir] -= change.amount
     for taken in islice(product(*choices), MOST_WAYS + 1):
         amounts: Counter[int] = Counter()
         for demand, pool in zip(activity.open_demands, taken, strict=True):
             if pool >= 0 and duration:
                 amounts[pool] += demand.amount
         if all(amount <= pools[r].capacity for r, amount in amounts.items()):
-            yield Way(mode, taken, duration, tuple(sorted(amounts.items())), tuple(used_up.items()))
+            yield taken, amounts
+
+
+def _ways_in(problem: Problem, activity: Activity, mode: int | None) -> Iterator[Way]:
+    details = activity.details
+    duration = activity.duration_min if mode is None else details.modes[mode].duration_min
+    used_up: Counter[int] = Counter()
+    for change in details.in_mode(mode).stock:
+        used_up[change.reservoir] -= change.amount
+    for taken, amounts in pools_in(problem, activity, mode, duration):
+        yield Way(mode, taken, duration, tuple(sorted(amounts.items())), tuple(used_up.items()))
 
 
 MOST_UNITS = 6
