@@ -17,7 +17,6 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.local_search.listing import least_value
 from irc.local_search.ways import knows
 from irc.problem import Problem
 from irc.targets import Budget, EngineFailed, Exchange
@@ -92,7 +91,7 @@ class Beside:
         self._fair = min(FAIR_SECONDS, FAIR_SHARE * budget.limit)
         self._has_taken_over = False
         self._aim = built.values[built.problem.objectives[0]]
-        self._bound = least_value(improving.problem)
+        self._bound = improving.least
         self._best: FoundSolution | None = None
         self._best_value: int | None = None
         self._told: int | None = None
@@ -225,12 +224,16 @@ class Beside:
             self.improving.take(others.best[1], others.best[0])
 
     def _exchange(self) -> None:
-        """Makes the model begin from the best schedule; with one worker, searches for it now."""
+        """Makes CP-SAT begin from the best schedule; with one worker, searches for it now."""
         if self.workers == 1 and self.improving.value is None:
             self._search_alone()
         while self._exchange_at <= self.budget.elapsed:
             # (Of a small task what CP-SAT has learned may be close to a proof.)
             self._exchange_at *= math.inf if self.improving.rests else EXCHANGE_FACTOR
+        self._begin_from_best()
+
+    def _begin_from_best(self) -> None:
+        """Makes the model begin from the best schedule, and leaves out what cannot be better."""
         value, found = self.improving.value, self.improving.found
         model, aim = self.built.model, self._aim
         if not isinstance(aim, int):

@@ -26,7 +26,7 @@ _REST_AFTER_SECONDS = 1.0
 
 class Improving:
     """A local search of a problem. `value` is that of `found`, the best schedule so far, for the
-    first objective.
+    first objective, and `least` a lower bound on it.
 
     Several searches, with other seeds, can run at once; each gets what another has found. They find
     nothing where the problem has something that they do not know about. Schedules that end after
@@ -46,7 +46,7 @@ class Improving:
         self._found_one = Lock()
         self._threads: list[Thread] = []
         self._searches: dict[int, LocalSearch] = {}
-        self._least = least_value(problem)
+        self.least = least_value(problem)
 
     @property
     def _limits(self) -> list[int]:
@@ -73,7 +73,7 @@ class Improving:
     @property
     def is_met(self) -> bool:
         """Whether no schedule can be better."""
-        return self.value is not None and self.value <= self._least
+        return self.value is not None and self.value <= self.least
 
     def start(self, count: int = 1) -> None:
         """Lets the search run beside the caller until it is ended, or has met the bound.

@@ -24,8 +24,10 @@ def large_outcome(
 
     None where it knows not about all of the problem, or finds no schedule: solvers may.
     """
+    if not is_large(problem):
+        return None
     improving = Improving(problem, seed)
-    if not is_large(problem) or not improving.begin():
+    if not improving.begin():
         return None
     reported: int | None = None
     while improving.step() and not budget.is_over:

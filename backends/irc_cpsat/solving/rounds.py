@@ -13,10 +13,7 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from irc.local_search.ways import knows
-from irc_cpsat.encoding.hints import hint_at
 from irc_cpsat.solving.beside import Beside
-from irc_cpsat.solving.hinting import complete_hint
 from irc_cpsat.solving.solution import Reached
 
 FIRST_ROUND = 0.1
@@ -42,7 +39,7 @@ class Rounds(Beside):
             if self._is_met or self.budget.is_over:
                 return self._reached()
             knows = knows and (steps > 0 or self.improving.begin())
-            self._tighten()
+            self._begin_from_best()
             # (Where local search knows nothing of the problem, CP-SAT has nothing to wait for.)
             units = 2 * units if knows else self.budget.left
             steps = max(1, round(UNIT_STEPS * min(units, self.budget.left))) if knows else 0
@@ -81,18 +78,3 @@ class Rounds(Beside):
         for _ in range(steps):
             if self.budget.is_cancelled or not self.improving.step():
                 return
-
-    def _tighten(self) -> None:
-        """Makes the model begin from the best schedule, and leaves out what cannot be better."""
-        value, found = self.improving.value, self.improving.found
-        model, aim = self.built.model, self._aim
-        if not isinstance(aim, int):
-            model.add(aim >= self._bound)
-        if value is None or found is None:
-            return
-        if self._best_value is None or value < self._best_value:
-            if not isinstance(aim, int):
-                model.add(aim <= value)
-            hint_at(self.builder, self.built, found)
-            if not knows(self.built.problem):
-                complete_hint(self.built, self.budget)
