@@ -124,7 +124,6 @@ class Race:
     exchange: Exchange = field(default_factory=Exchange)
     contacts: dict[str, Contact] = field(default_factory=dict)
     best: Schedule | None = None
-    infeasible: bool = False
     workerless: Budget | None = None
     gone: str | None = None
     _is_ending: Event = field(default_factory=Event)
@@ -148,8 +147,13 @@ class Race:
         return self._outcome()
 
     @property
+    def _is_refuted(self) -> bool:
+        """Whether a racer has proven that there is no schedule."""
+        return any(c.ended == Status.INFEASIBLE for c in self.contacts.values())
+
+    @property
     def _is_decided(self) -> bool:
-        if self.infeasible or any(is_certain(c.ended) for c in self.contacts.values()):
+        if any(is_certain(c.ended) for c in self.contacts.values()):
             return True
         if self.best is None or len(self.program.problem.objectives) > 1:
             return False
@@ -230,8 +234,6 @@ class Race:
         if theirs.document is not None:
             self._take_schedule(Schedule.from_dict(theirs.document))
         contact.ended, contact.failure = theirs.ended, theirs.failure
-        if theirs.ended == Status.INFEASIBLE:
-            self.infeasible = True
 
     def _take_schedule(self, schedule: Schedule) -> None:
         with self._lock:
@@ -261,7 +263,7 @@ class Race:
         notes = tuple(self._notes())
         seconds, best, bound = self.budget.elapsed, self.best, self.exchange.bound
         if best is None:
-            if self.infeasible:
+            if self._is_refuted:
                 return Outcome(Status.INFEASIBLE, self.engine, notes=notes, seconds=seconds)
             failures = [c.failure for c in self.contacts.values() if c.failure is not None]
             if failures and len(failures) == len(self.contacts):
@@ -269,7 +271,7 @@ class Race:
             if self.gone is not None:
                 raise ClusterLost(f"the cluster went away, and no schedule was found: {self.gone}")
             return Outcome(Status.UNKNOWN, self.engine, notes=notes, seconds=seconds)
-        if self.infeasible:
+        if self._is_refuted:
             raise EngineFailed("a worker refutes a schedule that another one has found")
         levels = self._levels(best)
         is_makespan = self.program.problem.objectives[0] == "makespan"
