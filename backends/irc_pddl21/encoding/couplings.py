@@ -7,6 +7,7 @@ Ways that go together take nothing from each other: they may start at one time.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -52,16 +53,16 @@ def add_couplings(builder: Builder, units: ResourceUnits) -> CouplingFacts:
     return found
 
 
-class _Rule:
+class _Rule(ABC):
     """A coupling; subclasses say what the variants of its members need and take away."""
 
     def __init__(self, builder: Builder, coupling: Coupling, number: int) -> None:
         self.builder, self.problem = builder, builder.problem
         self.coupling, self.number = coupling, number
 
+    @abstractmethod
     def additions(self, i: int, variant: Variant) -> Additions | None:
         """The additions to a variant of activity i; None where that alone breaks the coupling."""
-        raise NotImplementedError
 
     def new_fact(self, text: str) -> str:
         """A fact that holds until a way takes it away."""

@@ -26,6 +26,7 @@ from irc.passes.mandatory import mandatory_part
 from irc.passes.restrict import drop_ample_stock, restrict
 from irc.problem import Activity, Problem
 from irc.problem import Selection as TaskSelection
+from irc_pddl21.encoding.selections import is_certain
 from irc_pddl21.search.reachability import is_out_of_reach
 
 THRESHOLDS = 4
@@ -427,12 +428,9 @@ def breaks_selections(problem: Problem) -> bool:
 
 
 def _is_broken(problem: Problem, selection: TaskSelection) -> bool:
-    def is_certain(item: Iterable[int]) -> bool:
-        return not any(problem.activities[i].details.optional for i in item)
-
-    if selection.condition is not None and not is_certain(selection.condition):
+    if selection.condition is not None and not is_certain(problem, selection.condition):
         return False
-    there = sum(map(is_certain, selection.items))
+    there = sum(is_certain(problem, item) for item in selection.items)
     if selection.all_or_none:
         return False  # What cannot be there has made a range of it.
     most = len(selection.items) if selection.most is None else selection.most
