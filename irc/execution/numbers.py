@@ -6,19 +6,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+from irc.execution.awaited_ends import with_conditions, with_ends_told
 from irc.execution.executed import ExecutedActivity
-from irc.execution.fresh_names import fresh_name
 from irc.problem import (
     Activity,
     Condition,
-    Effect,
+    Details,
+    Mode,
     NumberCondition,
-    NumberEffect,
     NumberVariable,
     Problem,
     ProtectedLimits,
     TimedChange,
-    Variable,
 )
 
 _Key = tuple[int, int, int]
@@ -170,45 +169,30 @@ def with_limits_held(problem: Problem) -> Problem:
     This is for a target that cannot say "where the number is within them" (see
     `irc.execution.state_conflicts.with_values_held`).
     """
-    activities, variables = list(problem.activities), list(problem.variables)
-    names = {v.id for v in variables}
-    over: dict[ProtectedLimits, int] = {}
-    for activity in problem.activities:
-        for p in activity.details.protects_limits:
-            if p in over or p.activity < 0:
-                continue
-            over[p] = len(variables)
-            who = activities[p.activity]
-            name = fresh_name(f"{who.id} is over: {problem.numbers[p.condition.number].id}", names)
-            names.add(name)
-            variables.append(Variable(name, (False, True), 0))
-            ends = (*who.details.effects, Effect(over[p], 1, at_end=True))
-            activities[p.activity] = replace(who, details=replace(who.details, effects=ends))
+    needs = (
+        (p, p.activity, problem.numbers[p.condition.number].id)
+        for activity in problem.activities
+        for p in activity.details.protects_limits
+        if p.activity >= 0
+    )
+    told, over = with_ends_told(problem, needs)
     if not over:
         return problem
-    found = tuple(_behind(activity, over) for activity in activities)
-    return replace(problem, activities=found, variables=tuple(variables))
+    return replace(told, activities=tuple(_behind(activity, over) for activity in told.activities))
 
 
 def _behind(activity: Activity, over: Mapping[ProtectedLimits, int]) -> Activity:
     """An activity that breaks protected limits only behind what needs these."""
-    details = activity.details
 
-    def needed(effects: tuple[NumberEffect, ...]) -> tuple[Condition, ...]:
+    def needed(part: Details | Mode) -> tuple[Condition, ...]:
         return tuple(
             Condition(over[p], 1, "end" if e.at_end else "start")
-            for p in details.protects_limits
-            for e in effects
+            for p in activity.details.protects_limits
+            for e in part.number_effects
             if p in over and p.takes_away(e)
         )
 
-    if not details.protects_limits:
-        return activity
-    modes = tuple(
-        m._replace(conditions=m.conditions + needed(m.number_effects)) for m in details.modes
-    )
-    conditions = tuple(dict.fromkeys(details.conditions + needed(details.number_effects)))
-    return replace(activity, details=replace(details, conditions=conditions, modes=modes))
+    return with_conditions(activity, needed) if activity.details.protects_limits else activity
 
 
 def _is_met(

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from irc.execution.awaited_ends import with_conditions, with_ends_told
 from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
-from irc.problem import Activity, Condition, Effect, Problem, Protected, Variable
+from irc.problem import Activity, Condition, Details, Effect, Mode, Problem, Protected, Variable
 
 Write = tuple[int, int, int, int]
 """(time, stage, value, activity). At an instant at which the past comes first, stage 0 is an end,
@@ -78,46 +79,29 @@ def with_values_held(problem: Problem) -> Problem:
     This is for a target that cannot say "where the variable has the value": another variable says
     whether the activity still runs, and who gives the first one another value needs its end.
     """
-    activities, variables = list(problem.activities), list(problem.variables)
-    names = {v.id for v in variables}
-    over: dict[Protected, int] = {}
-    for activity in problem.activities:
-        for p in activity.details.protects:
-            if p in over:
-                continue
-            over[p] = len(variables)
-            who = activities[p.activity]
-            name = fresh_name(f"{who.id} is over: {variables[p.var].id}", names)
-            names.add(name)
-            variables.append(Variable(name, (False, True), 0))
-            ends = (*who.details.effects, Effect(over[p], 1, at_end=True))
-            activities[p.activity] = replace(who, details=replace(who.details, effects=ends))
+    needs = (
+        (p, p.activity, problem.variables[p.var].id)
+        for activity in problem.activities
+        for p in activity.details.protects
+    )
+    told, over = with_ends_told(problem, needs)
     if not over:
         return problem
-    return replace(
-        problem,
-        activities=tuple(_behind(activity, over) for activity in activities),
-        variables=tuple(variables),
-    )
+    return replace(told, activities=tuple(_behind(activity, over) for activity in told.activities))
 
 
 def _behind(activity: Activity, over: Mapping[Protected, int]) -> Activity:
     """An activity whose changes of protected variables come behind what needs these."""
-    details = activity.details
-    if not details.protects:
-        return activity
 
-    def needed(effects: tuple[Effect, ...]) -> tuple[Condition, ...]:
+    def needed(part: Details | Mode) -> tuple[Condition, ...]:
         return tuple(
             Condition(over[p], 1, "end" if e.at_end else "start")
-            for p in details.protects
-            for e in effects
+            for p in activity.details.protects
+            for e in part.effects
             if e.var == p.var and e.value != p.value
         )
 
-    modes = tuple(m._replace(conditions=m.conditions + needed(m.effects)) for m in details.modes)
-    conditions = tuple(dict.fromkeys(details.conditions + needed(details.effects)))
-    return replace(activity, details=replace(details, conditions=conditions, modes=modes))
+    return with_conditions(activity, needed) if activity.details.protects else activity
 
 
 def _still_read(
