@@ -14,10 +14,10 @@ from irc.execution.fresh_names import fresh_name
 from irc.problem import Activity, Condition, Details, Effect, Mode, Problem, Variable
 
 Need = TypeVar("Need")
-"""What an activity needs while it runs."""
+"""A value or a limit that an activity needs while it runs."""
 
 
-def with_ends_told(
+def with_end_variables(
     problem: Problem, needs: Iterable[tuple[Need, int, str]]
 ) -> tuple[Problem, Mapping[Need, int]]:
     """The problem with a variable for each need that says whether its activity is over.

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from irc.execution.awaited_ends import with_conditions, with_ends_told
+from irc.execution.awaited_ends import with_conditions, with_end_variables
 from irc.execution.executed import ExecutedActivity
 from irc.problem import (
     Activity,
@@ -175,10 +175,10 @@ def with_limits_held(problem: Problem) -> Problem:
         for p in activity.details.protects_limits
         if p.activity >= 0
     )
-    told, over = with_ends_told(problem, needs)
+    extended, over = with_end_variables(problem, needs)
     if not over:
         return problem
-    return replace(told, activities=tuple(_behind(activity, over) for activity in told.activities))
+    return replace(extended, activities=tuple(_behind(activity, over) for activity in extended.activities))
 
 
 def _behind(activity: Activity, over: Mapping[ProtectedLimits, int]) -> Activity:

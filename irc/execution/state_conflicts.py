@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from irc.execution.awaited_ends import with_conditions, with_ends_told
+from irc.execution.awaited_ends import with_conditions, with_end_variables
 from irc.execution.executed import ExecutedActivity
 from irc.execution.fresh_names import fresh_name
 from irc.problem import Activity, Condition, Details, Effect, Mode, Problem, Protected, Variable
@@ -84,10 +84,10 @@ def with_values_held(problem: Problem) -> Problem:
         for activity in problem.activities
         for p in activity.details.protects
     )
-    told, over = with_ends_told(problem, needs)
+    extended, over = with_end_variables(problem, needs)
     if not over:
         return problem
-    return replace(told, activities=tuple(_behind(activity, over) for activity in told.activities))
+    return replace(extended, activities=tuple(_behind(activity, over) for activity in extended.activities))
 
 
 def _behind(activity: Activity, over: Mapping[Protected, int]) -> Activity:

@@ -215,7 +215,10 @@ def _reasons_against_activity(activity: Activity) -> Iterator[str]:
 def in_all_modes(
     activity: Activity, in_mode: Callable[[int | None], Iterator[AnyAssignment]]
 ) -> tuple[AnyAssignment, ...]:
-    """What there is in each mode of an activity. Raises `NotApplicable` for none or too many."""
+    """The findings of `in_mode` for every mode of an activity, or for `None` without modes.
+
+    Raises `NotApplicable` for none or too many.
+    """
     modes: list[int | None] = [*range(len(activity.details.modes))]
     found = [one for mode in modes or [None] for one in in_mode(mode)]
     if not found or len(found) > MOST_WAYS:
