@@ -178,7 +178,8 @@ def with_limits_held(problem: Problem) -> Problem:
     extended, over = with_end_variables(problem, needs)
     if not over:
         return problem
-    return replace(extended, activities=tuple(_behind(activity, over) for activity in extended.activities))
+    activities = tuple(_behind(activity, over) for activity in extended.activities)
+    return replace(extended, activities=activities)
 
 
 def _behind(activity: Activity, over: Mapping[ProtectedLimits, int]) -> Activity:
