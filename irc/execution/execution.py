@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar, Unpack, get_args
 
 from irc.checks.events import check_event
@@ -87,13 +87,14 @@ class Execution:
         self._schedule = schedule
         self._history = History.of(schedule, self.now, assumes=presume == "assume")
         self._events: list[Event] = []
+        self._known: _Facts | None = None
 
     def copy(self) -> Execution:
         """A copy at the same point; later changes of one do not affect the other."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__)
         other._history = self._history.copy()
-        other._events = list(self._events)
+        other._events, other._known = list(self._events), None
         return other
 
     __copy__ = copy
@@ -102,15 +103,14 @@ class Execution:
         """Whether both are at the same point of the same task, with the same options."""
         if not isinstance(other, Execution):
             return NotImplemented
-        # (The task in force follows from the rest.)
-        return {**self.__dict__, "_task": None} == {**other.__dict__, "_task": None}
+        follows = {"_task": None, "_known": None}
+        return {**self.__dict__, **follows} == {**other.__dict__, **follows}
 
     @property
     def task(self) -> Task:
         """The task in force: as the events have revised it, with all that was observed."""
         if self._task is None:
-            history = as_of(self._history, self._told, self.now)
-            self._task = self._in_force(self._told, history, self.now)
+            self._task = self._in_force(self._told, self._facts(), self.now)
         return self._task
 
     @property
@@ -126,7 +126,7 @@ class Execution:
         """
         if not self._events:
             return self._schedule
-        taken = as_of(self._history, self._told, self.now).entries.values()
+        taken = self._facts().entries.values()
         entries = sorted(taken, key=lambda e: (e.start, e.end, e.id))
         return Schedule(tuple(entries), task=self._told.name).of(self._told)
 
@@ -150,7 +150,15 @@ class Execution:
 
     def state(self) -> ExecutionState:
         """The entries that are completed, running and open now."""
-        return as_of(self._history, self._told, self.now).state(self.now)
+        return self._facts().state(self.now)
+
+    def _facts(self) -> History:
+        """The history with all that is taken to have happened by now."""
+        known = self._known
+        if known is None or not known.are_of(self._history, self._told, self.now):
+            taken = as_of(self._history, self._told, self.now)
+            known = self._known = _Facts(self._history, self._told, self.now, taken)
+        return known.taken
 
     def advance(self, to: Instant) -> None:
         """Advances the time. Raises `InputError` for a time that has passed already, and for one
@@ -229,17 +237,21 @@ class Execution:
             raise InputError(Report(tuple(findings.items), source))
         revised = without_observations(_with_own(self._told, given, event), event)
         task: Task | None = None
+        known: _Facts | None = None
         if only_seen and not _reports_failure(event):
             self._plannable = self._after(revised, event, history, source)
         else:
-            taken = as_of(history, revised, now)
+            judged, taken = revised, as_of(history, revised, now)
             revised, passed = without_the_past(self._told, revised, taken.state(now))
             task = self._in_force(revised, taken, now)
+            if revised is judged:
+                known = _Facts(history, revised, now, taken, task)
             self._plannable = self._after(task, event, history, source)
             if task.lapsed != self.task.lapsed:
                 ended = {entry.id for entry in taken.state(now).completed}
                 notes = [*notes, *lapses(self.task, task, event, ended), *passed]
         self._told, self._task, self._history, self.now = revised, task, history, now
+        self._known = known
         self._rounding = rounding
         self._events.append(event)
         return Report((*report.diagnostics, *self.take_notes(), *rounded, *notes), source)
@@ -310,7 +322,9 @@ class Execution:
 
     def _present(self) -> tuple[Task, History]:
         """The task and the history with all that is taken to have happened by now."""
-        history = as_of(self._history, self._told, self.now)
+        history, known = self._facts(), self._known
+        if known is not None and known.task is not None:
+            return known.task, history
         return self._in_force(self._told, history, self.now), history
 
     def _taken(self, present: tuple[Task, History], step: Step) -> Step:
@@ -337,13 +351,33 @@ class Execution:
     def adopt(self, schedule: Schedule) -> None:
         """Sets the schedule that is carried out from now on, such as that of a step."""
         _require_known(self._told, schedule)
-        adopt(self._history, schedule, self._told, self.now)
+        adopt(self._history, schedule, self.now, self._facts().begun)
+        self._known = None
         self._schedule = schedule
         self._events.clear()
 
     def reject(self) -> None:
         """Takes note that a step has no schedule: from now on nothing is presumed to begin."""
         self._history.reject(self.now)
+        self._known = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Facts:
+    """What a history is taken to be as of `now`, and the task in force then, where it is known.
+
+    They hold for this very history, until a plan changes it, and for the task `told`.
+    """
+
+    history: History
+    told: Task
+    now: Number
+    taken: History
+    task: Task | None = None
+
+    def are_of(self, history: History, told: Task, now: Number) -> bool:
+        """Whether these are the facts of a history, a task and a time."""
+        return self.history is history and self.told is told and self.now == now
 
 
 def replan(

@@ -7,6 +7,7 @@ cannot begin with. In doubt it can.
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -31,6 +32,40 @@ class _LevelChange(NamedTuple):
     entry: Entry | None = None
 
 
+class _Holders:
+    """The entries that hold a resource, in order of their starts."""
+
+    def __init__(self) -> None:
+        self._entries: list[Entry] = []
+        self._longest: Number = 0
+
+    def __iter__(self) -> Iterator[Entry]:
+        return iter(self._entries)
+
+    def add(self, entry: Entry) -> None:
+        """Adds an entry."""
+        insort(self._entries, entry, key=_start)
+        self._longest = max(self._longest, entry.end - entry.start)
+
+    def remove(self, entry: Entry) -> None:
+        """Removes an entry."""
+        first = bisect_left(self._entries, entry.start, key=_start)
+        del self._entries[self._entries.index(entry, first)]
+
+    def during(self, start: Number, end: Number) -> list[Entry]:
+        """The entries that begin before `end` and end after `start`."""
+        first = bisect_left(self._entries, start - self._longest, key=_start)
+        last = bisect_left(self._entries, end, key=_start)
+        return [entry for entry in self._entries[first:last] if entry.end > start]
+
+
+def _start(entry: Entry) -> Number:
+    return entry.start
+
+
+_NOBODY = _Holders()
+
+
 @dataclass
 class Happened:
     """The facts about a task as of `now`.
@@ -44,7 +79,7 @@ class Happened:
     planned: dict[Key, Entry] = field(default_factory=dict)
     certain: Collection[Key] = ()
     """The keys in `begun` that were observed."""
-    holders: dict[str, list[Entry]] = field(default_factory=dict)
+    holders: dict[str, _Holders] = field(default_factory=dict)
     """The entries that hold each resource."""
 
     @classmethod
@@ -59,7 +94,7 @@ class Happened:
         """Adds what has begun."""
         self.begun[key_of(entry)] = entry
         for name in entry.resources:
-            self.holders.setdefault(name, []).append(entry)
+            self.holders.setdefault(name, _Holders()).add(entry)
 
     def remove(self, entry: Entry) -> None:
         """Takes back that it has begun."""
@@ -140,8 +175,9 @@ class Happened:
         resource = self.resources.get(name)
         if resource is None or entry.start == entry.end:
             return True
-        own = entry.resources[name]
-        others = [e for e in self.holders.get(name, ()) if key_of(e) != key_of(entry)]
+        own, holders = entry.resources[name], self.holders.get(name, _NOBODY)
+        beside = holders.during(entry.start, entry.end)
+        others = [e for e in beside if key_of(e) != key_of(entry)]
         seen = [e for e in others if key_of(e) in self.certain] if self.certain else ()
         later = [e.start for e in seen if entry.start < e.start < entry.end and e.end > e.start]
         for time in (entry.start, *later):
@@ -152,13 +188,15 @@ class Happened:
             e.start != entry.start and e.start < entry.end and entry.start < e.end for e in others
         ):
             return False  # It would be in a load that has begun, or begins, without it.
-        return resource.setups is None or self._is_set_up(resource, entry, others)
+        return resource.setups is None or self._is_set_up(resource, entry, holders)
 
-    def _is_set_up(self, resource: Resource, entry: Entry, others: Iterable[Entry]) -> bool:
+    def _is_set_up(self, resource: Resource, entry: Entry, holders: Iterable[Entry]) -> bool:
         """Whether the set-up since the last use can have been done by its start."""
         from irc.lowering.setups import setup_between
 
-        ended = [e for e in others if e.start < e.end <= entry.start]
+        ended = [
+            e for e in holders if e.start < e.end <= entry.start and key_of(e) != key_of(entry)
+        ]
         last = max(ended, key=lambda e: (e.start, e.end), default=None)
         if last is None or last.id not in self.actions:
             return True

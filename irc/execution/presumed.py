@@ -7,7 +7,7 @@ or ended until that was observed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -109,9 +109,8 @@ def fix_begun(history: History, task: Task, now: Number) -> None:
     history.begun = begun
 
 
-def adopt(history: History, schedule: Schedule, task: Task, now: Number) -> None:
-    """Takes a schedule as the one that is carried out from now on."""
-    begun = presumed(history, task, now).begun
+def adopt(history: History, schedule: Schedule, now: Number, begun: Collection[Key]) -> None:
+    """Takes a schedule as the one that is carried out from now on; `begun` has begun by now."""
     failed = {key for key, observed in history.observed.items() if observed.failed}
     history.plan = {key_of(entry): entry for entry in schedule.entries}
     # (That it failed is an observation, which may be corrected.)
@@ -249,6 +248,9 @@ class _Presuming:
         happened.certain = known
         happened.planned = {k: e for k, e in entries.items() if k not in happened.begun}
         as_planned: Happened | None = None
+        numbers: dict[str, list[int]] = {}
+        for name, number in happened.begun:
+            numbers.setdefault(name, []).append(number)
         for entry in possible:
             key = key_of(entry)
             if key not in happened.begun:
@@ -261,7 +263,8 @@ class _Presuming:
                     as_planned = Happened.all_of(self.task, plan.values(), self.now)
                 before = as_planned.faults(self.history.plan.get(key, entry))
                 faults = [now and not then for now, then in zip(faults, before, strict=True)]
-            later = [k for k in happened.begun if k[0] == key[0] and k[1] > key[1]]
+            after = [(key[0], number) for number in numbers[key[0]] if number > key[1]]
+            later = [k for k in after if k in happened.begun]
             if not any(faults) or any(k in known for k in later):
                 continue
             for k in later:  # Occurrences are numbered by start.
