@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.asking import STEP_AFTERWARDS_SHARE, asked
@@ -52,6 +53,9 @@ from irc.targets import (
     SolveOptions,
 )
 
+if TYPE_CHECKING:
+    from irc.validation import Verdict
+
 Judge = Callable[[Schedule], str | None]
 
 PROVER = "cpsat"
@@ -83,6 +87,7 @@ class Repair:
     engine: Engine
     options: SolveOptions
     budget: Budget
+    _last: tuple[Schedule, Verdict] | None = None
 
     def attempt(self, given_up: Sequence[int]) -> tuple[Outcome, Problem]:
         """The outcome where these groups are given up, and the problem it answers.
@@ -209,14 +214,26 @@ class Repair:
 
     def judged(self, schedule: Schedule, given_up: Sequence[int]) -> str | None:
         """The faults of a whole history; None if it is valid, with no plans for the past."""
-        from irc.validation import validate
-
         begun = self.frozen.begun
         for entry in schedule.entries:
             if entry.start < self.at and key_of(entry) not in begun:
                 return f"{entry.id!r} has not begun, and would have before now"
-        verdict = validate(self.task, self.with_status(schedule, given_up), self.at)
+        verdict = self.verdict_on(self.with_status(schedule, given_up))
         return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
+
+    def verdict_on(self, schedule: Schedule) -> Verdict:
+        """The validator's verdict on a whole history; it judges the same entries once."""
+        from irc.validation import still_holds, validate
+
+        if self._last is not None:
+            known, verdict = self._last
+            same = (known.entries, known.left_out) == (schedule.entries, schedule.left_out)
+            if same and still_holds(verdict, schedule):
+                return verdict
+        verdict = validate(self.task, schedule, self.at)
+        if not schedule.objective:
+            self._last = schedule, verdict
+        return verdict
 
     def _from_now(self, frozen: Problem, whole: Problem, given_up: Sequence[int]) -> Outcome:
         """The outcome of the residual problem, with the history before it."""

@@ -300,7 +300,10 @@ class Execution:
         since = since or Budget()
         present = task, history = self._present()
         events = tuple(self._events)
-        step = solve_step(task, history, self.now, self.options, events, budget, since=since)
+        known = self._plannable.problem
+        step = solve_step(
+            task, history, self.now, self.options, events, budget, since=since, known=known
+        )
         return self._taken(present, step)
 
     async def areplan(self) -> Step:
@@ -312,11 +315,11 @@ class Execution:
 
         since = Budget()
         present = task, history = self._present()
-        at, events = self.now, tuple(self._events)
+        at, events, known = self.now, tuple(self._events), self._plannable.problem
 
         def call(cancel: Cancellation) -> Step:
             options = replace(self.options, cancel=cancel)
-            return solve_step(task, history, at, options, events, since=since)
+            return solve_step(task, history, at, options, events, since=since, known=known)
 
         return self._taken(present, await awaited(call, self.options.cancel))
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from irc.diagnostics import Code, Diagnostic, InputError, Report
 from irc.diagnostics.source import Pointer, Source
-from irc.lowering.lower import lower
+from irc.execution.lowered import Lowered, lowered
 from irc.model import Event, Task
 from irc.model.events import CancelActions, CancelGroups, Observe, RemovePrecedence, SetState
 from irc.model.quantities import Number, TimeError
@@ -31,12 +31,13 @@ _WITHOUT_FEATURES = (Observe, CancelActions, CancelGroups, RemovePrecedence, Set
 class Plannable:
     """Times with which a target is known to be able to plan: multiples of `step` up to `latest`.
 
-    Both are in the task's unit.
+    Both are in the task's unit. `problem` is the last problem that was asked about.
     """
 
     target: str
     step: Fraction | None = None
     latest: Number = 0
+    problem: Lowered | None = field(default=None, compare=False, repr=False)
 
     def after(
         self, task: Task, event: Event, instants: Iterable[Number], source: Source | None
@@ -52,17 +53,17 @@ class Plannable:
             return self
         at = task.number(event.at)
         moments = [*instants, at]
-        problem = lower(task, moments)
+        known = lowered(task, moments)
+        problem = known.problem
         greatest = get_backend(self.target).greatest_horizon(problem)
         if greatest is None:
-            return replace(self, step=problem.tick, latest=at)
+            return replace(self, step=problem.tick, latest=at, problem=known)
         # (Half of the room is for what the next events bring.)
         reached = safe_horizon(problem) + max(map(problem.whole_ticks, moments))
         if reached > greatest:
             raise _too_large(task, event, problem, reached, greatest, self.target, source)
-        return replace(
-            self, step=problem.tick, latest=problem.to_units(max(reached, greatest // 2) // 2)
-        )
+        latest = problem.to_units(max(reached, greatest // 2) // 2)
+        return replace(self, step=problem.tick, latest=latest, problem=known)
 
     def _holds(self, task: Task, event: Event) -> bool:
         """Whether all times of an event are among those with which a target can plan."""

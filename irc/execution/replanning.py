@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from irc.diagnostics import Code, Diagnostic, Findings, InputError, Report
 from irc.driver.compile import reporting_refusals
@@ -14,9 +15,9 @@ from irc.execution.continuation import Repair
 from irc.execution.freeze import FrozenProblem, freeze
 from irc.execution.history import History, ids
 from irc.execution.infeasibility import what_is_in_the_way
+from irc.execution.lowered import Lowered, lowered
 from irc.execution.step import Step, moved
 from irc.execution.stuck import in_words, what_is_stuck
-from irc.lowering.lower import lower
 from irc.model import Event, Task
 from irc.model.canonical import task_sha256
 from irc.model.quantities import Number
@@ -36,6 +37,9 @@ from irc.targets import (
 )
 from irc.targets.interrupt import ended_by_interrupt, lost
 
+if TYPE_CHECKING:
+    from irc.validation import Verdict
+
 __all__ = ["Step", "solve_step"]
 
 CHOICES_APART = 400
@@ -52,21 +56,22 @@ def solve_step(
     budget: Budget | None = None,
     *,
     since: Budget | None = None,
+    known: Lowered | None = None,
 ) -> Step:
     """The best continuation of a history at `at`, for the task as it is in force.
 
     What cannot go on whatever else is done, because its resource is gone for good, say, is named
     and left out, and the rest is continued. `history` is as it is taken to be at `at`. `budget`
     replaces the time limit and the cancellation of the options; the limit counts from when the
-    budget `since` was made. Raises `InputError` (the target refuses the task, or the history does
-    not fit it), `UnknownTarget`, `EngineMissing` or `EngineFailed`, and `KeyboardInterrupt` where
-    ^C comes before there is any answer.
+    budget `since` was made. `known` is a problem that may be that of the task. Raises `InputError`
+    (the target refuses the task, or the history does not fit it), `UnknownTarget`, `EngineMissing`
+    or `EngineFailed`, and `KeyboardInterrupt` where ^C comes before there is any answer.
     """
     if budget is not None:
-        return _step(task, history, at, options, events, budget)
+        return _step(task, history, at, options, events, budget, known)
     with ended_by_interrupt(options.cancel) as cancel:
         budget = replace(options, cancel=cancel).budget(since=since)
-        step = _step(task, history, at, options, events, budget)
+        step = _step(task, history, at, options, events, budget, known)
         if step.schedule.status is Status.UNKNOWN:
             lost(cancel)
     return step
@@ -79,12 +84,13 @@ def _step(
     options: SolveOptions,
     events: tuple[Event, ...],
     budget: Budget,
+    known: Lowered | None,
 ) -> Step:
     backend = get_backend(options.target)
     engine = backend.engine(options.engine)
     require_support(task, backend)
     means = _Means(backend, engine, options, budget)
-    problem, frozen = _lowered(task, history, at, means)
+    problem, frozen = _lowered(task, history, at, means, known)
     stuck = what_is_stuck(frozen, problem)
     if not stuck:
         return _continued(task, (problem, frozen), history, at, means, events)
@@ -114,13 +120,13 @@ class _Means:
 
 
 def _lowered(
-    task: Task, history: History, at: Number, means: _Means
+    task: Task, history: History, at: Number, means: _Means, known: Lowered | None = None
 ) -> tuple[Problem, FrozenProblem]:
     """The problem of a task, and the same with the history fixed."""
     state = history.state(at)
     instants = [at, *(t for e in history.entries.values() for t in (e.start, e.end))]
     instants += history.least_ends.values()
-    problem = lower(task, instants)
+    problem = lowered(task, instants, known).problem
     previous = replace(problem.previous, stability=means.options.share)
     problem = replace(problem, previous=previous)
     if means.backend.begins_now or not state.open or _choices(problem) > CHOICES_APART:
@@ -155,7 +161,7 @@ def _continued(
     notes = reasons_for(task, outcome)
     schedule = explained(schedule, notes)
     if schedule.answered:
-        notes = (*notes, *_carried(task, schedule, at))
+        notes = (*notes, *_carried(repair.verdict_on(schedule)))
     return Step(
         at,
         events,
@@ -207,11 +213,8 @@ def _frozen(task: Task, problem: Problem, history: History, at: Number) -> Froze
         raise InputError(Report(tuple(findings.items), task.source)) from None
 
 
-def _carried(task: Task, schedule: Schedule, at: Number) -> list[Diagnostic]:
+def _carried(verdict: Verdict) -> list[Diagnostic]:
     """The conflicts that the history alone causes. Raises `EngineFailed` for any others."""
-    from irc.validation import validate
-
-    verdict = validate(task, schedule, at)
     if not verdict.valid:
         reasons = "; ".join(v.message for v in verdict.violations[:3])
         raise EngineFailed(f"the answer was rejected by the validator: {reasons}")

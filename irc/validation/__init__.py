@@ -125,13 +125,23 @@ def validate(task: Task, schedule: Schedule, at: Number | None = None) -> Verdic
         raise UncheckedTaskError(f"the task has a time that cannot be used: {error}") from error
 
 
+def still_holds(verdict: Verdict, schedule: Schedule) -> bool:
+    """Whether a verdict on the entries of a schedule holds with the values that this one states.
+
+    The verdict is one on the same entries, of the same task and time, that stated no values.
+    """
+    violations = Violations(verdict.time_unit)
+    check_stated(schedule, verdict.objective, violations)
+    return not violations
+
+
 def _validate(task: Task, schedule: Schedule, at: Number | None) -> Verdict:
     bound = bind(task, schedule, at)
     violations = Violations(task.time_unit)
     for check in _CHECKS:
         check(bound, violations)
     values = objective_values(bound)
-    check_stated(bound, values, violations)
+    check_stated(schedule, values, violations)
     return Verdict(
         violations.found,
         values,

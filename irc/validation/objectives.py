@@ -8,7 +8,7 @@ from irc.model import Action, Group
 from irc.model.objectives import is_sum, short_name, sum_value, terms_of
 from irc.model.quantities import Number, exact
 from irc.model.times import format_number
-from irc.schedule import ObjectiveValue
+from irc.schedule import ObjectiveValue, Schedule
 from irc.validation.bound_schedule import BoundSchedule
 from irc.validation.verdict import Violations
 
@@ -105,10 +105,10 @@ def _exact(value: Number) -> Number:
 
 
 def check_stated(
-    bound: BoundSchedule, values: Mapping[str, Number], violations: Violations
+    schedule: Schedule, values: Mapping[str, Number], violations: Violations
 ) -> None:
     """Checks that the stated values are true, and that no stated bound contradicts them."""
-    for stated in bound.schedule.objective:
+    for stated in schedule.objective:
         if stated.name not in values and _UNKNOWABLE not in stated.name:
             known = ", ".join([*values, _UNKNOWABLE])
             violations.add(
