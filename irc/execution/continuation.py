@@ -154,7 +154,8 @@ class Repair:
             cancelled = before is not None and before.status == CANCELLED
             now = entry.start == self.at and key_of(entry) in begun
             own = ABANDONED if entry.id in lost else BEGUN if now else None
-            return replace(entry, status=CANCELLED if cancelled else own)
+            status = CANCELLED if cancelled else own
+            return entry if entry.status == status else replace(entry, status=status)
 
         return replace(schedule, entries=tuple(map(marked, schedule.entries)))
 

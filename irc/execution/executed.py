@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from irc.problem import Activity, Details, PreviousPlace, Problem, Ranks, together
+from irc.problem import PLAIN, Activity, Details, PreviousPlace, Problem, Ranks, together
 from irc.problem.choices import UnexplainedError, choices_of
 from irc.problem.projection import in_one_mode
 from irc.problem.work_times import WorkTimesOf, work_range
@@ -158,6 +158,8 @@ def _as_happened(
     details: Details, past: ExecutedActivity, shortest: int, longest: int, ranks: Ranks | None
 ) -> Details:
     """The details of an executed activity that takes from `shortest` to `longest`."""
+    if details is PLAIN and ranks is None:
+        return details
     details = replace(
         details,
         optional=False,

@@ -38,6 +38,16 @@ class LoadProfile(Profile):
         ]
         return min((time for time in later if time > start), default=UNREACHABLE_TIME)
 
+    def first_room(
+        self, start: int, duration: int, amount: int, family: int = NO_FAMILY
+    ) -> int | None:
+        """The first time from `start` on at which `amount` more can be in a load of its family."""
+        while (wait := self.blocked_until(start, start + duration, amount, family)) is not None:
+            if wait == UNREACHABLE_TIME:
+                return None
+            start = wait
+        return start
+
     def take(self, start: int, end: int, amount: int, family: int = NO_FAMILY) -> None:
         """Adds `amount` to the load over [start, end)."""
         super().take(start, end, amount)

@@ -38,6 +38,28 @@ class Profile:
             k += 1
         return None
 
+    def first_room(
+        self, start: int, duration: int, amount: int, family: int = NO_FAMILY
+    ) -> int | None:
+        """The first time from `start` on at which `amount` more fits for a duration above 0.
+
+        None where there is none.
+        """
+        times, used, limit = self.times, self.used, self.capacity - amount
+        count = len(times)
+        k = bisect_right(times, start) - 1
+        while k < count:
+            if used[k] > limit:
+                k += 1
+                continue
+            start = max(start, times[k])
+            end = start + duration
+            while k < count and times[k] < end and used[k] <= limit:
+                k += 1
+            if k == count or times[k] >= end:
+                return start
+        return None
+
     def take(self, start: int, end: int, amount: int, family: int = NO_FAMILY) -> None:
         """Adds `amount` over [start, end)."""
         first, last = self._split(start), self._split(end)

@@ -8,7 +8,7 @@ lags, deadlines or fixed starts defeat the rule, there is no result.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from heapq import heappop, heappush
 from typing import TYPE_CHECKING
@@ -106,16 +106,27 @@ def quick_schedule(problem: Problem) -> Found | None:
         from irc.passes.setup_schedule import setup_schedule
 
         return setup_schedule(problem)
-    by_rule = list_schedule(problem)
-    if problem.has_batches:
-        by_rule = _on_time(problem, by_rule)
     if not any(problem.previous.places):
-        return by_rule
+        return _by_rule(problem)
     as_before = _with_resources_of_before(problem)
     order = [_place_before(problem, i) for i in range(len(problem.activities))]
     floors = [0 if place is None else place.start for place in problem.previous.places]
-    found = (list_schedule(as_before, order, floors), list_schedule(as_before, order), by_rule)
+    shifted = list_schedule(as_before, order, floors), list_schedule(as_before, order)
+    best = _best(problem, shifted)
+    if best is not None and _quality(problem, best)[0] <= problem.bounds.makespan.value:
+        return best  # (None is shorter, and the rule knows nothing of the previous plan.)
+    return _best(problem, (best, _by_rule(problem)))
+
+
+def _best(problem: Problem, found: Iterable[Found | None]) -> Found | None:
+    """The shortest of some schedules; of equals the one that moves least, and the first."""
     return min((f for f in found if f), key=lambda f: _quality(problem, f), default=None)
+
+
+def _by_rule(problem: Problem) -> Found | None:
+    """The schedule by the rule; with loads, perhaps the one in the order of due dates."""
+    found = list_schedule(problem)
+    return _on_time(problem, found) if problem.has_batches else found
 
 
 def _on_time(problem: Problem, by_rule: Found | None) -> Found | None:
@@ -227,6 +238,8 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
     duration = activity.duration_min
     if not activity.open_demands or not duration:
         return start, tuple(demand.alternatives[0] for demand in activity.open_demands)
+    if len(activity.open_demands) == 1 and len(activity.open_demands[0].alternatives) == 1:
+        return _place_on(activity, activity.open_demands[0], start, profiles)
     while True:
         choice: list[int] = []
         needed: dict[int, int] = {}
@@ -260,6 +273,22 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
                 profiles[r].take(start, start + duration, amount, families[r])
             return start, tuple(choice)
         start = later
+
+
+def _place_on(
+    activity: Activity, demand: OpenDemand, start: int, profiles: list[Profile]
+) -> tuple[int, Choice] | None:
+    """The first time from `start` on at which the only open demand fits, and its only pool."""
+    (pool,) = demand.alternatives
+    profile, amount = profiles[pool], demand.amount
+    if amount > profile.capacity:
+        return None
+    family, duration = activity.uses[demand.use].family, activity.duration_min
+    room = profile.first_room(start, duration, amount, family)
+    if room is None:
+        return None
+    profile.take(room, room + duration, amount, family)
+    return room, (pool,)
 
 
 def _keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:

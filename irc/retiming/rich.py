@@ -51,12 +51,19 @@ def retime_rich(
     whole, changes = with_change_activities(selection.problem)
     known = [*selection.decisions, *(Decision(change.at, change.at) for change in changes)]
     placed = _retime_once(whole, known, tolerance, changes)
-    for _ in range(ROUNDS):
+    stays = not tolerance and all(_is_at(p, d) for p, d in zip(placed, known, strict=True))
+    for _ in range(0 if stays else ROUNDS):
         again = _retime_once(whole, [as_decision(p) for p in placed], 0, changes)
         if again == placed:
             break
         placed = again
     return selection.spread(problem, placed[: len(placed) - len(changes)])
+
+
+def _is_at(place: Placed, decision: Decision) -> bool:
+    """Whether an activity is where it was decided to be, so that it asks for no further round."""
+    times = place.start, place.end, place.rank, place.end_rank
+    return times == (decision.start, decision.end, decision.rank, decision.end_rank)
 
 
 def _retime_once(
