@@ -25,7 +25,7 @@ from irc.model.world_changes import is_world_change
 from irc.passes.contention import merge_pools
 from irc.problem import Problem
 from irc.problem.choices import UnexplainedError
-from irc.schedule import LeftOut, Schedule, Status
+from irc.schedule import LeftOut, Status
 from irc.targets import (
     Backend,
     Budget,

@@ -104,9 +104,7 @@ def _exact(value: Number) -> Number:
     return value if isinstance(value, int) else exact(value)
 
 
-def check_stated(
-    schedule: Schedule, values: Mapping[str, Number], violations: Violations
-) -> None:
+def check_stated(schedule: Schedule, values: Mapping[str, Number], violations: Violations) -> None:
     """Checks that the stated values are true, and that no stated bound contradicts them."""
     for stated in schedule.objective:
         if stated.name not in values and _UNKNOWABLE not in stated.name:
