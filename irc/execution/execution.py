@@ -326,8 +326,8 @@ class Execution:
     def _present(self) -> tuple[Task, History]:
         """The task and the history with all that is taken to have happened by now."""
         history, known = self._facts(), self._known
-        if known is not None and known.task is not None:
-            return known.task, history
+        if known is not None and known.in_force is not None:
+            return known.in_force, history
         return self._in_force(self._told, history, self.now), history
 
     def _taken(self, present: tuple[Task, History], step: Step) -> Step:
@@ -367,20 +367,21 @@ class Execution:
 
 @dataclass(frozen=True, slots=True)
 class _Facts:
-    """What a history is taken to be as of `now`, and the task in force then, where it is known.
+    """A history as it is taken to be at `now` (`taken`), and the task in force, where it is known.
 
-    They hold for this very history, until a plan changes it, and for the task `told`.
+    They hold for this very history, until a plan changes it, and for this `task`, which is without
+    observations.
     """
 
     history: History
-    told: Task
+    task: Task
     now: Number
     taken: History
-    task: Task | None = None
+    in_force: Task | None = None
 
-    def are_of(self, history: History, told: Task, now: Number) -> bool:
+    def are_of(self, history: History, task: Task, now: Number) -> bool:
         """Whether these are the facts of a history, a task and a time."""
-        return self.history is history and self.told is told and self.now == now
+        return self.history is history and self.task is task and self.now == now
 
 
 def replan(
