@@ -16,7 +16,7 @@ from rich.text import Text
 from irc.cli.absent import in_words, left_out
 from irc.cli.chart import Drawn, Spans, chart_lines
 from irc.cli.page import Page, grouped, print_lines, time_in_words, with_unit
-from irc.cli.summary import summary_lines
+from irc.cli.summary import counts_line, summary_lines
 from irc.cli.table import (
     Column,
     aligned,
@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 SUMMARY_FROM = 60
 """A schedule of more actions begins with a summary."""
 
+CHART_UP_TO = 10_000
+"""Of more actions there is no chart where it would be cut: 40 rows say nothing about them."""
+
 
 def print_answer(
     answer: Answer, console: Console, times: TimesStyle | None = None, *, all_rows: bool = False
@@ -51,29 +54,49 @@ def print_answer(
     no box and block characters, ASCII characters replace them. Times are dates where there are any,
     unless `times` says otherwise; without `all_rows` long tables and charts are cut.
     """
-    page = Page(console)
-    schedule, problem = answer.schedule, answer.problem
+    page, schedule = Page(console), answer.schedule
     clock = clock_of(schedule, times)
-    lines = [*_headline(page, problem, schedule, clock)]
-    slack: dict[str, int] | None = None
-    try:
-        if schedule.answered:
-            slack = slacks(problem, schedule)
-    except AnswerError as error:
-        lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
-    analysis = _analysis(problem, schedule, slack)
-    if analysis is not None and len(schedule.entries) > SUMMARY_FROM:
-        lines += summary_lines(page, analysis)
+    problem, slack, analysis, lines = _known(page, answer, clock)
     print_lines(page, console, (line for text in lines for line in text.wrap(console, page.width)))
     if not schedule.entries:
         return
     shown = _drawn(problem, analysis, slack, clock, all_rows)
     console.print()
     print_lines(page, console, _table(page, problem, schedule, shown))
-    console.print()
-    print_lines(page, console, chart_lines(page, problem, schedule, shown))
+    if all_rows or len(schedule.entries) <= CHART_UP_TO:
+        console.print()
+        print_lines(page, console, chart_lines(page, problem, schedule, shown))
     key = (line for text in page.key() for line in Text(text).wrap(console, page.width))
     print_lines(page, console, key)
+
+
+def _known(
+    page: Page, answer: Answer, clock: ClockText | None
+) -> tuple[Problem, dict[str, int] | None, Analysis | None, list[Text]]:
+    """(the problem, the slacks, the analysis where it is needed, the lines above the table)."""
+    schedule, slack, analysis = answer.schedule, None, None
+    framed = None
+    if schedule.made_for is not None and schedule.made_for.columns is not None:
+        from irc.cli.uncontended import frame_and_slacks
+
+        framed = frame_and_slacks(schedule)
+    problem = answer.problem if framed is None else framed[0]
+    lines = [*_headline(page, problem, schedule, clock)]
+    if framed is not None:
+        slack = framed[1]
+    elif schedule.answered:
+        try:
+            slack = slacks(problem, schedule)
+        except AnswerError as error:
+            lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
+    if framed is None:
+        analysis = _analysis(problem, schedule, slack)
+    if len(schedule.entries) > SUMMARY_FROM:
+        if analysis is not None:
+            lines += summary_lines(page, analysis)
+        elif slack is not None:
+            lines.append(counts_line(len(slack), sum(not s for s in slack.values()), 0))
+    return problem, slack, analysis, lines
 
 
 def clock_of(schedule: Schedule, times: TimesStyle | None) -> ClockText | None:

@@ -239,9 +239,12 @@ def show_answer(
         put_json(schedule.to_dict())
     else:
         from irc.cli.page import answer_console, in_a_file
-        from irc.cli.render import print_answer
+        from irc.cli.render import CHART_UP_TO, print_answer
 
-        print_answer(answer, answer_console(), times, all_rows=in_a_file())
+        # (A file has the whole of a large schedule, so the text need not repeat it.)
+        beside = wrote and len(schedule.entries) > CHART_UP_TO
+        all_rows = in_a_file() and not beside
+        print_answer(answer, answer_console(), times, all_rows=all_rows)
     if refused is not None:
         raise refused
     if wrote and format is Format.text:

@@ -21,8 +21,7 @@ def summary_lines(page: Page, analysis: Analysis) -> Iterator[Text]:
     """The lines of the summary."""
     used = [row for row in analysis.resources if row.actions]
     critical = sum(row.critical for row in analysis.actions)
-    on = f" on {len(used):,} resource{'s' if len(used) != 1 else ''}" if used else ""
-    yield Text(f"{len(analysis.actions):,} actions{on}, {critical:,} of them critical")
+    yield counts_line(len(analysis.actions), critical, len(used))
     yield from _lateness(page, analysis)
     busy = [row for row in used if row.utilisation is not None]
     busy.sort(key=lambda row: (-(row.utilisation or 0), row.resource))
@@ -32,6 +31,12 @@ def summary_lines(page: Page, analysis: Analysis) -> Iterator[Text]:
             for row in busy[:_NAMED]
         ]
         yield Text(listed_within(page, "busiest: ", names))
+
+
+def counts_line(actions: int, critical: int, used: int) -> Text:
+    """The numbers of actions, of resources that they use, and of critical actions."""
+    on = f" on {used:,} resource{'s' if used != 1 else ''}" if used else ""
+    return Text(f"{actions:,} actions{on}, {critical:,} of them critical")
 
 
 def _lateness(page: Page, analysis: Analysis) -> Iterator[Text]:

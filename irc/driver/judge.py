@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from irc.checks import run_checks
@@ -24,13 +25,25 @@ if TYPE_CHECKING:
     from irc.validation import Verdict
 
 
+SHORTCUT_ENGINE = "critical-path"
+"""The name of the engine in a schedule that needed no solver."""
+
+
 @dataclass(frozen=True)
 class Answer:
-    """A schedule with the notes about it, and the problem that it solves."""
+    """A schedule with the notes about it, and the problem that it solves.
+
+    `lowered` is the problem, or a function that makes it for those who ask.
+    """
 
     schedule: Schedule
-    problem: Problem
+    lowered: Problem | Callable[[], Problem]
     notes: tuple[Diagnostic, ...] = ()
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem that the schedule solves."""
+        return self.lowered if isinstance(self.lowered, Problem) else self.lowered()
 
 
 def explained(schedule: Schedule, notes: Iterable[Diagnostic]) -> Schedule:

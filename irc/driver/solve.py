@@ -8,7 +8,7 @@ from irc.checks import Checked, run_checks
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.asking import asked
 from irc.driver.compile import lower_checked, notes_on, reporting_refusals
-from irc.driver.judge import Answer, _approved, explained, finish, reasons_for
+from irc.driver.judge import SHORTCUT_ENGINE, Answer, _approved, explained, finish, reasons_for
 from irc.driver.progress import telling
 from irc.model import Task
 from irc.problem import Problem
@@ -26,9 +26,6 @@ from irc.targets import (
     get_backend,
 )
 from irc.targets.interrupt import ended_by_interrupt, lost
-
-SHORTCUT_ENGINE = "critical-path"
-"""The name of the engine in a schedule that needed no solver."""
 
 CHECKS_ENGINE = "checks"
 """The engine named where the checks of the task already prove that it has no schedule."""
@@ -114,6 +111,11 @@ def solve_by(
     checked: Checked | None = None,
 ) -> Answer:
     """The answer of `solve_task` by a given backend and engine; `checked`: the task's checks."""
+    if task.columns is not None:
+        from irc.driver.uncontended import by_columns
+
+        if (answer := by_columns(task, backend, options, budget)) is not None:
+            return answer
     checked = checked or run_checks(task, lint=False)
     if checked.report.contradicts:
         outcome = Outcome(Status.INFEASIBLE, CHECKS_ENGINE, notes=checked.report.errors)

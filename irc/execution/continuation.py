@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 from irc.diagnostics import Code, Diagnostic
 from irc.driver.asking import STEP_AFTERWARDS_SHARE, asked
 from irc.driver.compile import is_hurried
-from irc.driver.judge import finish
+from irc.driver.judge import SHORTCUT_ENGINE, finish
 from irc.driver.progress import telling
 from irc.driver.quick import QUICK_ENGINE
-from irc.driver.solve import SHORTCUT_ENGINE
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
 from irc.execution.numbers import with_limits_held

@@ -19,6 +19,9 @@ from irc.model import Task
 _HEAD = 10_000
 """The characters at the beginning of a text in which PDDL is recognised."""
 
+COLUMNS_FROM = 1_000_000
+"""Characters: a shorter text is read quickly enough without columns."""
+
 
 class Reading(NamedTuple):
     """A task that was read, with the notes on its text."""
@@ -43,6 +46,11 @@ def parse_task(text: str, name: str = "<text>", path: Path | None = None) -> Rea
         from irc.frontends.english.reader import read_english
 
         return _typed(read_english(text, name))
+    if len(text) >= COLUMNS_FROM:
+        from irc.frontends.json.columns import read_columns
+
+        if (task := read_columns(text, name)) is not None:
+            return Reading(task, ())
     return _typed(read_document(text, name, mend=True))
 
 

@@ -49,6 +49,13 @@ def canonical_task(task: Task) -> dict[str, Any]:
 
 def task_sha256(task: Task) -> str:
     """The SHA-256 of the canonical form, in hexadecimal."""
+    if task.columns is not None:
+        from irc.model.column_text import canonical_text
+
+        found = hashlib.sha256()
+        for part in canonical_text(canonical_task(task.columns.head), task.columns):
+            found.update(part.encode())
+        return found.hexdigest()
     return canonical_sha256(canonical_task(task))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
@@ -36,6 +36,9 @@ from irc.model.resolution import derived_resolution
 from irc.model.times import Clock, parse_instant, unit_seconds
 from irc.model.times import Instant as InstantValue
 from irc.model.unwritable import unwritable
+
+if TYPE_CHECKING:
+    from irc.model.columns import Columns
 
 
 class Task(Node):
@@ -126,6 +129,11 @@ class Task(Node):
         """This task, with the text that it was read from."""
         self._source = source
         return self
+
+    @property
+    def columns(self) -> Columns | None:
+        """Its actions and precedences as columns, if it is kept so (`irc.model.columns`)."""
+        return None
 
     @property
     def original(self) -> Original | None:

@@ -197,10 +197,10 @@ def _action_rows(
     for group in task.groups:
         for name in group.actions:
             orders.setdefault(name, []).append(group.id)
-    rows = []
+    rows, number = [], task.clock.number
     for entry in entries:
         action, key = actions[entry.id], (entry.id, entry.occurrence)
-        due = None if action.due is None else task.number(action.due)
+        due = None if action.due is None else number(action.due)
         rows.append(
             ActionRow(
                 action=entry.id,
@@ -213,7 +213,7 @@ def _action_rows(
                 mode=entry.mode,
                 resources=dict(entry.resources),
                 orders=tuple(orders.get(entry.id, ())),
-                release=task.number(action.release),
+                release=number(action.release),
                 due=due,
                 lateness=None if due is None else exact_of(entry.end - due),
                 slack=free.get(key),

@@ -14,7 +14,8 @@ from irc.diagnostics import did_you_mean
 from irc.driver.files import require_file, write_whole
 from irc.errors import LibraryMissing, OptionError
 from irc.model import Task
-from irc.schedule import Schedule, dump_json
+from irc.schedule import Schedule
+from irc.schedule.writing import schedule_text
 
 if TYPE_CHECKING:
     from irc.execution.step import Step
@@ -59,7 +60,7 @@ class Kind:
 
 
 def _json(shown: Shown) -> str:
-    return dump_json(shown.schedule.to_dict())
+    return schedule_text(shown.schedule)
 
 
 def _text(shown: Shown) -> str:

@@ -38,7 +38,7 @@ class Reasons:
         stock: Mapping[str, list[Happening]],
         state: Mapping[str, list[Happening]],
     ) -> None:
-        self.task, self.unit = task, task.time_unit
+        self.task, self.unit, self.number = task, task.time_unit, task.clock.number
         self.entries = {(e.id, e.occurrence): e for e in entries}
         self.actions, self.closed, self.loads = actions, closed, loads
         self.stock, self.state = _by_time(stock), _by_time(state)
@@ -80,7 +80,7 @@ class Reasons:
         return tuple(_distinct([*opening, *found]))[:MOST_REASONS]
 
     def _own_bounds(self, entry: Entry, action: Action) -> Iterator[tuple[Number, Reason]]:
-        number = self.task.number
+        number = self.number
         yield 0, Reason("origin", "nothing is before t = 0")
         if action.release and (release := number(action.release)) > 0:
             yield release, Reason("release", f"released at {self._time(release)}")
@@ -95,7 +95,7 @@ class Reasons:
             before = self.entries.get((p.before, 1))
             if before is not None:
                 first = before.end if p.type.startswith("finish") else before.start
-                least = first + self.task.number(p.min_lag)
+                least = first + self.number(p.min_lag)
                 time = least - (entry.end - entry.start if p.type.endswith("finish") else 0)
                 yield (
                     time,
@@ -105,7 +105,7 @@ class Reasons:
             after = self.entries.get((p.after, 1))
             if after is not None and p.max_lag is not None:
                 last = after.end if p.type.endswith("finish") else after.start
-                time = last - self.task.number(p.max_lag)
+                time = last - self.number(p.max_lag)
                 time -= entry.end - entry.start if p.type.startswith("finish") else 0
                 text = f"at most {self._lag(p.max_lag)} before {after.id!r}"
                 yield time, Reason("max_lag", text, _key(after))
@@ -225,7 +225,7 @@ class Reasons:
         return f"{format_number(value)} {self.unit}"
 
     def _lag(self, lag: Instant) -> str:
-        number = self.task.number(lag)
+        number = self.number(lag)
         return self._time(number) if number else ""
 
 

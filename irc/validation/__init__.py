@@ -136,6 +136,11 @@ def still_holds(verdict: Verdict, schedule: Schedule) -> bool:
 
 
 def _validate(task: Task, schedule: Schedule, at: Number | None) -> Verdict:
+    if task.columns is not None and at is None:
+        from irc.validation.columns import values_if_valid
+
+        if (known := values_if_valid(task.columns, schedule)) is not None:
+            return Verdict((), known, time_unit=task.time_unit)
     bound = bind(task, schedule, at)
     violations = Violations(task.time_unit)
     for check in _CHECKS:
