@@ -25,7 +25,7 @@ from exclusive import machine
 from paths import SHARED_DATA, TESTS
 
 # Local search runs as plain Python here: to compile it takes longer than all that tests search.
-os.environ.setdefault("NUMBA_DISABLE_JIT", "1")
+os.environ.setdefault("IRC_COMPILED", "0")
 
 DEEP, JUDGED = TESTS / "deep", TESTS / "oracles" / "tests"
 

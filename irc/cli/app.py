@@ -394,7 +394,7 @@ def prepare() -> None:
     from irc.local_search.compiled import IS_COMPILED
 
     if not IS_COMPILED:
-        message = "there is no numba to compile with: pip install 'irc-compiler[fast]'"
+        message = "there is no llvmlite to compile with: pip install 'irc-compiler[fast]'"
         fail(EXIT_ENGINE, message, Format.text)
     for name, seconds in compile_searches():
         say(f"{name}: {seconds:.1f} s")

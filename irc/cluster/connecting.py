@@ -27,7 +27,7 @@ POLL_SECONDS = 0.05
 _WAITS = 3
 """To connect, to wait for a worker, and to ask the workers for their version."""
 
-SOLVERS = ("ortools", "numba")
+SOLVERS = ("ortools", "llvmlite")
 """Libraries that must be of the same version where processes exchange what they find."""
 
 

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from irc.local_search.compiled import Ints, compiled
+from irc.local_search.compiled import Ints, Row, Table, compiled
 
 _FAR = 1 << 60
 
@@ -41,7 +41,7 @@ def _find_first(shop: Ints, work: Ints, machines: int, i: int) -> None:
 
 
 @compiled
-def listed(shop: Ints, work: Ints, machines: int, urgency: Ints, percent: int) -> int:
+def listed(shop: Table, work: Table, machines: int, urgency: Row, percent: int) -> int:
     """The makespan of a list schedule, whose order and ways are in `work`.
 
     Of the operations on the machine where one could end first, the most urgent is next, of those

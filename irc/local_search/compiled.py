@@ -1,64 +1,199 @@
-"""Compiles the inner loops of searches just in time, where numba is installed.
+"""Compiles the inner loops of searches when they are first called, where llvmlite is installed.
 
-The same functions run without numba, some hundred times slower. They work on `Ints`, use only
-indexes and whole numbers, and draw random numbers by themselves, so that both give the same.
+The same functions run without it, some hundred times slower. They work on arrays of whole numbers,
+use only indexes and whole numbers, and draw random numbers by themselves, so that both give the
+same. `IRC_COMPILED=0` in the environment makes them run without it.
 
-numba keeps what it has compiled beside the module, or in the user's cache folder
-(`NUMBA_CACHE_DIR`); where neither can be written it compiles in every process anew. It notices a
-change of the module that a function is in, but not of others: so no compiled function calls one of
-another module.
+All compiled functions of a module become one piece of machine code, which is kept in the user's
+cache folder (`IRC_CACHE_DIR`); where that cannot be written, each process compiles anew. It is made
+again when the module has changed, a constant in it, this compiler, llvmlite, or the processor.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+import inspect
+import os
+import sys
+from collections.abc import Callable, Iterator
+from ctypes import CFUNCTYPE, addressof, c_int64, c_void_p
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from itertools import pairwise
+from threading import Lock
+from typing import Any, TypeVar, cast
 
 from irc.local_search.arrays import Ints as Ints
 from irc.local_search.arrays import constant as constant
 from irc.local_search.arrays import ints as ints
 from irc.local_search.arrays import table as table
+from irc.local_search.llvm.kinds import Kind, Number, Several
+from irc.local_search.llvm.kinds import Row as Row
+from irc.local_search.llvm.kinds import Table as Table
+from irc.local_search.llvm.kinds import Tables as Tables
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+LEAST_LLVMLITE = (0, 45)
+"""The first version of llvmlite with the language that is written here."""
 
-def _numba() -> Any:
+
+def _is_compiled() -> bool:
+    if os.environ.get("IRC_COMPILED") == "0":
+        return False
     try:
-        import numba
-    except ImportError:  # Not installed, or not for the installed numpy.
-        return None
-    return None if getattr(numba.config, "DISABLE_JIT", False) else numba
+        found = version("llvmlite")
+    except PackageNotFoundError:
+        return False
+    return tuple(map(int, found.split(".")[:2])) >= LEAST_LLVMLITE
 
 
-_NUMBA = _numba()
-
-IS_COMPILED: bool = _NUMBA is not None
+IS_COMPILED: bool = _is_compiled()
 """Whether loops are compiled."""
 
 
 def compiled(function: Function) -> Function:
-    """The function, compiled when it is first called, if numba is installed."""
-    if _NUMBA is None:
-        return function
-    try:
-        return _NUMBA.njit(nogil=True, cache=True)(function)  # type: ignore[no-any-return]
-    except RuntimeError:  # There is no folder to keep it in.
-        return _NUMBA.njit(nogil=True)(function)  # type: ignore[no-any-return]
+    """The function, compiled when a function of its module is first called, if llvmlite is there.
 
-
-MOST_LOOPS = 60
-"""More than there are compiled functions in a module."""
-
-
-def kept_or_not(call: Callable[..., Any], *args: Any) -> Any:
-    """The result of a compiled function, also where what it compiles cannot be kept.
-
-    numba has compiled a function, and will not do so again, when it fails to write it to a file: on
-    a full disk, or where the folder is gone. So each try gets at least one function further.
+    A public one names the kinds of its arrays: `Row`, `Table`, `Tables`. It is called with arrays
+    that are whole (no columns of a table) and share no memory with each other.
     """
-    for _ in range(MOST_LOOPS):
-        try:
-            return call(*args)
-        except OSError:
-            continue
-    return call(*args)
+    return loop_of(function) if IS_COMPILED else function
+
+
+def loop_of(function: Function) -> Function:
+    """The function, compiled when a function of its module is first called."""
+    module = _MODULES.setdefault(function.__module__, _Module(function.__module__))
+    module.functions[function.__name__] = function
+    return cast(Function, _Loop(module, function))
+
+
+class _Module:
+    """The compiled functions of a module: one piece of machine code."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.functions: dict[str, Callable[..., Any]] = {}
+        self._lock = Lock()
+        self._engine: Any = None
+
+    def address(self, name: str) -> int:
+        """Where the machine code of a public function is in this process."""
+        from irc.local_search.llvm import modules, objects
+
+        with self._lock:
+            if self._engine is None:
+                file = self.file()
+                code = objects.kept(file)
+                if code is None:
+                    code = objects.machine_code(modules.module_text(self.name, self.functions))
+                    objects.keep(file, code)
+                self._engine = objects.loaded(code)
+        return int(self._engine.get_function_address(modules.entry_of(name)))
+
+    def file(self) -> str:
+        """The name of the file of machine code, which depends on all that the code depends on."""
+        from irc.local_search.llvm import objects
+
+        module = sys.modules[self.name]
+        constants = sorted((k, v) for k, v in vars(module).items() if isinstance(v, int))
+        known = inspect.getsource(module), constants, _compiler(), objects.machine()
+        return f"{self.name.rpartition('.')[2]}-{sha256(repr(known).encode()).hexdigest()[:32]}.o"
+
+
+_MODULES: dict[str, _Module] = {}
+
+
+class _Loop:
+    """A compiled function."""
+
+    def __init__(self, module: _Module, function: Callable[..., Any]) -> None:
+        self._module, self._function = module, function
+        self._entry: Callable[[int], int] | None = None
+        self._kinds: tuple[Kind, ...] = ()
+        self._last: list[tuple[Any, list[int]]] = []
+        self.__name__, self.__doc__ = function.__name__, function.__doc__
+
+    def __call__(self, *given: Any) -> int | None:
+        """The number that the function returns, or None."""
+        entry = self._entry or self._loaded()
+        numbers = self._numbers(given)
+        room = (c_int64 * (len(numbers) or 1))(*numbers)
+        result = entry(addressof(room))
+        if room[0]:
+            raise ZeroDivisionError(f"{self._module.name}:{room[0]}: division by zero")
+        returns = self._function.__annotations__["return"]
+        return None if returns in (None, "None") else result
+
+    def _loaded(self) -> Callable[[int], int]:
+        from irc.local_search.llvm.modules import kinds_of
+
+        self._kinds = kinds_of(self._function)
+        # (A call gives up the lock of the interpreter for as long as it takes.)
+        entry = CFUNCTYPE(c_int64, c_void_p)(self._module.address(self.__name__))
+        self._entry = entry
+        return entry
+
+    def _numbers(self, given: tuple[Any, ...]) -> list[int]:
+        """The arguments as numbers. (Those of arrays are most often the last ones.)"""
+        if len(given) != len(self._kinds):
+            raise TypeError(f"{self.__name__} takes {len(self._kinds)} arguments")
+        last, new = self._last, list[tuple[Any, list[int]]]()
+        for number, (one, kind) in enumerate(zip(given, self._kinds, strict=True)):
+            if isinstance(kind, Number):
+                new.append((None, [int(one)]))
+            elif last and one is last[number][0]:
+                new.append(last[number])
+            else:
+                new.append((one, [*_flat(one, kind)]))
+        if not last or any(a is not b for (a, _), (b, _) in zip(new, last, strict=True)):
+            _refuse_shared([*_arrays(given)])
+        self._last = new
+        return [n for _, own in new for n in own]
+
+
+def _flat(given: Any, kind: Kind) -> Iterator[int]:
+    """The numbers that stand for an argument: of an array its address and its sizes."""
+    if isinstance(kind, Number):
+        yield int(given)
+    elif isinstance(kind, Several):
+        for one, own in zip(given, kind.kinds, strict=True):
+            yield from _flat(one, own)
+    else:
+        whole = given.flags.c_contiguous and given.dtype == "int64"
+        if not whole or given.ndim != kind.dimensions:
+            raise TypeError(f"not a whole array of {kind.dimensions} dimensions of 64-bit numbers")
+        yield from (given.ctypes.data, *given.shape)
+
+
+def _arrays(given: Any) -> Iterator[Any]:
+    """All arrays of some arguments."""
+    if isinstance(given, tuple):
+        for one in given:
+            yield from _arrays(one)
+    elif hasattr(given, "nbytes"):
+        yield given
+
+
+def _refuse_shared(arrays: list[Any]) -> None:
+    """Raises `ValueError` where two arrays share memory, of which compiled code makes use."""
+    spans = sorted((a.ctypes.data, a.ctypes.data + a.nbytes) for a in arrays if a.nbytes)
+    if any(end > begin for (_, end), (begin, _) in pairwise(spans)):
+        raise ValueError("two arrays share memory")
+
+
+@cache
+def _compiler() -> str:
+    """The text of this compiler."""
+    from irc.local_search.llvm import (
+        arithmetic,
+        code,
+        expressions,
+        kinds,
+        modules,
+        objects,
+        statements,
+    )
+
+    parts = (arithmetic, code, expressions, kinds, modules, objects, statements)
+    return "".join(map(inspect.getsource, parts))

@@ -22,12 +22,14 @@ and RCPSP: a technique that pays", EJOR 165 (2005).
 
 from __future__ import annotations
 
-from irc.local_search.compiled import Ints, compiled
+from typing import Annotated
 
-Held = tuple[Ints, Ints, Ints]
+from irc.local_search.compiled import Ints, Row, Table, compiled
+
+Held = tuple[Row, Row, Row]
 """The arrays `WORD`, `AMOUNT` and `GUARD`."""
 
-Project = tuple[Ints, ...]
+Project = Annotated[tuple[Row, ...], 22]
 """Activities with ways; times in ticks.
 
 Of activity i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways. Of way w, `HELD_AT[w]` to
@@ -117,7 +119,7 @@ def _draw(work: Ints, below: int) -> int:
 
 
 @compiled
-def lay_grid(work: Ints, use: Ints, amounts: Ints) -> None:
+def lay_grid(work: Table, use: Table, amounts: Row) -> None:
     """Makes each node that of a tick, with nothing on it."""
     ticks = work[COUNTS, TICKS]
     for k in range(ticks):
@@ -478,7 +480,7 @@ def _supply(project: Project, work: Ints) -> None:
 
 
 @compiled
-def draw(project: Project, work: Ints, use: Ints, spread: int) -> int:
+def draw(project: Project, work: Table, use: Table, spread: int) -> int:
     """The value of a list drawn at random; the more urgent come first, by up to `spread` percent.
 
     An activity takes one of its ways at random. Without spread, its shortest.
@@ -519,7 +521,7 @@ def draw(project: Project, work: Ints, use: Ints, spread: int) -> int:
 
 
 @compiled
-def take(project: Project, work: Ints, use: Ints, order: Ints, ways: Ints) -> int:
+def take(project: Project, work: Table, use: Table, order: Row, ways: Row) -> int:
     """The value of a given list with given ways."""
     for k in range(work[COUNTS, SIZE]):
         work[LIST, k] = order[k]
@@ -657,12 +659,24 @@ def _mutate(project: Project, work: Ints) -> None:
 
 
 @compiled
+def _extremes(values: Ints) -> tuple[int, int]:
+    """The places of the best and of the worst value, of equal ones the first."""
+    best = worst = 0
+    for p in range(1, len(values)):
+        if values[p] < values[best]:
+            best = p
+        if values[p] > values[worst]:
+            worst = p
+    return best, worst
+
+
+@compiled
 def _keep(work: Ints, lists: Ints, starts: Ints, ways: Ints, values: Ints, value: int) -> None:
     """Puts the list in `work` in place of the worst, unless it is worse or a copy."""
-    worst = values.argmax()
+    best, worst = _extremes(values)
     if value > values[worst]:
         return
-    if value < values.min():
+    if value < values[best]:
         work[COUNTS, IMPROVED_AT] = work[COUNTS, BIRTHS]
     n = work[COUNTS, SIZE]
     for p in range(len(values)):
@@ -677,7 +691,7 @@ def _keep(work: Ints, lists: Ints, starts: Ints, ways: Ints, values: Ints, value
 
 @compiled
 def store(
-    work: Ints, lists: Ints, starts: Ints, ways: Ints, values: Ints, p: int, value: int
+    work: Table, lists: Table, starts: Table, ways: Table, values: Row, p: int, value: int
 ) -> None:
     """Puts the list in `work` at a place of the population."""
     values[p] = value
@@ -697,12 +711,12 @@ def _parent(work: Ints, values: Ints) -> int:
 @compiled
 def evolve(
     project: Project,
-    work: Ints,
-    use: Ints,
-    lists: Ints,
-    starts: Ints,
-    ways: Ints,
-    values: Ints,
+    work: Table,
+    use: Table,
+    lists: Table,
+    starts: Table,
+    ways: Table,
+    values: Row,
     births: int,
     target: int,
 ) -> None:
@@ -717,6 +731,7 @@ def evolve(
         else:
             _cross_at_peak(project, work, lists, starts, ways, one, other)
         _mutate(project, work)
-        worst = values.max()
+        _, place = _extremes(values)
+        worst = values[place]
         value = _evaluate(project, work, use, worst + worst // 100)
         _keep(work, lists, starts, ways, values, value)

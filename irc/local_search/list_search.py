@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import log
 
 from irc.local_search.arrays import first_random
-from irc.local_search.compiled import IS_COMPILED, constant, ints, kept_or_not, table
+from irc.local_search.compiled import IS_COMPILED, constant, ints, table
 from irc.local_search.listing import (
     ENDINGS,
     OF_SETUP_COST,
@@ -55,7 +55,7 @@ _ACTIVITY_STEPS = 200_000 if IS_COMPILED else 300
 """The steps of one call are about this, divided by the number of activities."""
 
 STEADY_STEPS = 4_000
-"""The same for a steady search, with numba and without it."""
+"""The same for a steady search, with llvmlite and without it."""
 
 _LEVELS = 256
 _CHANCES = 4096
@@ -98,8 +98,7 @@ class ListSearch:
                 self._cycle(self._heat // AGAIN)
         if counts[STEP] >= counts[LENGTH]:
             self._next_cycle()
-        kept_or_not(
-            anneal,
+        anneal(
             *(self.listing.plan, self._work, self._lines, self._cooling, self._chances),
             *(self._steps, self.target),
         )
@@ -129,7 +128,7 @@ class ListSearch:
         free = constant(-1, self._size)
         found = [(self._take(order, free), order) for order in first_lists(self.listing)]
         self._take(min(found, key=lambda pair: pair[0])[1], free)
-        worse = kept_or_not(warm, self.listing.plan, self._work, self._lines, TRIALS)
+        worse = warm(self.listing.plan, self._work, self._lines, TRIALS)
         self._heat = min(1 << 50, max(1, int(worse)) * 1024)
         self._cycles = 0
         self._cycle(self._heat // AGAIN)
@@ -151,7 +150,7 @@ class ListSearch:
 
     def _take(self, order: Sequence[int], ways: Sequence[int]) -> int:
         arrays = ints(map(int, order)), ints(map(int, ways))
-        return int(kept_or_not(take, self.listing.plan, self._work, self._lines, *arrays))
+        return int(take(self.listing.plan, self._work, self._lines, *arrays))
 
     def _read(self, found: Found) -> int:
         """The value of a schedule of somebody else's, from which the search goes on then."""

@@ -19,7 +19,7 @@ Kolisch, "Serial and parallel resource-constrained project scheduling methods re
 
 from __future__ import annotations
 
-from irc.local_search.compiled import Ints, compiled
+from irc.local_search.compiled import Ints, Row, Table, Tables, compiled
 from irc.local_search.listing import (
     AFTER,
     AFTER_AT,
@@ -612,7 +612,7 @@ def _accept(work: Ints, value: int) -> None:
 
 
 @compiled
-def take(plan: Ints, work: Ints, lines: Ints, order: Ints, ways: Ints) -> int:
+def take(plan: Row, work: Table, lines: Tables, order: Row, ways: Row) -> int:
     """The value of a given list with given ways, from which the search goes on."""
     for k in range(work[COUNTS, SIZE]):
         work[NEW, k] = order[k]
@@ -625,7 +625,7 @@ def take(plan: Ints, work: Ints, lines: Ints, order: Ints, ways: Ints) -> int:
 
 
 @compiled
-def warm(plan: Ints, work: Ints, lines: Ints, count: int) -> int:
+def warm(plan: Row, work: Table, lines: Tables, count: int) -> int:
     """The mean by which neighbours are worse than the list that the search is at."""
     total, worse = 0, 0
     for _ in range(count):
@@ -639,7 +639,7 @@ def warm(plan: Ints, work: Ints, lines: Ints, count: int) -> int:
 
 @compiled
 def anneal(
-    plan: Ints, work: Ints, lines: Ints, cooling: Ints, chances: Ints, steps: int, target: int
+    plan: Row, work: Table, lines: Tables, cooling: Row, chances: Row, steps: int, target: int
 ) -> None:
     """Goes on with the cycle for some steps, until the target is met or the cycle is over.
 

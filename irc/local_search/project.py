@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
 from irc.local_search.arrays import first_random, places
-from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
+from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, table
 from irc.local_search.genetic import (
     BASE_TIME,
     BASE_USE,
@@ -55,7 +55,7 @@ _ACTIVITY_BIRTHS = 300_000 if IS_COMPILED else 500
 """The children of one call are about this, divided by the number of activities."""
 
 STEADY_BIRTHS = 5_000
-"""The same for a steady search, with numba and without it."""
+"""The same for a steady search, with llvmlite and without it."""
 
 
 class ProjectSearch:
@@ -78,7 +78,7 @@ class ProjectSearch:
         counts[JUSTIFIES] = not any(pool.windows for pool in ways.problem.contention.pools)
         if ticks:
             counts[TICKS] = ticks
-            kept_or_not(lay_grid, self._work, self._use, self.project[BASE_USE])
+            lay_grid(self._work, self._use, self.project[BASE_USE])
         counts[RANDOM] = first_random(seed)
         self._births = max(1, (STEADY_BIRTHS if steady else _ACTIVITY_BIRTHS) // max(1, n))
 
@@ -94,8 +94,7 @@ class ProjectSearch:
         rooms = self._lists, self._starts, self._ways, self._values
         while self._given:
             self._take(*self._given.pop())
-        kept_or_not(
-            evolve,
+        evolve(
             self.project,
             self._work,
             self._use,
@@ -132,9 +131,8 @@ class ProjectSearch:
     def _add(self) -> None:
         """Adds a member to the population that is drawn at random."""
         spread = SPREAD if self._members else 0
-        value = kept_or_not(draw, self.project, self._work, self._use, spread)
-        kept_or_not(
-            store,
+        value = draw(self.project, self._work, self._use, spread)
+        store(
             self._work,
             self._lists,
             self._starts,
@@ -146,11 +144,9 @@ class ProjectSearch:
         self._members += 1
 
     def _take(self, order: Ints, ways: Ints) -> None:
-        value = kept_or_not(take, self.project, self._work, self._use, order, ways)
+        value = take(self.project, self._work, self._use, order, ways)
         worst = int(self._values.argmax())
-        kept_or_not(
-            store, self._work, self._lists, self._starts, self._ways, self._values, worst, value
-        )
+        store(self._work, self._lists, self._starts, self._ways, self._values, worst, value)
 
 
 def _ticks(ways: Ways) -> int:

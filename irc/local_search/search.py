@@ -70,9 +70,9 @@ def search_of(
 ) -> LocalSearch:
     """The search of a problem, which ends where a schedule's value is `target`.
 
-    Without a target it is a proven bound. A `steady` one does as much in a step without numba as
+    Without a target it is a proven bound. A `steady` one does as much in a step without llvmlite as
     with it. Repeats must be unrolled. Raises `irc.local_search.ways.NotApplicable`. Loads numpy,
-    and numba where it is installed.
+    and llvmlite where it is installed.
     """
     if _knows_ways(problem):
         try:

@@ -20,7 +20,7 @@ from random import Random
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
 from irc.local_search.arrays import first_random, stacked
-from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
+from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, table
 from irc.local_search.dispatch import dispatched
 from irc.local_search.tabu import (
     BEST,
@@ -61,7 +61,7 @@ _ACTIVITY_STEPS = 3_000_000 if IS_COMPILED else 5_000
 """The steps of one call are about this, divided by the number of activities."""
 
 STEADY_STEPS = 50_000
-"""The same for a steady search, with numba and without it."""
+"""The same for a steady search, with llvmlite and without it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +134,7 @@ class ShopSearch:
         if not self._begun:
             self._begin()
         walk = self._walk
-        kept_or_not(
-            search, self.machines.shop, walk, self._tabu, self._steps, PATIENCE, self.target
-        )
+        search(self.machines.shop, walk, self._tabu, self._steps, PATIENCE, self.target)
         if self.best is None or walk[COUNTS, BEST] < self.best.value:
             self.best = self._solution()
             self._in_vain = 0
@@ -169,9 +167,7 @@ class ShopSearch:
             start = self._drawn()
         else:
             start = self._between(*self._random.sample(self._elite, 2))
-        kept_or_not(
-            load, self.machines.shop, self._walk, self._tabu, ints(start.order), ints(start.ways)
-        )
+        load(self.machines.shop, self._walk, self._tabu, ints(start.order), ints(start.ways))
         self._begun = True
 
     def _keep(self, solution: Solution) -> None:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from irc.local_search import active_lists
 from irc.local_search.arcs import urgencies
 from irc.local_search.arrays import columns, places, stacked
-from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, kept_or_not, table
+from irc.local_search.compiled import IS_COMPILED, Ints, constant, ints, table
 from irc.local_search.shop import machines_of, read, room_for
 from irc.local_search.tabu import (
     AFTER,
@@ -110,9 +110,7 @@ class ShopWindows:
         if self._open is None:
             self._open = self._opened(*self._next_cut())
         window = self._open
-        done = kept_or_not(
-            search, window.shop, window.walk, window.tabu, _STEPS, self._patience, self.target
-        )
+        done = search(window.shop, window.walk, window.tabu, _STEPS, self._patience, self.target)
         if done < _STEPS:
             self._close(window)
             self._open = None
@@ -148,13 +146,13 @@ class ShopWindows:
         work = table(active_lists.ROWS, max(n, count))
         for urgency in (ints(rests), ints(tails)):
             for delay in DELAYS:
-                value = kept_or_not(active_lists.listed, shop, work, count, urgency, delay)
+                value = active_lists.listed(shop, work, count, urgency, delay)
                 if self._value is None or value < self._value:
                     self._load(work[active_lists.ORDER, :n], work[active_lists.WAY, :n])
 
     def _load(self, order: Ints, way: Ints) -> None:
         """Makes a solution the current one."""
-        kept_or_not(load, self.machines.shop, self._walk, self._tabu, order, way)
+        load(self.machines.shop, self._walk, self._tabu, order, way)
         self._value = int(self._walk[COUNTS, MAKESPAN])
 
     def _take(self, found: Found) -> None:
@@ -190,7 +188,7 @@ class ShopWindows:
         self._seed += 1
         room = room_for(size, self.machines.count, _ORDERS, self._seed)
         tabu = constant(0, _ORDERS + size)
-        kept_or_not(load, shop, room, tabu, ints(range(size)), ints(range(size)))
+        load(shop, room, tabu, ints(range(size)), ints(range(size)))
         return _Open(begin, order, chosen, shop, size, room, tabu, int(room[COUNTS, BEST]))
 
     def _close(self, window: _Open) -> None:

@@ -21,7 +21,7 @@ problem", Journal of Scheduling 3 (2000).
 
 from __future__ import annotations
 
-from irc.local_search.compiled import Ints, compiled
+from irc.local_search.compiled import Ints, Row, Table, compiled
 
 # The rows of a walk: a solution, what follows from it, the best one so far, and room to work in.
 WAY = 0
@@ -73,7 +73,7 @@ _ELSEWHERE = 3
 _FAR = 1 << 60
 
 
-Shop = Ints
+Shop = Table
 """Operations, each of which holds one machine or none; times in ticks.
 
 A table with these rows. Of operation i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways
@@ -148,7 +148,7 @@ def _update(shop: Shop, walk: Ints, low: int, high: int) -> None:
 
 
 @compiled
-def load(shop: Shop, walk: Ints, tabu: Ints, order: Ints, way: Ints) -> None:
+def load(shop: Shop, walk: Table, tabu: Row, order: Row, way: Row) -> None:
     """Makes a solution, of a topological order and ways, the current one; nothing is tabu."""
     n = len(order)
     for m in range(walk[COUNTS, MACHINES]):
@@ -607,7 +607,7 @@ def _do(shop: Shop, walk: Ints, tabu: Ints, at: int, tenure: int) -> bool:
 
 
 @compiled
-def search(shop: Shop, walk: Ints, tabu: Ints, steps: int, patience: int, target: int) -> int:
+def search(shop: Shop, walk: Table, tabu: Row, steps: int, patience: int, target: int) -> int:
     """Searches on; the number of steps done.
 
     It ends after `steps`, after `patience` steps without a better schedule, or with one that

@@ -18,7 +18,7 @@ from paths import ROOT
 
 HEAVY = ["ortools", "unified_planning", "networkx", "matplotlib", "kairos", "numpy", "pandas"]
 HEAVY += [
-    "numba",
+    "llvmlite",
     "altair",
     "vl_convert",
     "openpyxl",
@@ -196,7 +196,7 @@ def test_what_is_proven_at_once_loads_no_local_search(tmp_path: Path) -> None:
     options = "shortcut=False, time_limit=300"
     loaded = loaded_after(f"import irc\nprint(irc.solve({TASK!r}, {options}).status)\n", tmp_path)
     assert "ortools" in loaded
-    assert not loaded & {"numba", "pandas"}
+    assert not loaded & {"llvmlite", "pandas"}
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ def test_there_is_a_task_for_each_search() -> None:
     assert found == [ShopSearch, ProjectSearch, ProjectSearch, ListSearch]
 
 
-def test_without_numba_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_llvmlite_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "IS_COMPILED", False)
     result = run_irc("prepare")
     assert result.exit_code == 4

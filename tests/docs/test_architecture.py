@@ -35,7 +35,7 @@ from paths import ROOT
 
 BACKENDS = ("irc_cpsat", "irc_pddl21")
 HEAVY = frozenset(
-    {"kairos", "lark", "matplotlib", "networkx", "numba", "numpy", "ortools", "pandas"}
+    {"kairos", "lark", "llvmlite", "matplotlib", "networkx", "numpy", "ortools", "pandas"}
 ) | {
     *("pydantic", "pygls", "rich", "typer", "unified_planning", "up_aries"),
     *("openai", "tenacity", "httpx2", "mcp"),

@@ -42,13 +42,13 @@ print(json.dumps([compiled.IS_COMPILED, told, document]))
 """
 
 
-def answer(workers: int, *, numba: bool = False, hashes: int = 0) -> Any:
+def answer(workers: int, *, is_compiled: bool = False, hashes: int = 0) -> Any:
     """[whether loops are compiled, the values told, the schedule] of a process of its own."""
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(sys.path),
         "PYTHONHASHSEED": str(hashes),
-        "NUMBA_DISABLE_JIT": "0" if numba else "1",
+        "IRC_COMPILED": "1" if is_compiled else "0",
     }
     command = [sys.executable, "-c", SCRIPT, str(workers), "0"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)

@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 
 from builders import Document, act, after_passes
-from irc.local_search import compiled
 from irc.local_search import project as projects
 from irc.local_search.search import LocalSearch, is_shop, search_of, search_with
 from irc.local_search.ways import NotApplicable, ways_of
@@ -162,39 +161,3 @@ def test_what_it_does_not_know_is_named(changes: dict[str, Any], reason: str) ->
     document: Document = {"actions": [act("a"), act("b")], **changes}
     with pytest.raises(NotApplicable, match=reason):
         search_of(after_passes(document))
-
-
-def test_where_no_folder_can_be_written_loops_are_compiled_without_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked: list[dict[str, Any]] = []
-
-    class Numba:
-        """A numba that cannot keep what it compiles."""
-
-        @staticmethod
-        def njit(**options: Any) -> Any:
-            asked.append(options)
-
-            def decorated(function: Any) -> Any:
-                if options.get("cache"):
-                    raise RuntimeError("cannot cache function: no locator available")
-                return function
-
-            return decorated
-
-    monkeypatch.setattr(compiled, "_NUMBA", Numba)
-    assert compiled.compiled(act) is act
-    assert [bool(options.get("cache")) for options in asked] == [True, False]
-
-
-def test_a_full_disk_costs_only_what_is_kept_there() -> None:
-    left = [3]
-
-    def call(number: int) -> int:
-        if left[0]:
-            left[0] -= 1
-            raise OSError("no space left on device")
-        return number + 1
-
-    assert compiled.kept_or_not(call, 4) == 5

@@ -157,7 +157,7 @@ class DeepeningSearch:
     def _listed(self, problem: Problem, budget: Budget) -> Hint | None:
         """A list schedule, improved for a part of the time; None where the quick one will do."""
         improving = self._improving
-        # (Whether numba is there must not decide what a deterministic call does.)
+        # (Whether llvmlite is there must not decide what a deterministic call does.)
         first = self._work is None and self._workers > 1 and begins_with_lists(problem)
         if improving is not None and first:
             # (In a thread of its own: the first search of all is compiled for some time.)

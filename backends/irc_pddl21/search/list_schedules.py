@@ -45,7 +45,7 @@ def searched_schedule(problem: Problem, enough: int, budget: Budget, seed: int) 
     """The shortest schedule that local search finds; one of makespan `enough` (ticks) ends it.
 
     None for problems with more than resources and lags, and where it finds none in time. Loads
-    numpy, and numba where it is installed.
+    numpy, and llvmlite where it is installed.
     """
     if not problem.is_plain:
         return None
