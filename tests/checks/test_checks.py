@@ -1096,7 +1096,7 @@ def told_of(task: Task) -> list[Diagnostic]:
 
 @pytest.mark.slow
 @settings(
-    max_examples=60,
+    max_examples=30,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )

@@ -71,10 +71,10 @@ def seeded(make: Callable[..., Task], name: str, count: int, **knobs: Any) -> It
 @pytest.mark.parametrize("part", range(4))
 def test_cp_sat_finds_and_proves_every_optimum(part: int) -> None:
     ends = Counter(
-        answered(task, "cpsat", "ortools") for task in seeded(random_task, f"cpsat {part}", 50)
+        answered(task, "cpsat", "ortools") for task in seeded(random_task, f"cpsat {part}", 30)
     )
     assert set(ends) <= {"optimal", "infeasible", "refused"}
-    assert ends["optimal"] > 30
+    assert ends["optimal"] > 18
     assert ends["refused"] + ends["infeasible"] > 0
 
 
@@ -121,9 +121,9 @@ def test_kairos_answers_on_contended_tasks_are_valid_and_honest() -> None:
 @pytest.mark.slow
 def test_big_capacities_are_answered_or_refused_with_a_reason() -> None:
     needs("kairos")
-    tasks = seeded(big_capacity_task, "big", 30, actions=(2, 5))
+    tasks = seeded(big_capacity_task, "big", 15, actions=(2, 5))
     ends = Counter(answered(task, "pddl21", "kairos", 2.0) for task in tasks)
-    assert ends["optimal"] + ends["feasible"] > 15
+    assert ends["optimal"] + ends["feasible"] > 7
     assert "infeasible" not in ends
 
 
@@ -170,7 +170,7 @@ def test_unified_planning_accepts_the_raw_plans_on_the_emitted_text(tmp_path: Pa
 
     get_environment().credits_stream = None
     accepted = 0
-    for task in seeded(random_task, "raw", 14, tighten=0.0, actions=(3, 6)):
+    for task in seeded(random_task, "raw", 8, tighten=0.0, actions=(3, 6)):
         if not check_task(task).ok:
             continue
         program = compile_task(task, "pddl21")
@@ -196,7 +196,7 @@ def test_unified_planning_accepts_the_raw_plans_on_the_emitted_text(tmp_path: Pa
             verdict = validator.validate(problem, plan)
         assert verdict, (task, verdict.reason, verdict.log_messages)
         accepted += 1
-    assert accepted >= 10
+    assert accepted >= 5
 
 
 # --- the suite for other people's backends ------------------------------------------------------

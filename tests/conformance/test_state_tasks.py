@@ -16,7 +16,7 @@ from oracles.field_witnesses import WITNESSES, Answer, Witness
 from oracles.state_brute_force import optimum
 from oracles.state_generators import match_cellar, state_task
 
-TASKS, BATCHES = 300, 10
+TASKS, BATCHES = 150, 5
 
 
 @pytest.mark.slow

@@ -666,7 +666,7 @@ def edited(changes: list[tuple[int, int, bytes]]) -> bytes:
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(changes=edits)
 @example(changes=[(0, 0, b"\xff\xfe")])
 @example(changes=[(0, 1, b"")])
@@ -716,7 +716,7 @@ def documents_with_a_wrong_value(draw: st.DrawFn) -> Any:
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(documents_with_a_wrong_value())
 def test_any_value_anywhere_raises_nothing_but_input_errors(document: Any) -> None:
     task = loaded(json.dumps(document).encode())

@@ -284,7 +284,7 @@ def test_after_the_repair_the_mistakes_are_gone_and_nothing_else_is_wrong(seed: 
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@settings(max_examples=75)
 @given(st.randoms(use_true_random=False))
 def test_the_patches_of_a_report_do_to_the_document_what_the_edits_do_to_the_text(
     rng: random.Random,

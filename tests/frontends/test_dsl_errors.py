@@ -367,7 +367,7 @@ PIECES = st.sampled_from(
 
 
 @pytest.mark.slow
-@settings(max_examples=500)
+@settings(max_examples=250)
 @given(st.lists(PIECES, max_size=40))
 def test_no_text_ends_in_a_traceback(pieces: list[str]) -> None:
     text = " ".join(pieces)
@@ -380,7 +380,7 @@ def test_no_text_ends_in_a_traceback(pieces: list[str]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(st.text(max_size=80))
 def test_no_characters_end_in_a_traceback(text: str) -> None:
     told(text).located()

@@ -142,7 +142,7 @@ LINES = st.sampled_from(
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=50)
 @given(st.lists(LINES, max_size=14))
 def test_layout_is_final_and_changes_no_task(lines: list[str]) -> None:
     text = "\n".join(lines)

@@ -73,7 +73,7 @@ def test_all_parts_of_a_task_with_every_field_are_found() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=10)
+@settings(max_examples=4)
 @given(tasks())
 def test_all_parts_of_any_task_are_found(task: Task) -> None:
     assert misplaced(read_dsl(print_task(task))) == []

@@ -100,7 +100,7 @@ def test_the_way_over_the_text_and_json_loses_nothing(task: Task) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE_NAMES))
 def test_any_name_can_be_written(name: str) -> None:
     if any("\ud800" <= c <= "\udfff" for c in name):
@@ -140,7 +140,7 @@ SEPARATORS = st.sampled_from([" ", "  ", "", ", ", " -> ", "\t"])
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=50)
 @given(st.lists(st.tuples(WORDS, SEPARATORS), min_size=1, max_size=9), st.booleans())
 def test_plain_lines_mean_what_the_grammar_makes_of_them(
     words: list[tuple[str, str]], looking: bool

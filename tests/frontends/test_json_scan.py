@@ -180,7 +180,7 @@ def agree(text: str, error: json.JSONDecodeError | None, found: Scan) -> bool:
 
 
 @pytest.mark.slow
-@settings(max_examples=250)
+@settings(max_examples=125)
 @given(st.lists(values, max_size=3) | st.dictionaries(texts, values, max_size=3), st.randoms())
 def test_a_damaged_text_is_at_fault_where_json_says(value: Any, rng: random.Random) -> None:
     text = damaged(printed(value, rng), rng)
@@ -266,7 +266,7 @@ def test_a_long_damaged_text_is_read_once(text: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(st.randoms())
 def test_a_damaged_task_is_never_taken_for_another(rng: random.Random) -> None:
     """Whatever one slip of a key does to a task, it is refused, or means what json says."""

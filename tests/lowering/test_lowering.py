@@ -240,7 +240,7 @@ def test_the_mandatory_part_leaves_out_what_may_be_absent() -> None:
 
 @pytest.mark.slow
 @settings(
-    max_examples=50,
+    max_examples=25,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )

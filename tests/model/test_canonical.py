@@ -22,7 +22,7 @@ from oracles.generators import documents, tasks
 Document = dict[str, Any]
 
 slow_to_draw = settings(
-    max_examples=60,
+    max_examples=30,
     phases=[Phase.generate],  # Whole documents take minutes to shrink.
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )

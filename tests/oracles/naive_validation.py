@@ -563,7 +563,7 @@ def damage(draw: Draw, entries: list[Entry]) -> list[Entry]:
 
 
 SLOW = settings(
-    max_examples=400, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
+    max_examples=200, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
 )
 
 

@@ -97,7 +97,7 @@ def small_problems(kind: str, count: int) -> Iterator[tuple[Problem, int | None]
 @pytest.mark.parametrize("kind", SMALL_TASKS)
 def test_no_bound_exceeds_the_optimum(kind: str) -> None:
     compared = 0
-    for problem, best in small_problems(kind, 100):
+    for problem, best in small_problems(kind, 50):
         by_energy = energy_bound(problem)
         bounds = [by_energy, destructive_bound(problem), destructive_bound(by_energy)]
         assert by_energy.bounds.makespan.value >= problem.bounds.makespan.value
@@ -105,7 +105,7 @@ def test_no_bound_exceeds_the_optimum(kind: str) -> None:
         if best is not None:
             assert max(p.bounds.makespan.value for p in bounds) <= best
             compared += problem.has_contention
-    assert compared > 40
+    assert compared > 18
 
 
 @pytest.mark.slow

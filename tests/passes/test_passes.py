@@ -97,7 +97,7 @@ def test_reduction_moves_nothing(problem: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(orders())
 def test_beyond_the_limit_fewer_arcs_go_but_none_that_is_needed(problem: Problem) -> None:
     everything = set(redundant_arcs(problem))

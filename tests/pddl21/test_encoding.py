@@ -224,7 +224,7 @@ def test_every_name_in_the_text_is_told_in_the_manifest() -> None:
 def test_planners_read_every_text(tmp_path: Path) -> None:
     kairos = pytest.importorskip("kairos")
     reader = up_reader()
-    for k, (_, program) in enumerate(random_programs(36)):
+    for k, (_, program) in enumerate(random_programs(18)):
         domain = kairos.parse_domain(program.files["domain.pddl"])
         kairos.parse_problem(program.files["problem.pddl"], domain)
         if k % 3 == 0:

@@ -510,7 +510,7 @@ def sizes(problem: Problem) -> dict[str, int]:
     }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
 def test_with_everything_kept_it_is_the_same_problem(seed: int) -> None:
     problem = random_problem(random.Random(seed))
@@ -522,7 +522,7 @@ def test_with_everything_kept_it_is_the_same_problem(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(st.integers(0, 10**6))
 def test_what_is_left_says_what_the_whole_says_of_it(seed: int) -> None:
     rng = random.Random(seed)
@@ -562,7 +562,7 @@ def test_what_is_left_says_what_the_whole_says_of_it(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.integers(0, 10**6))
 def test_decisions_go_there_and_places_come_back(seed: int) -> None:
     rng = random.Random(seed)

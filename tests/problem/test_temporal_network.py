@@ -62,7 +62,7 @@ def positive_components(size: int, edges: list[Edge]) -> set[frozenset[int]]:
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(graphs())
 def test_times_are_those_of_bellman_ford(case: tuple[int, list[Edge], list[int]]) -> None:
     size, edges, floors = case
@@ -74,7 +74,7 @@ def test_times_are_those_of_bellman_ford(case: tuple[int, list[Edge], list[int]]
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(graphs())
 def test_every_component_with_a_positive_cycle_shows_one(
     case: tuple[int, list[Edge], list[int]],

@@ -65,7 +65,7 @@ def contended(seed: int) -> Task:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds, factors)
 def test_scaling_all_times_scales_the_critical_path(seed: int, factor: Fraction) -> None:
     task = random_task(random.Random(seed), **NO_CONTENTION)
@@ -104,7 +104,7 @@ UNITS = ["ms", "s", "min", "h", "day", "week", "month", "year"]
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds, st.sampled_from(UNITS), st.sampled_from(UNITS))
 def test_the_unit_of_the_task_changes_numbers_not_times(seed: int, one: str, other: str) -> None:
     """Texts with units mean the same in tasks of any unit; the answer is in the task's own."""

@@ -69,7 +69,7 @@ def problems(task: Task) -> tuple[Problem, Problem]:
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(seeds)
 def test_the_planted_schedule_is_valid(seed: int) -> None:
     task, entries = planted(seed)
@@ -78,7 +78,7 @@ def test_the_planted_schedule_is_valid(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=75, deadline=None)
 @given(seeds)
 def test_what_is_re_timed_stays_valid_with_its_own_ranks(seed: int) -> None:
     task, entries = planted(seed)
@@ -90,7 +90,7 @@ def test_what_is_re_timed_stays_valid_with_its_own_ranks(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(seeds)
 def test_nothing_becomes_later_and_choices_stay(seed: int) -> None:
     task, entries = planted(seed)
@@ -103,7 +103,7 @@ def test_nothing_becomes_later_and_choices_stay(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(seeds)
 def test_what_is_re_timed_moves_no_further(seed: int) -> None:
     task, entries = planted(seed)
@@ -113,7 +113,7 @@ def test_what_is_re_timed_moves_no_further(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(seeds, st.integers(1, 50))
 def test_waiting_before_everything_starts_changes_nothing(seed: int, wait: int) -> None:
     """An idle gap is closed: with no date to keep, only the order says when things happen."""

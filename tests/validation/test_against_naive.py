@@ -55,7 +55,7 @@ def test_each_rule_is_broken_exactly_where_the_naive_check_says(
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=60)
+@settings(SLOW, max_examples=30)
 @given(state_cases())
 def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]) -> None:
     task, entries = case
@@ -65,7 +65,7 @@ def test_ranks_are_found_exactly_where_they_exist(case: tuple[Task, list[Entry]]
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=60)
+@settings(SLOW, max_examples=30)
 @given(state_cases(with_levels=True))
 def test_ranks_suit_resources_stock_and_changes_of_the_world(
     case: tuple[Task, list[Entry]],
@@ -77,7 +77,7 @@ def test_ranks_suit_resources_stock_and_changes_of_the_world(
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=60)
+@settings(SLOW, max_examples=30)
 @given(st.data(), state_cases(with_levels=True))
 def test_given_ranks_are_judged_as_the_naive_check_does(
     data: Any, case: tuple[Task, list[Entry]]

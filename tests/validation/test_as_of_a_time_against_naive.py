@@ -272,7 +272,7 @@ def has_ambiguous_values(
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=50)
+@settings(SLOW, max_examples=25)
 @given(st.data(), state_cases(), st.integers(0, 3))
 def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
     data: Any, case: tuple[Task, list[Entry]], at: int
@@ -303,7 +303,7 @@ def test_given_ranks_of_what_is_open_are_blamed_as_the_naive_check_does(
 
 
 @pytest.mark.slow
-@settings(SLOW, max_examples=50)
+@settings(SLOW, max_examples=25)
 @given(state_cases(), st.integers(0, 3))
 def test_ranks_are_looked_for_only_where_history_has_some(
     case: tuple[Task, list[Entry]], at: int

@@ -10,14 +10,11 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
-from hypothesis import seed as starting_at
 from hypothesis import strategies as st
 from ortools.sat.python import cp_model
 
-from irc.model import Action, DurationRange, Precedence, Task, details, events, parts
+from irc.model import Action, DurationRange, Precedence, Task
 from irc.model.base import Node
-from irc.model.details import ChoiceMade, CoupledAction, Coupling, Selection, UseOrder
-from irc.model.parts import ObjectiveTerm
 from oracles.brute_force import enough_time, longest_path, optimal_makespan, optimal_schedule
 from oracles.generators import (
     HOSTILE_NAMES,
@@ -572,7 +569,7 @@ def test_more_names_than_the_list_has_stay_distinct() -> None:
 
 
 @given(tasks(), st.randoms(use_true_random=False))
-@settings(whole_ir, max_examples=50)
+@settings(whole_ir, max_examples=25)
 def test_hostile_names_keep_the_structure_of_any_task(task: Task, rng: random.Random) -> None:
     assert shape(hostile_names(task, rng)) == shape(task)
 
@@ -641,56 +638,13 @@ SPACES = {
 
 
 @given(documents())
-@settings(whole_ir, max_examples=50)
+@settings(whole_ir, max_examples=25)
 def test_documents_are_json(document: dict[str, Any]) -> None:
     assert json.loads(json.dumps(document)) == document
 
 
 @given(tasks())
-@settings(whole_ir, max_examples=50)
+@settings(whole_ir, max_examples=25)
 def test_tasks_can_be_read_back_from_what_pydantic_writes(task: Task) -> None:
     written = task.model_dump_json(by_alias=True, exclude_unset=True)
     assert Task.model_validate_json(written) == task
-
-
-def test_tasks_reach_every_field_of_the_ir() -> None:
-    reached: set[str] = set()
-
-    def note(part: Any) -> None:
-        if isinstance(part, Node):
-            reached.update(f"{type(part).__name__}.{key}" for key in part.model_fields_set)
-            for key in part.model_fields_set:
-                note(getattr(part, key))
-        elif isinstance(part, tuple):
-            for item in part:
-                note(item)
-
-    every = {f"{kind.__name__}.{key}" for kind in nodes() for key in kind.model_fields}
-    assert every > NOT_DRAWN
-    every -= NOT_DRAWN
-    short = settings(whole_ir, derandomize=False, max_examples=40)
-    # Several short runs see more kinds of tasks than a long one, which varies what it has seen.
-    for start in range(30):
-        starting_at(start)(short(given(tasks())(note)))()
-        if reached == every:
-            return
-    pytest.fail(f"never reached: {sorted(every - reached)}")
-
-
-NOT_DRAWN = {
-    *("Task.couplings", "Task.select", "Task.sequences"),
-    *(f"ObjectiveTerm.{f}" for f in ObjectiveTerm.model_fields),
-    "ObjectiveSum.sum",
-    *(
-        f"{k.__name__}.{f}"
-        for k in (ChoiceMade, CoupledAction, Coupling, Selection, UseOrder)
-        for f in k.model_fields
-    ),
-}
-"""Fields that the strategy of whole tasks does not draw yet: EVERYTHING has them. One entry of
-`WHOLE_FEATURES` in `oracles.generators` draws those of an element."""
-
-
-def nodes() -> Iterable[type[Node]]:
-    declared = [*vars(parts).values(), *vars(details).values(), *vars(events).values(), Task]
-    return (kind for kind in declared if isinstance(kind, type) and issubclass(kind, Node))

@@ -60,7 +60,7 @@ def worth(task: Task, values: tuple[Number, ...] | None) -> tuple[Number, ...] |
 # --- other ways to the same answer --------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(30))
 def test_it_agrees_with_the_oracle_for_tasks_without_state(seed: int) -> None:
     task = random_task(random.Random(f"both oracles {seed}"), actions=(1, 4), durations=(0, 4))
     least = optimal_makespan(task)
@@ -158,7 +158,7 @@ def _size(entries: list[list[Entry]]) -> int:
 
 def test_it_agrees_with_trying_every_schedule() -> None:
     tried = solvable = 0
-    for seed in range(160):
+    for seed in range(70):
         task = state_task(seed)
         if len(task.actions) > 3:
             continue
@@ -167,8 +167,8 @@ def test_it_agrees_with_trying_every_schedule() -> None:
             best = best_of(seed)
             assert worth(task, None if best is None else best.vector) == least, seed
             tried, solvable = tried + 1, solvable + (least is not None)
-    assert tried >= 20
-    assert 6 <= solvable <= tried - 6, (tried, solvable)
+    assert tried >= 8
+    assert 2 <= solvable <= tried - 2, (tried, solvable)
 
 
 # --- the validator ------------------------------------------------------------------------------
@@ -178,7 +178,7 @@ def unranked(entries: tuple[Entry, ...]) -> tuple[Entry, ...]:
     return tuple(replace(entry, rank=0, end_rank=None) for entry in entries)
 
 
-@pytest.mark.parametrize("seed", [*range(96), 1369, 1561, 1807])
+@pytest.mark.parametrize("seed", [*range(48), 1369, 1561, 1807])
 def test_an_optimal_schedule_is_valid_with_its_ranks_and_without(seed: int) -> None:
     task, best = state_task(seed), best_of(seed)
     if best is None:
@@ -212,7 +212,7 @@ def disturbed(entries: tuple[Entry, ...], rng: random.Random) -> tuple[Entry, ..
 
 def test_the_validator_agrees_on_disturbed_schedules() -> None:
     outcomes = {True: 0, False: 0}
-    for seed in range(96):
+    for seed in range(48):
         task, best, rng = state_task(seed), best_of(seed), random.Random(f"disturbed {seed}")
         if best is None or not 1 <= len(best.schedule.entries) <= 5:
             continue
@@ -222,12 +222,12 @@ def test_the_validator_agrees_on_disturbed_schedules() -> None:
             assert not verdict.undecided
             assert verdict.valid == is_valid(task, schedule), (seed, schedule, verdict)
             outcomes[verdict.valid] += 1
-    assert min(outcomes.values()) >= 50
+    assert min(outcomes.values()) >= 25
 
 
 # --- laws ---------------------------------------------------------------------------------------
 
-LAW_SEEDS = range(0, 96, 5)
+LAW_SEEDS = range(0, 48, 5)
 _TIMES = {
     *("duration", "min_lag", "max_lag", "release", "deadline", "due", "from", "to"),
     *("start", "latest_start", "earliest_end"),
@@ -270,7 +270,7 @@ def test_the_order_of_arrays_means_nothing(seed: int) -> None:
 def test_a_precedence_that_follows_anyway_changes_nothing() -> None:
     """Start to start, with the duration in the lag: the same as finish to start."""
     changed = 0
-    for seed in range(200):
+    for seed in range(80):
         document = document_of(state_task(seed))
         fixed = {a["id"]: a["duration"] for a in document["actions"] if "duration" in a}
         more = [
@@ -288,7 +288,7 @@ def test_a_precedence_that_follows_anyway_changes_nothing() -> None:
             document["precedence"] += more
             best = best_of(seed)
             assert vector(Task.model_validate(document)) == (best and best.vector), seed
-    assert changed >= 15
+    assert changed >= 6
 
 
 def relaxations(document: Document) -> Iterator[Document]:
@@ -346,7 +346,7 @@ def test_a_seed_gives_the_same_task_again() -> None:
             assert draw(seed) != draw(seed + len(MIXES))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_a_match_cellar_needs_two_happenings_at_one_instant(seed: int) -> None:
     best = optimum(match_cellar(seed))
     if seed % 3 == 2:
