@@ -75,11 +75,11 @@ def _known(
 ) -> tuple[Problem, dict[str, int] | None, Analysis | None, list[Text]]:
     """(the problem, the slacks, the analysis where it is needed, the lines above the table)."""
     schedule, slack, analysis = answer.schedule, None, None
-    framed = None
-    if schedule.made_for is not None and schedule.made_for.columns is not None:
+    task, framed = schedule.made_for, None
+    if answer.times is not None and task is not None and task.columns is not None:
         from irc.cli.uncontended import frame_and_slacks
 
-        framed = frame_and_slacks(schedule)
+        framed = frame_and_slacks(task.columns, answer.times)
     problem = answer.problem if framed is None else framed[0]
     lines = [*_headline(page, problem, schedule, clock)]
     if framed is not None:

@@ -22,6 +22,7 @@ from irc.targets import (
 )
 
 if TYPE_CHECKING:
+    from irc.problem.precedence_times import PrecedenceTimes
     from irc.validation import Verdict
 
 
@@ -33,12 +34,14 @@ SHORTCUT_ENGINE = "critical-path"
 class Answer:
     """A schedule with the notes about it, and the problem that it solves.
 
-    `lowered` is the problem, or a function that makes it for those who ask.
+    `lowered` is the problem, or a function that makes it for those who ask. `times` are the
+    earliest times by precedences alone, where the task is kept as columns.
     """
 
     schedule: Schedule
     lowered: Problem | Callable[[], Problem]
     notes: tuple[Diagnostic, ...] = ()
+    times: PrecedenceTimes | None = None
 
     @cached_property
     def problem(self) -> Problem:

@@ -33,7 +33,7 @@ def by_columns(
     columns = task.columns
     if columns is None or not options.shortcut or not set(backend.supports) >= _NEEDED:
         return None
-    times = earliest_times(columns.durations, columns.before, columns.after)
+    times = earliest_times(columns.durations, columns.following)
     if times is None:
         return None
     ends = [s + d for s, d in zip(times.starts, columns.durations, strict=True)]
@@ -51,4 +51,5 @@ def by_columns(
         repeatable=True if options.deterministic else None,
         made_for=task,
     )
-    return Answer(_approved(task, schedule), partial(lower_for, task, backend))
+    approved = _approved(task, schedule)
+    return Answer(approved, partial(lower_for, task, backend), times=times)

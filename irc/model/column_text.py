@@ -47,15 +47,15 @@ def _precedence_text(columns: Columns, order: list[int]) -> Iterator[str]:
     place = [0] * len(order)
     for k, i in enumerate(order):
         place[i] = k
-    following: list[list[int]] = [[] for _ in order]
-    for before, after in zip(columns.before, map(place.__getitem__, columns.after), strict=True):
-        following[before].append(after)
     afters = [f'{{"after":"{columns.ids[i]}","before":"' for i in order]
-    opening = "["
+    opening, parts = "[", list[str]()
     for i in order:
-        if direct := following[i]:
+        if columns.following[i]:
             end = columns.ids[i] + '"}'
-            direct.sort()
-            yield opening + (end + ",").join(map(afters.__getitem__, direct)) + end
+            direct = sorted(map(place.__getitem__, columns.following[i]))
+            parts.append(opening + (end + ",").join(map(afters.__getitem__, direct)) + end)
             opening = ","
-    yield "]"
+            if len(parts) == _PART:
+                yield "".join(parts)
+                parts.clear()
+    yield "".join(parts) + "]"

@@ -26,8 +26,8 @@ class Columns(NamedTuple):
 
     `ids` are distinct, and have no character that JSON escapes. `durations` are whole numbers of
     time units above 0, one for each id. `before` and `after` are indexes of actions, a pair for
-    each precedence; the pairs are distinct, and no action precedes itself. `head` is the task
-    without them: its name, its time unit.
+    each precedence; the pairs are distinct, and no action precedes itself. `following` has them by
+    their first action: all that come behind it. `head` is the task without actions.
     """
 
     head: Task
@@ -35,6 +35,7 @@ class Columns(NamedTuple):
     durations: list[int]
     before: list[int]
     after: list[int]
+    following: list[list[int]]
 
 
 class ColumnTask(Task):

@@ -1,8 +1,8 @@
 """Earliest and latest times where precedences alone bind activities: the critical path method.
 
-The activities are numbered, and each precedence is a pair of numbers: the second activity starts
-when the first has ended, or later. Everything is whole numbers in lists, so a million activities
-take a second. (Kelley and Walker, "Critical-path planning and scheduling", 1959.)
+The activities are numbered; one that follows another starts when this has ended, or later.
+Everything is whole numbers in lists, so a million activities take a second or two. (Kelley and
+Walker, "Critical-path planning and scheduling", 1959.)
 """
 
 from __future__ import annotations
@@ -17,22 +17,19 @@ class PrecedenceTimes(NamedTuple):
     starts: list[int]
     makespan: int
     order: list[int]
-    following: list[list[int]]
-    """The activities that a precedence puts after each activity."""
 
 
 def earliest_times(
-    durations: Sequence[int], before: Sequence[int], after: Sequence[int]
+    durations: Sequence[int], following: Sequence[Sequence[int]]
 ) -> PrecedenceTimes | None:
     """The earliest times from 0 on; None where precedences form a cycle. Takes linear time.
 
-    `before` and `after` have the activities of each precedence.
+    `following` has the activities that precedences put after each activity.
     """
-    following: list[list[int]] = [[] for _ in durations]
     waiting = [0] * len(durations)
-    for first, second in zip(before, after, strict=True):
-        following[first].append(second)
-        waiting[second] += 1
+    for behind in following:
+        for j in behind:
+            waiting[j] += 1
     starts = [0] * len(durations)
     order = [i for i, count in enumerate(waiting) if not count]
     makespan = 0
@@ -49,15 +46,17 @@ def earliest_times(
                 waiting[j] -= 1
     if len(order) < len(durations):
         return None
-    return PrecedenceTimes(starts, makespan, order, following)
+    return PrecedenceTimes(starts, makespan, order)
 
 
-def slacks_of(times: PrecedenceTimes, durations: Sequence[int]) -> list[int]:
+def slacks_of(
+    times: PrecedenceTimes, durations: Sequence[int], following: Sequence[Sequence[int]]
+) -> list[int]:
     """How much later than at its earliest time each activity can start with the same makespan."""
     latest = [times.makespan] * len(durations)
     for i in reversed(times.order):
         end = times.makespan
-        for j in times.following[i]:
+        for j in following[i]:
             if latest[j] < end:
                 end = latest[j]
         latest[i] = end - durations[i]

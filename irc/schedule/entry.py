@@ -71,16 +71,23 @@ class Entry:
         return length if isinstance(length, int) else exact(length)
 
 
+_AT_ONCE = 2_000
+"""Entries that are filled at once: so few that they stay in the processor's cache."""
+
+
 def plain_entries(rows: Sequence[tuple[int, int, str]]) -> tuple[Entry, ...]:
     """Entries of actions that hold nothing, each of a start, an end and an id.
 
     A call of `Entry` for each would take four times as long, and there may be a million.
     """
-    starts, ends, ids = zip(*rows, strict=True) if rows else ((), (), ())
-    entries = tuple(map(object.__new__, repeat(Entry, len(ids))))
-    given: dict[str, Iterable[Any]] = {"id": ids, "start": starts, "end": ends}
-    given["resources"] = [{} for _ in ids]
-    for name in fields(Entry):
-        values = given.get(name.name, repeat(name.default))
-        deque(map(vars(Entry)[name.name].__set__, entries, values), maxlen=0)
+    entries = tuple(map(object.__new__, repeat(Entry, len(rows))))
+    setters = {field.name: vars(Entry)[field.name].__set__ for field in fields(Entry)}
+    defaults = {field.name: field.default for field in fields(Entry)}
+    for at in range(0, len(rows), _AT_ONCE):
+        some = entries[at : at + _AT_ONCE]
+        starts, ends, ids = zip(*rows[at : at + _AT_ONCE], strict=True)
+        given: dict[str, Iterable[Any]] = {"id": ids, "start": starts, "end": ends}
+        given["resources"] = [{} for _ in ids]
+        for name, setter in setters.items():
+            deque(map(setter, some, given.get(name, repeat(defaults[name]))), maxlen=0)
     return entries

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from json.encoder import encode_basestring
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from irc.model.garbage import without_garbage
 from irc.model.times import json_number
 from irc.schedule.entry import Entry, LeftOut
 
@@ -22,12 +24,15 @@ def document(schedule: Schedule) -> dict[str, Any]:
     return _with_entries(schedule, [_entry_json(entry, dated) for entry in schedule.entries])
 
 
+@without_garbage()
 def schedule_text(schedule: Schedule) -> str:
     """The text of the document as the project writes files: `dump_json` of it, at less cost."""
     if schedule.has_dates:
         return dump_json(document(schedule))
-    lines = [_entry_text(entry) for entry in schedule.entries]
-    return dump_json(_with_entries(schedule, lines))
+    texts = {key: _lines(value) for key, value in _with_entries(schedule, []).items()}
+    if schedule.entries:
+        texts["actions"] = _listed([_entry_text(entry) for entry in schedule.entries])
+    return _joined(texts)
 
 
 def _with_entries(schedule: Schedule, entries: list[Any]) -> dict[str, Any]:
@@ -60,20 +65,18 @@ def _with_entries(schedule: Schedule, entries: list[Any]) -> dict[str, Any]:
     }
 
 
-def _entry_text(entry: Entry) -> RawJson:
+_besides_times = attrgetter(
+    "resources", "mode", "occurrence", "rank", "end_rank", "paused", "status"
+)
+_ONLY_TIMES = ({}, None, 1, 0, None, 0, None)
+
+
+def _entry_text(entry: Entry) -> str:
     """The JSON text of an entry without dates; most have only an id and whole times."""
-    if (
-        type(entry.start) is int
-        and type(entry.end) is int
-        and entry.status is None
-        and entry.mode is None
-        and entry.end_rank is None
-        and entry.occurrence == 1
-        and not (entry.resources or entry.rank or entry.paused)
-    ):
-        name = encode_basestring(entry.id)
-        return RawJson(f'{{"id": {name}, "start": {entry.start}, "end": {entry.end}}}')
-    return RawJson(_encode(_entry_json(entry, False)))
+    start, end = entry.start, entry.end
+    if type(start) is int and type(end) is int and _besides_times(entry) == _ONLY_TIMES:
+        return f'{{"id": {encode_basestring(entry.id)}, "start": {start}, "end": {end}}}'
+    return _encode(_entry_json(entry, False))
 
 
 def _left_out_json(what: LeftOut) -> str | dict[str, Any]:
@@ -107,21 +110,23 @@ def _entry_json(entry: Entry, dated: bool) -> dict[str, Any]:
 
 def dump_json(document: Mapping[str, Any]) -> str:
     """JSON text as the project writes files: a line for each field and for each list entry."""
-    fields = [f"  {json.dumps(key)}: {_lines(value)}" for key, value in document.items()]
+    return _joined({key: _lines(value) for key, value in document.items()})
+
+
+def _joined(texts: Mapping[str, str]) -> str:
+    """The text of a document, given those of its fields."""
+    fields = [f"  {json.dumps(key)}: {text}" for key, text in texts.items()]
     return "{\n" + ",\n".join(fields) + "\n}\n"
 
 
 _encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
 
 
-class RawJson(str):
-    """A part of a document that is JSON text already."""
-
-    __slots__ = ()
-
-
 def _lines(value: Any) -> str:
-    if not isinstance(value, list) or not value or not isinstance(value[0], (dict, RawJson)):
+    if not isinstance(value, list) or not value or not isinstance(value[0], dict):
         return _encode(value)
-    texts = value if isinstance(value[0], RawJson) else map(_encode, value)
+    return _listed(map(_encode, value))
+
+
+def _listed(texts: Iterable[str]) -> str:
     return "[\n    " + ",\n    ".join(texts) + "\n  ]"

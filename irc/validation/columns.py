@@ -30,10 +30,11 @@ def values_if_valid(columns: Columns, schedule: Schedule) -> dict[str, Number] |
     ids, starts, ends = (list(map(attrgetter(name), entries)) for name in ("id", "start", "end"))
     if {*map(type, starts), *map(type, ends)} != {int} or not _only_times(entries):
         return None
-    start_of, end_of = (dict(zip(ids, times, strict=True)) for times in (starts, ends))
-    if len(entries) != len(columns.ids) or not start_of.keys() >= set(columns.ids):
+    place = dict(zip(ids, range(len(ids)), strict=True))
+    order = list(map(place.get, columns.ids))
+    if len(entries) != len(columns.ids) or len(place) < len(ids) or None in order:
         return None
-    first, last = (list(map(of.__getitem__, columns.ids)) for of in (start_of, end_of))
+    first, last = ([times[k] for k in order if k is not None] for times in (starts, ends))
     if min(first) < 0 or list(map(sub, last, first)) != columns.durations:
         return None
     ended, started = map(last.__getitem__, columns.before), map(first.__getitem__, columns.after)
@@ -44,9 +45,8 @@ def values_if_valid(columns: Columns, schedule: Schedule) -> dict[str, Number] |
 
 
 def _only_times(entries: tuple[Entry, ...]) -> bool:
-    return not any(map(attrgetter("resources"), entries)) and all(
-        set(map(attrgetter(name), entries)) == {value} for name, value in _UNUSED.items()
-    )
+    unused = set(map(attrgetter(*_UNUSED), entries))
+    return unused == {tuple(_UNUSED.values())} and not any(map(attrgetter("resources"), entries))
 
 
 def _true(schedule: Schedule, values: Mapping[str, Number]) -> bool:
