@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich.console import Console
 from rich.text import Text
@@ -56,7 +56,7 @@ def print_answer(
     """
     page, schedule = Page(console), answer.schedule
     clock = clock_of(schedule, times)
-    problem, slack, analysis, lines = _known(page, answer, clock)
+    problem, slack, analysis, lines = _known(page, answer, clock, all_rows)
     print_lines(page, console, (line for text in lines for line in text.wrap(console, page.width)))
     if not schedule.entries:
         return
@@ -70,33 +70,39 @@ def print_answer(
     print_lines(page, console, key)
 
 
-def _known(
-    page: Page, answer: Answer, clock: ClockText | None
-) -> tuple[Problem, dict[str, int] | None, Analysis | None, list[Text]]:
-    """(the problem, the slacks, the analysis where it is needed, the lines above the table)."""
-    schedule, slack, analysis = answer.schedule, None, None
-    task, framed = schedule.made_for, None
-    if answer.times is not None and task is not None and task.columns is not None:
-        from irc.cli.uncontended import frame_and_slacks
+class _Known(NamedTuple):
+    """The problem, the slacks, the analysis where it is needed, the lines above the table."""
 
-        framed = frame_and_slacks(task.columns, answer.times)
-    problem = answer.problem if framed is None else framed[0]
+    problem: Problem
+    slack: dict[str, int] | None
+    analysis: Analysis | None
+    lines: list[Text]
+
+
+def _known(page: Page, answer: Answer, clock: ClockText | None, all_rows: bool) -> _Known:
+    task, schedule = answer.schedule.made_for, answer.schedule
+    if answer.times is not None and task is not None and task.columns is not None:
+        from irc.cli.uncontended import frame_of, slacks_and_critical
+
+        frame = frame_of(task.columns, answer.times)
+        lines = [*_headline(page, frame, schedule, clock)]
+        every = all_rows or len(schedule.entries) <= CHART_UP_TO
+        shown, _ = middle_cut(schedule.entries, all_rows=every)
+        free, critical = slacks_and_critical(task.columns, answer.times, shown)
+        if len(schedule.entries) > SUMMARY_FROM:
+            lines.append(counts_line(len(schedule.entries), critical, 0))
+        return _Known(frame, free, None, lines)
+    problem, slack = answer.problem, None
     lines = [*_headline(page, problem, schedule, clock)]
-    if framed is not None:
-        slack = framed[1]
-    elif schedule.answered:
-        try:
+    try:
+        if schedule.answered:
             slack = slacks(problem, schedule)
-        except AnswerError as error:
-            lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
-    if framed is None:
-        analysis = _analysis(problem, schedule, slack)
-    if len(schedule.entries) > SUMMARY_FROM:
-        if analysis is not None:
-            lines += summary_lines(page, analysis)
-        elif slack is not None:
-            lines.append(counts_line(len(slack), sum(not s for s in slack.values()), 0))
-    return problem, slack, analysis, lines
+    except AnswerError as error:
+        lines.append(Text(page.visible(f"slack is not known: {error}"), "dim"))
+    analysis = _analysis(problem, schedule, slack)
+    if analysis is not None and len(schedule.entries) > SUMMARY_FROM:
+        lines += summary_lines(page, analysis)
+    return _Known(problem, slack, analysis, lines)
 
 
 def clock_of(schedule: Schedule, times: TimesStyle | None) -> ClockText | None:

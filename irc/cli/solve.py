@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import redirect_stdout
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -191,30 +191,33 @@ def _solve(
     from irc.cli.times import require_times
     from irc.driver.solve import solve_task
     from irc.frontends.files import read_task
+    from irc.model.garbage import without_garbage
     from irc.reporting.files import require_fit, require_output
 
     with reporting_errors(format), INTERRUPTION.planning() as cancel:
         require_output(task.output)
         reading = read_task(task.file, task.problem)
-        require_fit(task.output, reading.task)
-        require_times(reading.task, times)
-        prepare(format)
-        with progress_shown(reading.task) as on_progress:
-            chosen = replace(options, on_progress=on_progress, cancel=cancel)
-            spent = INTERRUPTION.spent(task.file) if first else 0.0
-            budget = chosen.budget(spent)
-            if scheduler is None:
-                answer = solve_task(reading.task, chosen, budget)
-            else:
-                from irc.cluster.solving import solve_on_cluster
+        large = reading.task.columns is not None
+        with without_garbage() if large else nullcontext():
+            require_fit(task.output, reading.task)
+            require_times(reading.task, times)
+            prepare(format)
+            with progress_shown(reading.task) as on_progress:
+                chosen = replace(options, on_progress=on_progress, cancel=cancel)
+                spent = INTERRUPTION.spent(task.file) if first else 0.0
+                budget = chosen.budget(spent)
+                if scheduler is None:
+                    answer = solve_task(reading.task, chosen, budget)
+                else:
+                    from irc.cluster.solving import solve_on_cluster
 
-                answer = solve_on_cluster(reading.task, scheduler, chosen, budget)
-        print_reading_notes(reading, format)
-        if answer.schedule.status == "infeasible" and format is Format.text:
-            from irc.cli.explain import hint_for
+                    answer = solve_on_cluster(reading.task, scheduler, chosen, budget)
+            print_reading_notes(reading, format)
+            if answer.schedule.status == "infeasible" and format is Format.text:
+                from irc.cli.explain import hint_for
 
-            say(hint_for(task.file))
-        show_answer(answer, task.output, times, format)
+                say(hint_for(task.file))
+            show_answer(answer, task.output, times, format)
 
 
 def print_reading_notes(reading: Reading, format: Format) -> None:
