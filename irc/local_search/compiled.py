@@ -83,22 +83,32 @@ class _Module:
 
         with self._lock:
             if self._engine is None:
-                file = self.file()
-                code = objects.kept(file)
-                if code is None:
-                    code = objects.machine_code(modules.module_text(self.name, self.functions))
-                    objects.keep(file, code)
-                self._engine = objects.loaded(code)
+                self._engine = objects.loaded(self._code())
         return int(self._engine.get_function_address(modules.entry_of(name)))
 
+    def _code(self) -> bytes:
+        """The machine code; it is kept, and half of the way to it, where a process ends before."""
+        from irc.local_search.llvm import modules, objects
+
+        file = self.file()
+        if (code := objects.kept(f"{file}.o")) is not None:
+            return code
+        if (bitcode := objects.kept(f"{file}.bc")) is None:
+            bitcode = objects.optimised(modules.module_text(self.name, self.functions))
+            objects.keep(f"{file}.bc", bitcode)
+        code = objects.machine_code(bitcode)
+        objects.keep(f"{file}.o", code)
+        objects.forget(f"{file}.bc")
+        return code
+
     def file(self) -> str:
-        """The name of the file of machine code, which depends on all that the code depends on."""
+        """The name of the files of code, without suffix: it depends on all that the code does."""
         from irc.local_search.llvm import objects
 
         module = sys.modules[self.name]
         constants = sorted((k, v) for k, v in vars(module).items() if isinstance(v, int))
         known = inspect.getsource(module), constants, _compiler(), objects.machine()
-        return f"{self.name.rpartition('.')[2]}-{sha256(repr(known).encode()).hexdigest()[:32]}.o"
+        return f"{self.name.rpartition('.')[2]}-{sha256(repr(known).encode()).hexdigest()[:32]}"
 
 
 _MODULES: dict[str, _Module] = {}

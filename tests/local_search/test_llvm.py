@@ -192,13 +192,13 @@ class Kept:
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         self.folder, self.made, self._patch = folder / "kept", 0, monkeypatch
         self.module = module_of(SMALL, folder, monkeypatch)
-        self._machine_code = objects.machine_code
+        self._optimised = objects.optimised
         monkeypatch.setenv(objects.FOLDER, str(self.folder))
-        monkeypatch.setattr(objects, "machine_code", self._noted)
+        monkeypatch.setattr(objects, "optimised", self._noted)
 
     def _noted(self, text: str) -> bytes:
         self.made += 1
-        return self._machine_code(text)
+        return self._optimised(text)
 
     def run(self) -> None:
         """Calls a loop as a new process does."""
@@ -221,6 +221,18 @@ def test_machine_code_is_kept(kept: Kept) -> None:
     file.write_bytes(file.read_bytes()[:-1])
     kept.run()
     assert kept.made == 2  # The file was damaged.
+
+
+def test_a_process_goes_on_where_another_one_was_ended(
+    kept: Kept, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine_code = objects.machine_code
+    monkeypatch.setattr(objects, "machine_code", lambda _: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        kept.run()
+    monkeypatch.setattr(objects, "machine_code", machine_code)
+    kept.run()
+    assert kept.made == len([*kept.folder.iterdir()]) == 1
 
 
 def test_another_constant_or_machine_is_compiled_anew(

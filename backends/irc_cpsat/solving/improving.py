@@ -12,7 +12,7 @@ from irc.targets import Budget
 
 _LOOK_SECONDS = 0.02
 _PATIENCE_SECONDS = 0.5
-"""A step that takes longer (a first one that still compiles) is not waited for at the end."""
+"""Steps that take longer (first ones that still compile) are not waited for at the end."""
 
 SMALL = 64
 SMALL_SHOP = 100
@@ -106,11 +106,14 @@ class Improving:
                 self.found, self.value = found, value
 
     def end(self) -> None:
-        """Ends the search."""
+        """Ends the search, the first time that it is called."""
+        if self._ended.is_set():
+            return
         self._ended.set()
         self._given_one.set()
+        patience = Budget(_PATIENCE_SECONDS)
         for thread in self._threads:
-            thread.join(_PATIENCE_SECONDS)
+            thread.join(patience.left)
 
     def check(self) -> None:
         """Raises what the search has raised."""

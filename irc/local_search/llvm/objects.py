@@ -26,18 +26,25 @@ def machine() -> str:
     return " ".join([llvmlite.__version__, binding.get_host_cpu_name(), features])
 
 
-def machine_code(text: str) -> bytes:
-    """A module in LLVM's language as machine code of this machine."""
+def optimised(text: str) -> bytes:
+    """A module in LLVM's language as bitcode of this machine, which takes most of the time."""
     from llvmlite import binding
 
-    made = binding.parse_assembly(text)
-    target = _target()
-    made.triple, made.data_layout = target.triple, str(target.target_data)
+    module, target = binding.parse_assembly(text), _target()
+    module.triple, module.data_layout = target.triple, str(target.target_data)
     options = binding.create_pipeline_tuning_options(speed_level=3)
     options.slp_vectorization = False
     passes = binding.create_pass_builder(target, options)
-    passes.getModulePassManager().run(made, passes)
-    return bytes(target.emit_object(made))
+    passes.getModulePassManager().run(module, passes)
+    return bytes(module.as_bitcode())
+
+
+def machine_code(bitcode: bytes) -> bytes:
+    """Bitcode as machine code, which takes the rest of it."""
+    from llvmlite import binding
+
+    target = _target()  # (This makes LLVM ready, too.)
+    return bytes(target.emit_object(binding.parse_bitcode(bitcode)))
 
 
 def loaded(code: bytes) -> Any:
@@ -88,7 +95,7 @@ def folder() -> Path:
 
 
 def kept(name: str) -> bytes | None:
-    """The machine code that is kept under a name; None: there is none, or it is damaged."""
+    """The code that is kept under a name; None: there is none, or it is damaged."""
     with suppress(OSError, RuntimeError):  # (There may be no home.)
         content = (folder() / name).read_bytes()
         code = content[_DIGEST:]
@@ -98,9 +105,15 @@ def kept(name: str) -> bytes | None:
 
 
 def keep(name: str, code: bytes) -> None:
-    """Keeps machine code under a name; where that is not possible, nothing is kept."""
+    """Keeps code under a name; where that is not possible, nothing is kept."""
     with suppress(OSError, RuntimeError):
         folder().mkdir(parents=True, exist_ok=True)
         part = folder() / f"{name}.{os.getpid()}"
         part.write_bytes(sha256(code).digest() + code)
         part.replace(folder() / name)
+
+
+def forget(name: str) -> None:
+    """Removes what is kept under a name."""
+    with suppress(OSError, RuntimeError):
+        (folder() / name).unlink()
