@@ -17,25 +17,28 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
-from irc.diagnostics import Findings
 from irc.driver.compile import lower_for
 from irc.frontends.files import read_task
 from irc.local_search.search import search_of
-from irc.model import Task
-from irc.model.from_document import to_task
 from irc.targets import get_backend
 from racing.generate import Lehmer, job_shop, job_shop_text
 from size import measure
 
 SHOPS = {"shop_100x100": (100, 100), "shop_500x20": (500, 20), "shop_1000x100": (1000, 100)}
-PROJECTS = {"project_10000": 10_000, "project_100000": 100_000}
+PROJECTS = {
+    "project_10000": (10_000, 0.05),
+    "project_100000": (100_000, 0.05),
+    "project_100000_ample": (100_000, 0.4),
+}
+"""The activities, and the strength of the resources: see `project`."""
 REACH = 60
 """A predecessor is at most so many activities earlier: ProGen's networks of 100,000 would have no
 end of parallel work."""
 
 
-def project(activities: int, seed: int, complexity: float = 1.8, strength: float = 0.05) -> Task:
+def project(activities: int, seed: int, strength: float, complexity: float = 1.8) -> dict[str, Any]:
     """A project in the manner of ProGen: see `racing.generate.project`; each takes two resources.
 
     `strength` is between capacities as small as can be and the peak of the earliest schedule.
@@ -51,7 +54,7 @@ def project(activities: int, seed: int, complexity: float = 1.8, strength: float
         10 + round(strength * (_peak(starts, durations, [q[r] for q in requests]) - 10))
         for r in range(4)
     ]
-    document = {
+    return {
         "resources": [{"id": f"R{r}", "capacity": c} for r, c in enumerate(capacities)],
         "actions": [
             {
@@ -63,10 +66,6 @@ def project(activities: int, seed: int, complexity: float = 1.8, strength: float
         ],
         "precedence": [{"before": f"a{i}", "after": f"a{j}"} for i, j in sorted(arcs)],
     }
-    task = to_task(document, Findings())
-    if task is None:
-        raise ValueError("the generator wrote a task with faults")
-    return task
 
 
 def _requests(draw: Lehmer) -> list[int]:
@@ -118,9 +117,9 @@ def written(name: str, folder: Path) -> Path:
         shop = job_shop(jobs, machines, 840612802 + jobs, 398197754 + machines)
         path.write_text(job_shop_text(shop))
         return path
-    size = PROJECTS[name]
+    size, strength = PROJECTS[name]
     path = folder / f"{name}.json"
-    path.write_text(json.dumps(project(size, 840612802 + size).to_dict()))
+    path.write_text(json.dumps(project(size, 840612802 + size, strength)))
     return path
 
 

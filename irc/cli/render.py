@@ -131,7 +131,7 @@ def _analysis(
         return None
     from irc.reporting.analysis import analyse
 
-    return analyse(task, schedule, problem)
+    return analyse(task, schedule, problem, slack, reasons=False)
 
 
 def _drawn(

@@ -126,12 +126,20 @@ def table_lines(
             _padded(short.fit(column.cells[k], width), width, column.to_the_right)
             for column, width, short in zip(columns, widths, names, strict=True)
         ]
-        yield Text(_GAP).join(
-            Text(cell, style(k, column.title)) for cell, column in zip(cells, columns, strict=True)
-        )
+        yield _styled(cells, [style(k, column.title) for column in columns])
     missing = [title for title in wanted if title not in {column.title for column in columns}]
     if missing:
         yield Text(f"no room for: {', '.join(missing)}", "dim italic")
+
+
+def _styled(cells: Sequence[str], styles: Sequence[str]) -> Text:
+    """A line of cells, each in its style ("": plain)."""
+    line, at = Text(_GAP.join(cells)), 0
+    for cell, style in zip(cells, styles, strict=True):
+        if style:
+            line.stylize(style, at, at + len(cell))
+        at += len(cell) + len(_GAP)
+    return line
 
 
 def _natural_width(column: Column) -> int:

@@ -10,6 +10,10 @@ from its time to that of the next one. Where durations are few ticks, there is a
 from the beginning (a grid), which is some three times faster. The schedule from the end is the same
 generation with precedence turned round.
 
+From the end, much has nothing that it must wait for, and would look at all nodes. So a node at
+which many have looked in vain is closed: nothing begins there any more. This bounds what generation
+takes by a multiple of the nodes; a list of no more activities than `MOST_VISITS` closes none.
+
 Sources: Hartmann, "A competitive genetic algorithm for resource-constrained project scheduling",
 Naval Research Logistics 45 (1998); Hartmann, "Project scheduling with multiple modes: a genetic
 algorithm", Annals of Operations Research 102 (2001); Valls, Ballestín, Quintanilla, "Justification
@@ -29,7 +33,7 @@ from irc.local_search.compiled import Ints, Row, Table, compiled
 Held = tuple[Row, Row, Row]
 """The arrays `WORD`, `AMOUNT` and `GUARD`."""
 
-Project = Annotated[tuple[Row, ...], 22]
+Project = Annotated[tuple[Row, ...], 24]
 """Activities with ways; times in ticks.
 
 Of activity i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways. Of way w, `HELD_AT[w]` to
@@ -64,6 +68,8 @@ BASE_TIME = 18  # Of the profile with nothing on it: times, and
 BASE_USE = 19  # all words, one time after another.
 URGENCY = 20
 ENERGY = 21  # Of each way: its duration times the parts of capacities that it holds.
+LAST_TIME = 22  # The same profile as from its last change on: for the schedule from the end.
+LAST_USE = 23
 
 # The rows of a table to work in.
 START = 0
@@ -83,7 +89,11 @@ WAITING = 13
 ABLE = 14
 COUNTS = 15
 NEEDED = 16
-ROWS = 17
+VISITS = 17  # Of each node: how many have looked at it in vain,
+OPEN = 18  # and the first node that is open, at it or behind it.
+LATEST = 19  # Of each part of the time: the last known node before it (0: none).
+BEFORE_LIST = 20
+ROWS = 21
 
 # The columns of the row `COUNTS`.
 RANDOM = 0
@@ -95,10 +105,16 @@ SIZE = 5
 JUSTIFIES = 6
 STAMP = 7
 TICKS = 8  # Of the grid; 0: there is none.
-COLUMNS = 9
+PARTS = 9  # The parts of the time, and the ticks of each.
+PART_TICKS = 10
+MOST_ROUNDS = 11  # The most rounds of double justification in a row.
+COLUMNS = 12
 
 MOST = 1 << 60
 """More than the value of any solution."""
+
+MOST_VISITS = 500
+"""The visits in vain after which a node is closed."""
 
 PEAKS = 4
 """How many parts of a list are drawn, of which the one with the highest peak is kept."""
@@ -148,9 +164,50 @@ def _clear(work: Ints, use: Ints, times: Ints, amounts: Ints) -> None:
         work[TIME, k] = times[k]
         work[NEXT, k] = k + 1 if k + 1 < count else -1
         work[BUCKET, k] = -1
+        work[VISITS, k] = 0
+        work[OPEN, k] = k
         for r in range(words):
             use[k, r] = amounts[k * words + r]
     work[COUNTS, NODES] = count
+    for part in range(work[COUNTS, PARTS]):
+        work[LATEST, part] = 0
+    for k in range(count):
+        _announce(work, k)
+
+
+@compiled
+def _announce(work: Ints, node: int) -> None:
+    """Makes a node known to the part of the time that begins next, as the last one before it."""
+    length = work[COUNTS, PART_TICKS]
+    part = (work[TIME, node] + length - 1) // length
+    if part < work[COUNTS, PARTS] and work[TIME, node] >= work[TIME, work[LATEST, part]]:
+        work[LATEST, part] = node
+
+
+@compiled
+def _node_at(work: Ints, node: int, time: int) -> int:
+    """The node of a time: the last one that is not later; it is `node` or behind it."""
+    part = min(time // work[COUNTS, PART_TICKS], work[COUNTS, PARTS] - 1)
+    while part > 0 and work[LATEST, part] == 0:
+        part -= 1
+    latest = work[LATEST, part]
+    if work[TIME, latest] > work[TIME, node]:
+        node = latest
+    following = work[NEXT, node]
+    while following >= 0 and work[TIME, following] <= time:
+        node = following
+        following = work[NEXT, node]
+    return node
+
+
+@compiled
+def _first_open(work: Ints, node: int) -> int:
+    """The first node that is open, at a node or behind it."""
+    opened = work[OPEN]
+    while opened[node] != node:
+        opened[node] = opened[opened[node]]
+        node = opened[node]
+    return node
 
 
 @compiled
@@ -163,7 +220,10 @@ def _split(work: Ints, use: Ints, node: int, time: int) -> int:
     work[TIME, new] = time
     work[NEXT, new] = work[NEXT, node]
     work[BUCKET, new] = -1
+    work[VISITS, new] = work[VISITS, node]
+    work[OPEN, new] = new if work[OPEN, node] == node else work[OPEN, node]
     work[NEXT, node] = new
+    _announce(work, new)
     for r in range(use.shape[1]):
         use[new, r] = use[node, r]
     return new
@@ -180,6 +240,17 @@ def _is_full(use: Ints, node: int, held: Held, first: int, last: int) -> bool:
 
 
 @compiled
+def _count_visit(work: Ints, node: int, behind: int) -> None:
+    """Counts a visit in vain of the nodes before another one, and closes those with too many."""
+    while node != behind:
+        following = work[NEXT, node]
+        work[VISITS, node] += 1
+        if work[VISITS, node] > MOST_VISITS:
+            work[OPEN, node] = following
+        node = following
+
+
+@compiled
 def _place(
     work: Ints,
     use: Ints,
@@ -192,19 +263,19 @@ def _place(
     lasts: int,
 ) -> int:
     """Places an activity as early as it fits from a time on, at or behind a node; its end."""
-    following = work[NEXT, node]
-    while following >= 0 and work[TIME, following] <= time:
-        node = following
-        following = work[NEXT, node]
+    node = _node_at(work, node, time)
     if lasts == 0:
         work[START, i] = time
         work[FIRST_NODE, i] = work[LAST_NODE, i] = _split(work, use, node, time)
         return time
-    seen = node
+    seen = _first_open(work, node)
+    if seen != node:
+        node, time = seen, work[TIME, seen]
     while True:
         following = work[NEXT, seen]
         if _is_full(use, seen, held, first, last):
-            node = seen = following
+            _count_visit(work, node, following)
+            node = seen = _first_open(work, following)
             time = work[TIME, node]
         elif following < 0 or work[TIME, following] >= time + lasts:
             break
@@ -388,8 +459,8 @@ def _backward(project: Project, work: Ints, use: Ints) -> int:
         project[AFTER],
         project[AFTER_LAG],
         project[NO_RELEASE],
-        project[BASE_TIME],
-        project[BASE_USE],
+        project[LAST_TIME],
+        project[LAST_USE],
     )
 
 
@@ -432,27 +503,43 @@ def _change(project: Project, work: Ints, i: int, way: int) -> None:
 def _evaluate(project: Project, work: Ints, use: Ints, promising: int) -> int:
     """The value of the list in `work`, whose order is then that of its schedule.
 
-    A schedule with a makespan of at most `promising` is justified while that makes it shorter.
+    A schedule with a makespan of at most `promising` is justified while that makes it shorter, in
+    as many rounds as the row `COUNTS` allows.
     """
     lacking = _lacking(project, work)
     longest = _forward(project, work, use)
-    while work[COUNTS, JUSTIFIES] and longest <= promising:
+    if not lacking:
+        _keep_best(work, longest)
+    rounds = 0
+    while work[COUNTS, JUSTIFIES] and longest <= promising and rounds < work[COUNTS, MOST_ROUNDS]:
+        rounds += 1
+        for k in range(work[COUNTS, SIZE]):
+            work[BEFORE_LIST, k] = work[LIST, k]
         _sort(work, LAST_NODE, True)
         _backward(project, work, use)
         _sort(work, LAST_NODE, True)
-        again = _forward(project, work, use)
-        if again >= longest:
+        before, longest = longest, _forward(project, work, use)
+        if not lacking:
+            _keep_best(work, longest)
+        if longest > before:  # (It can be where capacities change, or nodes are closed.)
+            for k in range(work[COUNTS, SIZE]):
+                work[LIST, k] = work[BEFORE_LIST, k]
+            longest = _forward(project, work, use)
+        if longest >= before:
             break
-        longest = again
     _sort(work, FIRST_NODE, False)
-    if lacking:
-        return LACKING + lacking
-    if longest < work[COUNTS, BEST]:
-        work[COUNTS, BEST] = longest
-        for i in range(work[COUNTS, SIZE]):
-            work[BEST_START, i] = work[START, i]
-            work[BEST_WAY, i] = work[WAY, i]
-    return longest
+    return LACKING + lacking if lacking else longest
+
+
+@compiled
+def _keep_best(work: Ints, value: int) -> None:
+    """Keeps the schedule in `work` where it is the best so far."""
+    if value >= work[COUNTS, BEST]:
+        return
+    work[COUNTS, BEST] = value
+    for i in range(work[COUNTS, SIZE]):
+        work[BEST_START, i] = work[START, i]
+        work[BEST_WAY, i] = work[WAY, i]
 
 
 # --- lists --------------------------------------------------------------------------------------

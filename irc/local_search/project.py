@@ -21,6 +21,9 @@ from irc.local_search.genetic import (
     IMPROVED_AT,
     JUSTIFIES,
     MOST,
+    MOST_ROUNDS,
+    PART_TICKS,
+    PARTS,
     RANDOM,
     ROWS,
     SIZE,
@@ -61,13 +64,26 @@ STEADY_BIRTHS = 5_000
 class ProjectSearch:
     """The search of one problem, from the same seed always the same."""
 
-    def __init__(self, ways: Ways, seed: int, target: int, *, steady: bool = False) -> None:
+    def __init__(
+        self,
+        ways: Ways,
+        seed: int,
+        target: int,
+        *,
+        steady: bool = False,
+        births: int | None = None,
+        justifies: bool = False,
+    ) -> None:
+        """`births`: of one step; `justifies`: schedules are justified where capacities change, too.
+
+        (From the end they count as they are last. So it pays where they change at the beginning.)
+        """
         self.ways, self.target = ways, target
         ticks = _ticks(ways)
         self.project = _project(ways, ticks)
         n, words = len(ways.of), max(1, len(self.project[GUARD]))
         nodes = ticks or 2 * n + 2 + len(self.project[BASE_TIME])
-        self._work = table(ROWS, max(COLUMNS, n, nodes, len(ways.stock)))
+        self._work = table(ROWS, max(COLUMNS, n + 1, nodes, len(ways.stock)))
         self._use = table(words, ticks) if ticks else table(nodes, words)
         self._lists, self._starts, self._ways = (table(POPULATION, n) for _ in range(3))
         self._values = constant(MOST, POPULATION)
@@ -75,12 +91,17 @@ class ProjectSearch:
         self._given: list[tuple[Ints, Ints]] = []
         counts = self._work[COUNTS]
         counts[SIZE], counts[BEST] = n, MOST
-        counts[JUSTIFIES] = not any(pool.windows for pool in ways.problem.contention.pools)
+        changes = any(pool.windows for pool in ways.problem.contention.pools)
+        counts[JUSTIFIES] = justifies or not changes
+        counts[MOST_ROUNDS] = MOST
+        counts[PARTS] = n + 1
+        counts[PART_TICKS] = 1 + _longest(ways) // (n + 1)
         if ticks:
             counts[TICKS] = ticks
             lay_grid(self._work, self._use, self.project[BASE_USE])
         counts[RANDOM] = first_random(seed)
-        self._births = max(1, (STEADY_BIRTHS if steady else _ACTIVITY_BIRTHS) // max(1, n))
+        usual = (STEADY_BIRTHS if steady else _ACTIVITY_BIRTHS) // max(1, n)
+        self._births = max(1, usual if births is None else births)
 
     def step(self) -> None:
         """Searches on for a little while."""
@@ -149,11 +170,16 @@ class ProjectSearch:
         store(self._work, self._lists, self._starts, self._ways, self._values, worst, value)
 
 
+def _longest(ways: Ways) -> int:
+    """The ticks within which every list has a schedule."""
+    # (A list can have a schedule that ends after a deadline, which is then no answer.)
+    return safe_horizon(replace(ways.problem, deadline=None, horizon=None))
+
+
 def _ticks(ways: Ways) -> int:
     """The ticks of a grid on which every list has a schedule; 0 where nodes are better."""
     durations = [max(way.duration for way in own) for own in ways.of]
-    # (A list can have a schedule that ends after a deadline, which is then no answer.)
-    ticks = safe_horizon(replace(ways.problem, deadline=None, horizon=None)) + 2
+    ticks = _longest(ways) + 2
     few = sum(durations) <= MOST_MEAN_TICKS * len(durations)
     return ticks if few and ticks <= MOST_TICKS else 0
 
@@ -167,7 +193,9 @@ def _project(ways: Ways, ticks: int) -> Project:
     held = [_packed(way.held, fields) for way in flat]
     used = [pair for way in flat for pair in way.used_up]
     base_time, base_use = _base(ways, fields)
+    last_use = base_use[-1:]
     if ticks:
+        last_use = [own * ticks for own in last_use]
         ends = [*base_time[1:], ticks]
         lengths = [end - begin for begin, end in zip(base_time, ends, strict=True)]
         base_use = [own * length for own, length in zip(base_use, lengths, strict=True)]
@@ -191,6 +219,8 @@ def _project(ways: Ways, ticks: int) -> Project:
         ints(word for own in base_use for word in own),
         ints(urgencies(ways)),
         ints(_energies(ways, flat)),
+        ints([0]),
+        ints(word for own in last_use for word in own),
     )
 
 

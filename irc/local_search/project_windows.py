@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from irc.local_search.arcs import adjacent, order_by, urgencies
-from irc.local_search.compiled import ints
-from irc.local_search.genetic import BEST_START, BEST_WAY, WAY_AT
+from irc.local_search.compiled import IS_COMPILED, ints
+from irc.local_search.genetic import BEST_START, BEST_WAY, COUNTS, MOST_ROUNDS, WAY_AT
 from irc.local_search.project import ProjectSearch
 from irc.local_search.ways import Found, NotApplicable, Way, Ways
 from irc.problem import Activity, Arc, Bounds, ContendedPool, Window
@@ -27,8 +27,18 @@ from irc.problem import Activity, Arc, Bounds, ContendedPool, Window
 SIZES = (120, 180, 80)
 """The activities of a window, in one pass after another."""
 
-STEPS = 1
-"""The calls of the genetic search for a window."""
+MANY = 20_000
+BIRTHS = (300_000, 100_000) if IS_COMPILED else (500, 500)
+"""Schedules of a window times its activities, of a project of up to `MANY` and of one of more: in
+the same time more windows with fewer schedules each give about as much, and one pass is over
+sooner.
+"""
+
+ROUNDS = 40_000
+"""The activities that are justified in one step, at least once each."""
+
+LEAST_GAIN = 2_000
+"""The whole is justified again as long as a step of it makes it shorter by a part of this many."""
 
 COMPLETIONS = 20
 """How often in a pass the whole is made of what is fixed and the rest, at least."""
@@ -45,18 +55,22 @@ class ProjectWindows(ProjectSearch):
             raise NotApplicable("activities use up stock")
         super().__init__(ways, seed, target)
         self._seed = seed
+        self._work[COUNTS, MOST_ROUNDS] = max(1, ROUNDS // max(1, len(ways.of)))
         lengths = [min(way.duration for way in own) for own in ways.of]
         self._tails = [u - d for u, d in zip(urgencies(ways), lengths, strict=True)]
         self._passes = 0
         self._pass: _Pass | None = None
+        self._justified: int | None = None
 
     def step(self) -> None:
-        """Makes the list schedules, or searches one window."""
+        """Makes the list schedule, justifies it, or searches one window."""
         if self.value is None:
             urgent = [-tail for tail in self._tails]
             self._list(order_by(self.ways.problem, urgent), self._quickest())
             return
         if self.value <= self.target:
+            return
+        if self._justifies():
             return
         if self._pass is None:
             self._pass = self._next_pass()
@@ -66,6 +80,16 @@ class ProjectWindows(ProjectSearch):
             self._list(rolling.order(), rolling.chosen)
         if rolling.is_over:
             self._pass = None
+
+    def _justifies(self) -> bool:
+        """Justifies the whole once more, if it has become much shorter by the last time."""
+        value, before = self.value or 0, self._justified
+        if self._pass is not None or (before is not None and (before - value) * LEAST_GAIN < value):
+            return False
+        self._justified = value
+        order, _, chosen = self._best()
+        self._list(order, chosen)
+        return True
 
     def give(self, found: Found) -> None:
         """Gives a schedule of somebody else's, which counts where it is better."""
@@ -85,11 +109,15 @@ class ProjectWindows(ProjectSearch):
         size = min(len(self.ways.of), SIZES[self._passes % len(SIZES)])
         self._passes += 1
         self._seed += 1
+        births = BIRTHS[len(self.ways.of) > MANY] // size
+        return _Pass(self.ways, self._tails, self._best(), size, births, self._seed)
+
+    def _best(self) -> tuple[list[int], list[int], list[int]]:
+        """The best schedule so far: its list, starts, and ways."""
         n, first = len(self.ways.of), self.project[WAY_AT]
         starts: list[int] = self._work[BEST_START, :n].tolist()
         chosen: list[int] = (self._work[BEST_WAY, :n] - first[:n]).tolist()
-        order = order_by(self.ways.problem, starts)
-        return _Pass(self.ways, self._tails, order, starts, chosen, size, self._seed)
+        return order_by(self.ways.problem, starts), starts, chosen
 
 
 class _Pass:
@@ -99,13 +127,14 @@ class _Pass:
         self,
         ways: Ways,
         tails: Sequence[int],
-        order: list[int],
-        starts: list[int],
-        chosen: list[int],
+        schedule: tuple[list[int], list[int], list[int]],
         size: int,
+        births: int,
         seed: int,
     ) -> None:
-        self.ways, self.chosen, self._starts = ways, chosen, starts
+        """`schedule`: a list, starts and ways; `births`: the schedules of a window."""
+        order, self._starts, self.chosen = schedule
+        self.ways, self._births = ways, births
         self._tails, self._size, self._seed = tails, size, seed
         self._incoming = adjacent(ways.problem, after=False)
         self._rest, self._at = order, 0
@@ -150,18 +179,19 @@ class _Pass:
         """Takes the starts and ways of the best schedule of a window."""
         ways = self._project(window, following)
         behind = [0] * (len(ways.of) - len(window))
-        search = ProjectSearch(ways, self._seed + self.rolled, 0)
-        starts = [self._starts[i] for i in window]
+        seed = self._seed + self.rolled
+        search = ProjectSearch(ways, seed, 0, births=self._births, justifies=True)
+        # (The time of a window begins with it: a grid has no room for all that was before.)
+        starts = [self._starts[i] - self._now for i in window]
         numbers = [self.chosen[i] for i in window]
         search.give(ways.found([*starts, *behind], [*numbers, *behind]))
-        for _ in range(STEPS):
-            search.step()
+        search.step()
         found = search.found()
         if found is None:
             return
         for k, i in enumerate(window):
             decision, pools = found[0][k], found[1][k]
-            self._starts[i] = int(decision.start)
+            self._starts[i] = self._now + int(decision.start)
             self.chosen[i] = ways.way_of(k, decision.mode, pools)
 
     def _project(self, window: Sequence[int], following: int) -> Ways:
@@ -174,12 +204,12 @@ class _Pass:
         place = {i: k for k, i in enumerate(window)}
         activities, arcs = list[Activity](), list[Arc]()
         for k, i in enumerate(window):
-            release = max(problem.activities[i].release, self._now)
+            release = max(problem.activities[i].release - self._now, 0)
             for j, lag in self._incoming[i]:
                 if j in place:
                     arcs.append(Arc(place[j], k, min_lag=lag))
                 else:
-                    release = max(release, self._end(j) + lag)
+                    release = max(release, self._end(j) + lag - self._now)
             activities.append(replace(problem.activities[i], release=release))
         of = [self.ways.of[i] for i in window]
         for k, i in enumerate(window):
@@ -204,10 +234,10 @@ class _Pass:
             for held, amount in self.ways.of[i][self.chosen[i]].held:
                 if held == r:
                     changes[0] += amount
-                    changes[self._end(i)] -= amount
-        if not changes:
+                    changes[self._end(i) - self._now] -= amount
+        levels = [(max(0, at - self._now), level) for at, level in pool.levels()]
+        if not changes and len(levels) == 1:
             return pool
-        levels = [*pool.levels()]
         times = sorted({*changes, *(at for at, _ in levels)})
         windows, taken, level = list[Window](), 0, 0
         for time, after in zip(times, [*times[1:], times[-1] + 1], strict=True):

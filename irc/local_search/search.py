@@ -89,7 +89,10 @@ def search_of(
 def search_with(
     ways: Ways, seed: int = 0, target: int | None = None, *, steady: bool = False
 ) -> LocalSearch:
-    """The same for ways. Raises `NotApplicable` for a project that is too large."""
+    """The same for ways. Raises `NotApplicable` for a project that is too large.
+
+    Of a large project, windows are searched, unless stock is used up or it is steady.
+    """
     least = ways.problem.bounds.makespan.value if target is None else target
     if is_shop(ways):
         if len(ways.of) >= LARGE and not steady:
@@ -99,12 +102,12 @@ def search_with(
         from irc.local_search.shop import ShopSearch
 
         return ShopSearch(ways, seed, least, steady=steady)
-    if len(ways.of) > MOST_OF_A_PROJECT:
-        raise NotApplicable("it has too many activities for a project")
     if len(ways.of) >= LARGE and not ways.stock and not steady:
         from irc.local_search.project_windows import ProjectWindows
 
         return ProjectWindows(ways, seed, least)
+    if len(ways.of) > MOST_OF_A_PROJECT:
+        raise NotApplicable("it has too many activities for a search of the whole project")
     from irc.local_search.project import ProjectSearch
 
     return ProjectSearch(ways, seed, least, steady=steady)

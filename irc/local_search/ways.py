@@ -28,8 +28,8 @@ MOST_ACTIVITIES = 10_000
 
 MOST_OPERATIONS = 200_000
 MOST_OF_A_PROJECT = 20_000
-"""The most activities of a shop, and of a project, whose makespan is searched. Justification takes
-more than in proportion: from the end of the schedule much has nothing that it must wait for.
+"""The most activities whose makespan is searched, and of a project that is searched as a whole:
+not in windows.
 """
 
 LARGE = 5_000

@@ -74,11 +74,20 @@ class Analysis:
         return next(row for row in self.actions if row.key == key)
 
 
-def analyse(task: Task, schedule: Schedule, problem: Problem | None = None) -> Analysis:
+def analyse(
+    task: Task,
+    schedule: Schedule,
+    problem: Problem | None = None,
+    slack: Mapping[str, int] | None = None,
+    *,
+    reasons: bool = True,
+) -> Analysis:
     """The analysis of a schedule of a task.
 
     The schedule is one that was made for the task, or judged against it: its entries name actions
-    of the task. A `problem` that was lowered from the task saves the work. Takes O(n log n).
+    of the task. A `problem` that was lowered from the task saves the work, and so does its `slack`
+    by action, in ticks. Without `reasons`, which take half of the time, there are none where slack
+    says what is critical, and chains of waits have their last occurrence only. Takes O(n log n).
     """
     problem = lower(task) if problem is None else problem
     known = {action.id for action in task.actions}
@@ -90,18 +99,20 @@ def analyse(task: Task, schedule: Schedule, problem: Problem | None = None) -> A
     setups = tuple(_setups(problem, replace(schedule, entries=entries)))
     stock = stock_happenings(entries, actions)
     state = state_happenings(task, entries, actions)
-    reasons = Reasons(
-        task,
-        entries,
-        actions,
-        closed=closed,
-        loads=held,
-        setups=setups,
-        stock=stock,
-        state=state,
-    )
-    why = {(entry.id, entry.occurrence): reasons.of(entry) for entry in entries}
-    free = _slack(problem, schedule)
+    free = _slack(problem, schedule, slack)
+    why = dict[Key, tuple[Reason, ...]]()
+    if reasons or not free:
+        known_reasons = Reasons(
+            task,
+            entries,
+            actions,
+            closed=closed,
+            loads=held,
+            setups=setups,
+            stock=stock,
+            state=state,
+        )
+        why = {(entry.id, entry.occurrence): known_reasons.of(entry) for entry in entries}
     lasts = [(e.id, e.occurrence) for e in entries if e.end == span]
     critical = frozenset(k for k, s in free.items() if not s) if free else on_chains(lasts, why)
     orders = tuple(order_rows(task, entries, why))
@@ -139,15 +150,19 @@ def _longest(lasts: Sequence[Key], why: Mapping[Key, tuple[Reason, ...]]) -> tup
     return min(chains, key=len, default=())
 
 
-def _slack(problem: Problem, schedule: Schedule) -> dict[Key, Number]:
+def _slack(
+    problem: Problem, schedule: Schedule, known: Mapping[str, int] | None
+) -> dict[Key, Number]:
     """The slack of each occurrence; empty where it is not known.
 
     Groups that are present bind nothing in time but deadlines, which their actions have.
     """
-    try:
-        found = slacks(replace(problem, groups=()), schedule)
-    except AnswerError:
-        return {}
+    found = known
+    if found is None:
+        try:
+            found = slacks(replace(problem, groups=()), schedule)
+        except AnswerError:
+            return {}
     return {(name, 1): problem.to_units(ticks) for name, ticks in found.items()}
 
 
@@ -219,7 +234,7 @@ def _action_rows(
                 slack=free.get(key),
                 critical=key in critical,
                 status=entry.status,
-                why=why[key],
+                why=why.get(key, ()),
             )
         )
     return rows

@@ -36,14 +36,26 @@ def larger_shop(*, flexible: bool = False) -> Document:
     return {"resources": [{"id": m} for m in machines], "actions": actions, "precedence": arcs}
 
 
-def larger_project(*, away: bool = False) -> Document:
-    """Sixty activities that hold some of two resources; `away`: of one there is less for a time."""
+def larger_project(*, away: bool = False, rich: bool = False) -> Document:
+    """Sixty activities that hold some of two resources; `away`: of one there is less for a time.
+
+    `rich`: with lags, releases, and two modes of each tenth activity.
+    """
     rng = random.Random(3)
     actions = [
         act(f"a{i}", rng.randint(1, 6), uses=[use("r", rng.randint(1, 5)), use("s")])
         for i in range(60)
     ]
-    arcs = [{"before": f"a{max(0, i - rng.randint(1, 9))}", "after": f"a{i}"} for i in range(1, 60)]
+    arcs: list[Document] = [
+        {"before": f"a{max(0, i - rng.randint(1, 9))}", "after": f"a{i}"} for i in range(1, 60)
+    ]
+    if rich:
+        for i in range(0, 60, 10):
+            duration, uses = actions[i].pop("duration"), actions[i].pop("uses")
+            slow = {"id": "slow", "duration": duration + 2, "uses": [use("s")]}
+            actions[i]["modes"] = [{"id": "quick", "duration": duration, "uses": uses}, slow]
+            actions[i + 5]["release"] = i
+            arcs[i]["min_lag"] = 2
     windows = [{"from": 10, "to": 20, "capacity": 5}] if away else []
     resources = [{"id": "r", "capacity": 8, "availability": windows}, {"id": "s", "capacity": 3}]
     return {"resources": resources, "actions": actions, "precedence": arcs}
@@ -83,10 +95,12 @@ def test_windows_of_a_shop_make_it_shorter(flexible: bool, monkeypatch: pytest.M
     assert last == first if flexible else last < first
 
 
-@pytest.mark.parametrize("away", [False, True])
-def test_windows_of_a_project_make_it_shorter(away: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("own", [{}, {"away": True}, {"rich": True}], ids=str)
+def test_windows_of_a_project_make_it_shorter(
+    own: dict[str, bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(project_windows, "SIZES", (20, 30))
-    first, last = first_and_last(larger_project(away=away), ProjectWindows, 24)
+    first, last = first_and_last(larger_project(**own), ProjectWindows, 24)
     assert last < first
 
 
@@ -120,7 +134,9 @@ def test_large_problems_are_searched_by_windows(monkeypatch: pytest.MonkeyPatch)
     assert search.is_large(after_passes(larger_shop())) is compiled.IS_COMPILED
 
 
-def test_a_project_may_be_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "MOST_OF_A_PROJECT", 50)
+def test_a_project_that_is_searched_as_a_whole_may_be_too_large(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(search, "MOST_OF_A_PROJECT", 2)
     with pytest.raises(NotApplicable, match="too many"):
-        search_with(ways_of(after_passes(larger_project())))
+        search_with(ways_of(after_passes(with_stock(1))))

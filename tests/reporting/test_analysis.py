@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime, timedelta
 from fractions import Fraction
 from functools import cache
@@ -12,6 +13,7 @@ import pytest
 
 import irc
 from builders import act, task_of
+from irc.lowering.lower import lower
 from irc.model import Task
 from irc.reporting.analysis import Analysis, analyse
 from irc.reporting.rows import ActionRow
@@ -188,6 +190,19 @@ def test_a_maximum_lag_and_a_set_up_are_reasons() -> None:
     booth = {"booth": 1}
     why = _why(task, Entry("a", 0, 2, booth), Entry("b", 5, 7, booth), Entry("c", 3, 4))
     assert why == {"a": [("origin", None)], "b": [("setup", "a")], "c": [("max_lag", "b")]}
+
+
+def test_without_reasons_all_else_is_the_same() -> None:
+    orders = [{"id": "o", "actions": ["a", "b"], "due": 2}]
+    task = task_of(act("a", 3), act("b", 1), act("c", 1), precedence=[["a", "c"]], groups=orders)
+    schedule = Schedule((Entry("a", 0, 3), Entry("b", 0, 1), Entry("c", 3, 4)))
+    whole = analyse(task, schedule)
+    quick = analyse(task, schedule, lower(task), {"a": 0, "b": 3, "c": 0}, reasons=False)
+    assert whole.action(("c", 1)).why
+    assert quick.actions == tuple(replace(row, why=()) for row in whole.actions)
+    assert (quick.orders, quick.resources) == (whole.orders, whole.resources)
+    assert whole.critical == (("a", 1), ("c", 1))
+    assert quick.critical == (("c", 1),)
 
 
 def test_slack_is_known_with_orders_and_not_with_state() -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from irc.local_search.search import is_large
+from irc.local_search.search import LocalSearch, is_large, search_of
+from irc.local_search.ways import NotApplicable
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
 from irc.retiming.listed import listed_schedule
-from irc.schedule import Status
+from irc.schedule import Schedule, Status
 from irc.targets import Budget, ObjectiveLevel, OnProgress, Outcome, Progress
-from irc_cpsat.solving.improving import Improving
 
 NAME = "local-search"
 """The engine in a schedule that local search alone has made."""
@@ -26,34 +26,47 @@ def large_outcome(
     """
     if not is_large(problem):
         return None
-    improving = Improving(problem, seed)
-    if not improving.begin():
+    try:
+        search = search_of(problem, seed)
+    except NotApplicable:
         return None
+    bound = problem.bounds.makespan.value
     reported: int | None = None
-    while improving.step() and not budget.is_over:
-        if improving.found is None and budget.elapsed > PATIENCE * budget.limit:
-            return None
-        if on_progress is not None and improving.value != reported:
-            reported = improving.value
-            _tell(improving, budget, on_progress)
-    if improving.found is None:
+    while not budget.is_over and (search.value is None or search.value > bound):
+        search.step()
+        if not _is_in_time(problem, search):
+            if budget.elapsed > PATIENCE * budget.limit:
+                return None
+        elif on_progress is not None and search.value != reported:
+            reported = search.value
+            _tell(problem, search, budget, on_progress)
+    # (Read once: of many activities that takes as long as some steps.)
+    found = search.found()
+    if found is None or not _is_in_time(problem, search):
         return None
     try:
-        schedule = listed_schedule(problem, improving.found)
+        schedule = listed_schedule(problem, found)
     except AnswerError:
         return None  # Exact times may break a limit that holds in whole ticks.
-    bound = problem.bounds.makespan.value
     return Outcome(Status.FEASIBLE, NAME, schedule, bound, seconds=budget.elapsed)
 
 
-def _tell(improving: Improving, budget: Budget, on_progress: OnProgress) -> None:
-    problem, found = improving.problem, improving.found
-    if improving.value is None or found is None:
-        return
+def _is_in_time(problem: Problem, search: LocalSearch) -> bool:
+    """Whether there is a schedule that ends by the deadline and the horizon."""
+    limits = (limit for limit in (problem.deadline, problem.horizon) if limit is not None)
+    value = search.value
+    return value is not None and all(value <= limit for limit in limits)
+
+
+def _tell(problem: Problem, search: LocalSearch, budget: Budget, on_progress: OnProgress) -> None:
+    """Reports the best schedule so far; it is read when it is asked for."""
+    assert search.value is not None
     bound = problem.to_units(problem.bounds.makespan.value)
-    level = ObjectiveLevel("makespan", problem.to_units(improving.value), bound)
-    on_progress(
-        Progress(
-            budget.elapsed, NAME, "makespan", (level,), lambda: listed_schedule(problem, found)
-        )
-    )
+    level = ObjectiveLevel("makespan", problem.to_units(search.value), bound)
+
+    def best() -> Schedule:
+        found = search.found()
+        assert found is not None
+        return listed_schedule(problem, found)
+
+    on_progress(Progress(budget.elapsed, NAME, "makespan", (level,), best))
