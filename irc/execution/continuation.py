@@ -18,6 +18,7 @@ from irc.driver.progress import telling
 from irc.driver.quick import QUICK_ENGINE
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
+from irc.execution.least_movement import with_fewer_moves
 from irc.execution.numbers import with_limits_held
 from irc.execution.residual import PastError, ResidualProblem, residual_problem
 from irc.execution.stabilise import stabilised
@@ -119,7 +120,15 @@ class Repair:
         if not whole.is_plain:
             found = warm_start(whole, self.frozen.executed, self.history.plan)
             whole = replace(whole, previous=replace(whole.previous, warm_start=found))
-        return self._solved(whole, given_up, self._telling(whole, given_up)), whole
+        outcome = self._solved(whole, given_up, self._telling(whole, given_up))
+        return self._with_fewer_moves(whole, outcome, given_up), whole
+
+    def _with_fewer_moves(
+        self, whole: Problem, outcome: Outcome, given_up: Sequence[int]
+    ) -> Outcome:
+        return with_fewer_moves(
+            whole, outcome, lambda s: self.judged(s, given_up) is None, self.budget
+        )
 
     def tried(self, problem: Problem, budget: Budget) -> Outcome:
         """The outcome of another problem of the whole, within a budget of its own.
@@ -274,7 +283,7 @@ class Repair:
             lambda schedule: self.judged(schedule, given_up) is None,
             self.budget,
         )
-        return _stabilised(outcome, whole, kept)
+        return self._with_fewer_moves(whole, _stabilised(outcome, whole, kept), given_up)
 
     def _as_before(self, whole: Problem, given_up: Sequence[int]) -> Outcome | None:
         """The previous plan, shifted, where it can still be carried out in its order."""

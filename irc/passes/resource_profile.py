@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
+from typing import Self
 
 from irc.problem import NO_FAMILY, ContendedPool
 
@@ -20,6 +21,12 @@ class Profile:
         self.used = [pool.capacity - base]
         for window in pool.windows:
             self.take(window.start, window.end, base - window.capacity)
+
+    def copy(self) -> Self:
+        """Another profile with the same contents."""
+        other = object.__new__(type(self))
+        other.capacity, other.times, other.used = self.capacity, [*self.times], [*self.used]
+        return other
 
     def blocked_until(
         self, start: int, end: int, amount: int, family: int = NO_FAMILY
@@ -59,6 +66,23 @@ class Profile:
             if k == count or times[k] >= end:
                 return start
         return None
+
+    def first_without(self, start: int, end: int, amount: int) -> int | None:
+        """The first time in [start, end) at which `amount` more does not fit; None: it fits."""
+        limit = self.capacity - amount
+        for k in range(bisect_right(self.times, start) - 1, bisect_left(self.times, end)):
+            if self.used[k] > limit:
+                return max(start, self.times[k])
+        return None
+
+    def room_between(self, start: int, end: int) -> int:
+        """The amount that is free over [start, end), times the duration for which it is."""
+        total = 0
+        for k, used in enumerate(self.used):
+            until = self.times[k + 1] if k + 1 < len(self.times) else end
+            length = min(until, end) - max(self.times[k], start)
+            total += max(0, length) * max(0, self.capacity - used)
+        return total
 
     def take(self, start: int, end: int, amount: int, family: int = NO_FAMILY) -> None:
         """Adds `amount` over [start, end)."""

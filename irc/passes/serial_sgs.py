@@ -44,7 +44,7 @@ def list_schedule(
             -(a.duration_min + tail) if a.start is None else a.start - UNREACHABLE_TIME
             for a, tail in zip(problem.activities, problem.bounds.tails, strict=True)
         ]
-    order = _order(problem, priorities)
+    order = order_of(problem, priorities)
     if order is None or any(
         demand.amount > max(problem.contention.pools[r].capacity for r in demand.alternatives)
         for activity in problem.activities
@@ -77,7 +77,7 @@ def list_schedule(
             return None
         start, choices[i] = placed
         decisions[i] = Decision(start, start + activity.duration_min)
-    return (decisions, choices) if _keeps_windows(problem, decisions) else None
+    return (decisions, choices) if keeps_windows(problem, decisions) else None
 
 
 def _profile(problem: Problem, pool: ContendedPool) -> Profile:
@@ -108,8 +108,8 @@ def quick_schedule(problem: Problem) -> Found | None:
         return setup_schedule(problem)
     if not any(problem.previous.places):
         return _by_rule(problem)
-    as_before = _with_resources_of_before(problem)
-    order = [_place_before(problem, i) for i in range(len(problem.activities))]
+    as_before = as_previously_chosen(problem)
+    order = previous_order(problem)
     floors = [0 if place is None else place.start for place in problem.previous.places]
     shifted = list_schedule(as_before, order, floors), list_schedule(as_before, order)
     best = _best(problem, shifted)
@@ -151,15 +151,28 @@ def _tardiness(problem: Problem, found: Found) -> int:
 
 
 def _quality(problem: Problem, found: Found) -> tuple[int, int]:
-    decisions, _ = found
-    moved = sum(
-        place is not None and decision.start != place.start
-        for place, decision in zip(problem.previous.places, decisions, strict=True)
+    return max((int(d.end) for d in found[0]), default=0), moved_in(problem, found)
+
+
+def moved_in(problem: Problem, found: Found) -> int:
+    """The number of activities that have moved from their previous places, by start or pool."""
+    decisions, choices = found
+    return sum(
+        decisions[i].start != place.start or _is_elsewhere(problem, i, place, choices[i])
+        for i, place in enumerate(problem.previous.places)
+        if place is not None
     )
-    return max((int(d.end) for d in decisions), default=0), moved
 
 
-def _with_resources_of_before(problem: Problem) -> Problem:
+def _is_elsewhere(problem: Problem, i: int, place: PreviousPlace, choice: Choice) -> bool:
+    """Whether an open demand takes another pool than in the previous plan."""
+    return any(
+        place.resources[demand.use] not in problem.contention.pools[pool].members
+        for demand, pool in zip(problem.activities[i].open_demands, choice, strict=True)
+    )
+
+
+def as_previously_chosen(problem: Problem) -> Problem:
     """The problem in which each open demand tries first the pool that the previous plan took."""
     activities = list(problem.activities)
     for i, place in enumerate(problem.previous.places):
@@ -181,8 +194,12 @@ def _first_as_before(problem: Problem, demand: OpenDemand, place: PreviousPlace)
     return demand._replace(alternatives=tuple(order))
 
 
-def _place_before(problem: Problem, i: int) -> int:
+def previous_order(problem: Problem) -> list[int]:
     """Priorities: fixed activities first, then the order of the previous plan, then new ones."""
+    return [_place_before(problem, i) for i in range(len(problem.activities))]
+
+
+def _place_before(problem: Problem, i: int) -> int:
     place = problem.previous.places[i]
     if place is not None:
         return place.start
@@ -196,7 +213,7 @@ def quick_makespan(problem: Problem) -> int | None:
     return None if quick is None else max((int(d.end) for d in quick[0]), default=0)
 
 
-def _order(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
+def order_of(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
     """The activities in an order that keeps precedence, least priority first; None on a cycle."""
     waiting = [0] * len(problem.activities)
     following: list[list[int]] = [[] for _ in problem.activities]
@@ -235,16 +252,24 @@ def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[De
 
 def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
     """The first time from `start` on at which every open demand fits, and the pools it takes."""
-    duration = activity.duration_min
-    if not activity.open_demands or not duration:
-        return start, tuple(demand.alternatives[0] for demand in activity.open_demands)
-    if len(activity.open_demands) == 1 and len(activity.open_demands[0].alternatives) == 1:
-        return _place_on(activity, activity.open_demands[0], start, profiles)
+    found = room_for(activity, start, profiles)
+    if found is not None:
+        take_room(activity, *found, profiles)
+    return found
+
+
+def room_for(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
+    """The first time from `start` on at which every open demand fits, and the pools that do."""
+    duration, demands = activity.duration_min, activity.open_demands
+    if not demands or not duration:
+        return start, tuple(demand.alternatives[0] for demand in demands)
+    if len(demands) == 1 and len(demands[0].alternatives) == 1:
+        return _room_on(activity, demands[0], start, profiles)
     while True:
         choice: list[int] = []
         needed: dict[int, int] = {}
         later: int | None = None
-        for demand in activity.open_demands:
+        for demand in demands:
             soonest: int | None = None
             for r in demand.alternatives:
                 amount = demand.amount + needed.get(r, 0)
@@ -265,33 +290,34 @@ def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int
         if later == UNREACHABLE_TIME:
             return None
         if later is None:
-            families = {
-                r: activity.uses[demand.use].family
-                for r, demand in zip(choice, activity.open_demands, strict=True)
-            }
-            for r, amount in needed.items():
-                profiles[r].take(start, start + duration, amount, families[r])
             return start, tuple(choice)
         start = later
 
 
-def _place_on(
+def _room_on(
     activity: Activity, demand: OpenDemand, start: int, profiles: list[Profile]
 ) -> tuple[int, Choice] | None:
     """The first time from `start` on at which the only open demand fits, and its only pool."""
     (pool,) = demand.alternatives
-    profile, amount = profiles[pool], demand.amount
-    if amount > profile.capacity:
+    profile, family = profiles[pool], activity.uses[demand.use].family
+    if demand.amount > profile.capacity:
         return None
-    family, duration = activity.uses[demand.use].family, activity.duration_min
-    room = profile.first_room(start, duration, amount, family)
-    if room is None:
-        return None
-    profile.take(room, room + duration, amount, family)
-    return room, (pool,)
+    room = profile.first_room(start, activity.duration_min, demand.amount, family)
+    return None if room is None else (room, (pool,))
 
 
-def _keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:
+def take_room(
+    activity: Activity, start: int, choice: Choice, profiles: list[Profile], sign: int = 1
+) -> None:
+    """Takes the room of an activity in the profiles of the pools it takes; -1 gives it back."""
+    duration = activity.duration_min
+    for demand, r in zip(activity.open_demands, choice, strict=True) if duration else ():
+        family = activity.uses[demand.use].family
+        profiles[r].take(start, start + duration, sign * demand.amount, family)
+
+
+def keeps_windows(problem: Problem, decisions: list[Decision]) -> bool:
+    """Whether placed activities keep their dates, and all lags between them."""
     for i, (activity, decision) in enumerate(zip(problem.activities, decisions, strict=True)):
         deadline = problem.effective_deadline(i)
         if deadline is not None and decision.end > deadline:

@@ -37,6 +37,28 @@ def hint_at(builder: Builder, built: Model, found: Hint) -> None:
     built.hint = found
 
 
+def hinted(built: Model) -> Hint | None:
+    """The hint of a model as a list schedule, where it names every start and end."""
+    hint: Any = built.model.proto.solution_hint
+    values = dict(zip(hint.vars, hint.values, strict=True))
+    decisions: list[Decision] = []
+    choices: list[tuple[int, ...]] = []
+    for i, activity in enumerate(built.problem.activities):
+        start, end = values.get(built.starts[i].index), built.ends[i]
+        until = None if start is None else start + activity.duration_min
+        until = until if end is None else values.get(end.index)
+        if start is None or until is None:
+            return None
+        decisions.append(Decision(start, until))
+        choices.append(
+            tuple(
+                next((r for r, x in literals if values.get(x.index)), demand.alternatives[0])
+                for demand, literals in zip(activity.open_demands, built.literals[i], strict=True)
+            )
+        )
+    return decisions, choices
+
+
 def without_hint(built: Model) -> None:
     """Takes the hint out of a model; the schedule stays known as `built.hint`."""
     model: Any = built.model  # (This method of ortools has no types.)

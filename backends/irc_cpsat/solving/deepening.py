@@ -12,13 +12,14 @@ from ortools.sat.python import cp_model
 
 from irc.diagnostics import Code, Diagnostic
 from irc.local_search.search import begins_with_lists, may_apply
+from irc.passes.fewer_moves import fewer_moves, knows_moves
 from irc.passes.unroll import slots, unroll
 from irc.problem import Problem
 from irc.schedule import Status
 from irc.targets import USUAL_WORK, Budget, EngineFailed, Exchange, Outcome, SolveOptions
 from irc_cpsat.encoding.builder import Builder, Hint, Model, OutOfTimeError
 from irc_cpsat.encoding.encode import write_model
-from irc_cpsat.encoding.hints import without_hint
+from irc_cpsat.encoding.hints import hint_at, hinted, without_hint
 from irc_cpsat.solving.asking import asked, solver_for
 from irc_cpsat.solving.beside import LEAST_SECONDS, Beside
 from irc_cpsat.solving.depth import (
@@ -47,6 +48,9 @@ _MOST_LISTING_SECONDS = 20.0
 
 _MOST_SEARCHING_SECONDS = 3.0
 """The time that local search has for it at most, where it knows the problem."""
+
+_MOVES_SHARE = 0.3
+"""The part of the time for fewer moves in which the compiler searches for them itself."""
 
 _MOVES = 40
 """The number of orders that are tried for it at most, for each pair of activities."""
@@ -226,6 +230,8 @@ class DeepeningSearch:
     ) -> tuple[Any, Answer]:
         if budget.is_cancelled:
             return cp_model.UNKNOWN, Reached(0)
+        if objective == "changes" and earlier:
+            self._begin_with_few_moves(built, budget)
         budget = budget.at_least(self._least)
         # (Counted work has rounds for both, however little it is.)
         enough = budget.work is not None or budget.left > LEAST_SECONDS
@@ -235,6 +241,23 @@ class DeepeningSearch:
         if self.options.on_progress is None:
             return asked(solver, built.model, budget), solver
         return self._reporter(built, objective, earlier).asked(solver, budget), solver
+
+    def _begin_with_few_moves(self, built: Model, budget: Budget) -> None:
+        """Makes the best schedule the hint, after a search of the compiler's for fewer moves.
+
+        (Its rules are tried for a part of the time; how busy the machine is must not decide what a
+        deterministic call does.)
+        """
+        known = hinted(built)
+        if known is None or self._builder is None or not knows_moves(built.problem):
+            return
+        if built.problem.previous.stability or self._work is not None:
+            return
+        part = budget.share(_MOVES_SHARE)
+        found = fewer_moves(built.problem, known, lambda: part.is_over)
+        if found is not None:
+            hint_at(self._builder, built, found)
+            complete_hint(built, budget)
 
     def _beside(
         self, built: Model, objective: str, improving: Improving, budget: Budget

@@ -1,0 +1,97 @@
+"""Searches for a schedule as good as an answer in which fewer activities move.
+
+The search (`irc.passes.fewer_moves`) goes from the answer back towards the previous plan. It proves
+nothing: a bound on the changes is the engine's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from irc.passes.fewer_moves import fewer_moves, knows_moves
+from irc.passes.serial_sgs import Found
+from irc.problem import Problem
+from irc.problem.choices import UnexplainedError, decision_of
+from irc.problem.decisions import AnswerError
+from irc.problem.objective_values import schedule_values
+from irc.retiming.listed import listed_schedule
+from irc.schedule import Schedule
+from irc.targets import Budget, Outcome
+
+LEAST_SECONDS = 0.5
+LIMIT_SHARE = 0.05
+"""The time for it: as long as the answer took, and this at least, and this part of the limit."""
+
+LEFT_SHARE = 0.6
+"""The part of the time left that it takes at most: its result is re-timed and judged."""
+
+
+def with_fewer_moves(
+    problem: Problem, outcome: Outcome, is_valid: Callable[[Schedule], bool], budget: Budget
+) -> Outcome:
+    """The outcome with a schedule in which fewer activities move, if one is found in the time.
+
+    The makespan is no longer than before. Where the problem has more than lags, windows, resources
+    and the makespan, where the makespan may be given up for fewer moves, or where the number of
+    moves is proven the least, it is the outcome as it is.
+    """
+    schedule = outcome.schedule
+    if schedule is None or budget.is_over or problem.previous.stability:
+        return outcome
+    if _is_least(problem, outcome, schedule) or not knows_moves(problem):
+        return outcome
+    known = _listed(problem, schedule)
+    if known is None:
+        return outcome
+    share = LIMIT_SHARE * budget.limit if budget.is_limited else 0.0
+    most = max(LEAST_SECONDS, budget.elapsed, share)
+    part = budget.share(LEFT_SHARE).at_most(most)
+    found = fewer_moves(problem, known, lambda: part.is_over)
+    if found is None:
+        return outcome
+    try:
+        moved = listed_schedule(problem, found)
+    except AnswerError:
+        return outcome  # Exact times may break a limit that holds in whole ticks.
+    if not _is_better(problem, moved, schedule) or not is_valid(moved):
+        return outcome
+    values = schedule_values(problem, moved)
+    levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
+    return replace(outcome, schedule=moved, levels=levels)
+
+
+def _is_least(problem: Problem, outcome: Outcome, schedule: Schedule) -> bool:
+    """Whether nothing moves, or the engine has proven that no fewer activities can move."""
+    value = schedule_values(problem, schedule)["changes"]
+    proven = any(level.name == "changes" and level.bound == value for level in outcome.levels)
+    return proven or not value
+
+
+def _is_better(problem: Problem, new: Schedule, old: Schedule) -> bool:
+    """Whether a schedule ends no later than another, and fewer activities move in it."""
+    now, before = schedule_values(problem, new), schedule_values(problem, old)
+    return now["makespan"] <= before["makespan"] and now["changes"] < before["changes"]
+
+
+def _listed(problem: Problem, schedule: Schedule) -> Found | None:
+    """A schedule as a list schedule; None where its times are not whole ticks."""
+    entries = {entry.id: entry for entry in schedule.entries}
+    pools = problem.contention.pools
+    decisions, choices = [], []
+    for activity in problem.activities:
+        try:
+            decision = decision_of(problem, activity, entries[activity.id])
+        except UnexplainedError:
+            return None
+        if not isinstance(decision.start, int) or not isinstance(decision.end, int):
+            return None
+        taken = [decision.chosen[d.use] if decision.chosen else None for d in activity.open_demands]
+        decisions.append(decision)
+        choices.append(
+            tuple(
+                next((r for r in d.alternatives if chosen in pools[r].members), d.alternatives[0])
+                for d, chosen in zip(activity.open_demands, taken, strict=True)
+            )
+        )
+    return decisions, choices
