@@ -15,7 +15,7 @@ from irc.driver.asking import STEP_AFTERWARDS_SHARE, asked
 from irc.driver.compile import is_hurried
 from irc.driver.judge import SHORTCUT_ENGINE, finish
 from irc.driver.progress import telling
-from irc.driver.quick import QUICK_ENGINE
+from irc.driver.quick import QUICK_ENGINE, quick_outcome
 from irc.execution.freeze import FrozenProblem, with_groups
 from irc.execution.history import History
 from irc.execution.least_movement import with_fewer_moves
@@ -47,6 +47,7 @@ from irc.targets import (
     EngineFailed,
     EngineMissing,
     ObjectiveLevel,
+    OnProgress,
     Outcome,
     Program,
     Progress,
@@ -177,6 +178,8 @@ class Repair:
         """The engine's outcome, or the compiler's own where there is no time for an engine."""
         program = Program(self.backend, self.task, problem, judge=judge)
         fault = judge or (lambda schedule: self.judged(schedule, given_up))
+        if judge is None and options.on_progress is not None:
+            self._report_first(problem, given_up, options.on_progress)
         alone = self.backend.proves and not self.backend.begins_now
         part = 1 if alone else 1 - AFTERWARDS_SHARE
         return asked(
@@ -188,6 +191,21 @@ class Repair:
             part,
             STEP_AFTERWARDS_SHARE,
         )
+
+    def _report_first(
+        self, problem: Problem, given_up: Sequence[int], on_progress: OnProgress
+    ) -> None:
+        """Reports the compiler's own schedule, if it is valid, before an engine begins."""
+        quick = quick_outcome(problem)
+        if quick is None or quick.schedule is None:
+            return
+        schedule = quick.schedule
+        if self.judged(schedule, given_up) is not None:
+            return
+        name = problem.objectives[0]
+        bound = problem.to_units(quick.bound) if name == "makespan" else None
+        level = ObjectiveLevel(name, schedule_values(problem, schedule)[name], bound)
+        on_progress(Progress(self.budget.elapsed, quick.engine, name, (level,), lambda: schedule))
 
     def _telling(
         self,

@@ -21,7 +21,10 @@ from irc.targets import Budget, Outcome
 
 LEAST_SECONDS = 0.5
 LIMIT_SHARE = 0.05
-"""The time for it: as long as the answer took, and this at least, and this part of the limit."""
+ELAPSED_SHARE = 0.5
+"""The time for it is the greatest of these: seconds, a part of the limit, and one of the time that
+the answer took.
+"""
 
 LEFT_SHARE = 0.6
 """The part of the time left that it takes at most: its result is re-timed and judged."""
@@ -45,7 +48,7 @@ def with_fewer_moves(
     if known is None:
         return outcome
     share = LIMIT_SHARE * budget.limit if budget.is_limited else 0.0
-    most = max(LEAST_SECONDS, budget.elapsed, share)
+    most = max(LEAST_SECONDS, ELAPSED_SHARE * budget.elapsed, share)
     part = budget.share(LEFT_SHARE).at_most(most)
     found = fewer_moves(problem, known, lambda: part.is_over)
     if found is None:

@@ -151,3 +151,22 @@ def test_the_search_moves_fewer_and_ends_no_later(seed: int) -> None:
     assert moved_in(problem, found) < moved_in(problem, known)
     assert end_of(found) <= end_of(known)
     assert validate(task, listed_schedule(problem, found), at).valid
+
+
+def test_the_shifted_plan_is_reported_before_an_engine_begins() -> None:
+    task, event = shop(0), failure(0)
+    plan, seen = irc.solve(task, workers=1), list[irc.Progress]()
+    options = irc.SolveOptions(on_progress=seen.append, workers=1, time_limit=20)
+    execution = Execution(task, plan, options=options)
+    execution.apply(event)
+    step = execution.replan()
+    first = seen[0]
+    assert first.engine == "list-schedule"
+    assert first.value >= step.schedule.makespan
+    assert validate(step.task, first.schedule(), AT).valid
+
+
+def test_without_time_for_an_engine_the_shifted_plan_is_the_answer() -> None:
+    task = shop(0)
+    step = repaired(task, irc.solve(task, workers=1), failure(0), 1e-6)
+    assert (step.schedule.engine, step.schedule.answered) == ("list-schedule", True)
