@@ -12,6 +12,7 @@ from irc.diagnostics import Code, Diagnostic, InputError, Report, Severity
 from irc.diagnostics.source import Source
 from irc.model import Task
 from irc.model.canonical import task_sha256
+from irc.model.garbage import without_garbage
 from irc.model.quantities import Number
 from irc.problem import Problem
 from irc.problem.objective_values import schedule_values
@@ -131,6 +132,7 @@ def validate_schedule(
     return validate(task, schedule, at)
 
 
+@without_garbage()
 def finish(
     task: Task,
     problem: Problem,

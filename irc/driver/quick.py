@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from irc.model.garbage import without_garbage
 from irc.passes.serial_sgs import quick_schedule
 from irc.problem import Problem
 from irc.problem.decisions import AnswerError
@@ -14,6 +15,7 @@ QUICK_ENGINE = "list-schedule"
 """The name of the engine in a schedule that no solver has made or improved."""
 
 
+@without_garbage()
 def quick_outcome(problem: Problem) -> Outcome | None:
     """The list schedule of a problem with resources and lags alone, or the warm start of a running
     one; None where there is neither.

@@ -26,6 +26,7 @@ from irc.execution.state import key_of
 from irc.execution.state_conflicts import with_values_held
 from irc.execution.warm_start import warm_start
 from irc.model import Task
+from irc.model.garbage import without_garbage
 from irc.model.quantities import Number
 from irc.passes import bounded_by_stock, order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
@@ -144,6 +145,7 @@ class Repair:
         options = replace(self.options, on_progress=None)
         return self.engine.solve(Program(self.backend, self.task, whole), options, budget)
 
+    @without_garbage()
     def _passed(self, problem: Problem, since: int = 0) -> tuple[Problem, Outcome | None]:
         return _passed(problem, since, hurried=is_hurried(self.budget))
 
@@ -248,6 +250,7 @@ class Repair:
         verdict = self.verdict_on(self.with_status(schedule, given_up))
         return None if verdict.valid else "; ".join(v.message for v in verdict.violations[:2])
 
+    @without_garbage()
     def verdict_on(self, schedule: Schedule) -> Verdict:
         """The validator's verdict on a whole history; it judges the same entries once."""
         from irc.validation import still_holds, validate

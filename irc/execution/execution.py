@@ -24,6 +24,7 @@ from irc.execution.step import Step
 from irc.model import Event, Task
 from irc.model.built import Built, event_of, task_of
 from irc.model.events import ObservedStatus, SetCapacity
+from irc.model.garbage import without_garbage
 from irc.model.quantities import Number
 from irc.model.times import Instant, format_number, parse_instant
 from irc.schedule import Entry, Schedule
@@ -211,6 +212,7 @@ class Execution:
         when = self.now if at is None else at
         return self.apply(Event.model_validate({"at": when, "changes": [change]}))
 
+    @without_garbage()
     def apply(self, event: Event | Built[Event], *, source: Source | None = None) -> Report:
         """Revises the task by an event, now or later: the time advances to the event.
 

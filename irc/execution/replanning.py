@@ -20,6 +20,7 @@ from irc.execution.step import Step, moved
 from irc.execution.stuck import in_words, what_is_stuck
 from irc.model import Event, Task
 from irc.model.canonical import task_sha256
+from irc.model.garbage import without_garbage
 from irc.model.quantities import Number
 from irc.model.world_changes import is_world_change
 from irc.passes.contention import merge_pools
@@ -119,6 +120,7 @@ class _Means:
     budget: Budget
 
 
+@without_garbage()
 def _lowered(
     task: Task, history: History, at: Number, means: _Means, known: Lowered | None = None
 ) -> tuple[Problem, FrozenProblem]:

@@ -196,7 +196,7 @@ class _Placing:
         return None
 
     def _causes(self, late: int) -> Iterator[int]:
-        """What has moved and so makes an activity late: before it, or in the room that it needs."""
+        """Moved activities that make one late: those before it, or in the room that it needs."""
         waiting, seen = [late], {late}
         while waiting:
             i = waiting.pop()
