@@ -231,7 +231,7 @@ class _Placing:
                 if found is None or found[0] != self.problem.activities[i].start:
                     return False
                 place = found
-            self._settle(i, *place)
+            self._put(i, *place)
         self.fixed = self.decisions, self.choices, self.placed, self.taken
         self.movable = [i for i in self.order if not self.placed[i]]
         old = [(start, i) for i in self.movable if (start := self.before[i]) is not None]
@@ -329,7 +329,7 @@ class _Placing:
         if kept is not None:
             self._release(i)
             if ready <= kept[0]:
-                self._settle(i, *kept)
+                self._put(i, *kept)
                 return True
         last, start = self.last[i], self.before[i]
         if start is not None and kept is None:
@@ -337,13 +337,13 @@ class _Placing:
         gap = room_for(activity, ready, self.reserved)
         room = room_for(activity, ready, self.taken)
         if gap is not None and gap[0] <= last and (room is None or self._prefers(i, gap, room)):
-            self._settle(i, *gap)
+            self._put(i, *gap)
             return True
         if room is None or room[0] > last:
             return False
         for k in self._in_the_way(i, *room):
             self._release(k)
-        self._settle(i, *room)
+        self._put(i, *room)
         return True
 
     def _ready(self, i: int) -> int:
@@ -355,7 +355,7 @@ class _Placing:
             ready = max(ready, point - duration if arc.to_end else point)
         return ready
 
-    def _settle(self, i: int, start: int, choice: Choice) -> None:
+    def _put(self, i: int, start: int, choice: Choice) -> None:
         """Places an activity for good."""
         activity = self.problem.activities[i]
         take_room(activity, start, choice, self.taken)
