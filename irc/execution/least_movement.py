@@ -26,8 +26,8 @@ ELAPSED_SHARE = 0.5
 the answer took.
 """
 
-LEFT_SHARE = 0.6
-"""The part of the time left that it takes at most: its result is re-timed and judged."""
+AFTERWARDS_SHARE = 0.3
+"""The time that is kept for re-timing and the judge, as a part of that which the answer took."""
 
 
 def with_fewer_moves(
@@ -47,9 +47,7 @@ def with_fewer_moves(
     known = _listed(problem, schedule)
     if known is None:
         return outcome
-    share = LIMIT_SHARE * budget.limit if budget.is_limited else 0.0
-    most = max(LEAST_SECONDS, ELAPSED_SHARE * budget.elapsed, share)
-    part = budget.share(LEFT_SHARE).at_most(most)
+    part = budget.at_most(_seconds(budget))
     found = fewer_moves(problem, known, lambda: part.is_over)
     if found is None:
         return outcome
@@ -62,6 +60,13 @@ def with_fewer_moves(
     values = schedule_values(problem, moved)
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
     return replace(outcome, schedule=moved, levels=levels)
+
+
+def _seconds(budget: Budget) -> float:
+    """The time for the search."""
+    share = LIMIT_SHARE * budget.limit if budget.is_limited else 0.0
+    wanted = max(LEAST_SECONDS, ELAPSED_SHARE * budget.elapsed, share)
+    return max(0.0, min(wanted, budget.left - AFTERWARDS_SHARE * budget.elapsed))
 
 
 def _is_least(problem: Problem, outcome: Outcome, schedule: Schedule) -> bool:
