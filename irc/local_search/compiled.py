@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from ctypes import CFUNCTYPE, addressof, c_int64, c_void_p
 from functools import cache
 from hashlib import sha256
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
 from threading import Lock
@@ -68,6 +69,12 @@ def loop_of(function: Function) -> Function:
     return cast(Function, _Loop(module, function))
 
 
+def compile_now(module: str) -> None:
+    """Compiles the functions of a module, unless they are kept, before one of them is called."""
+    import_module(module)
+    _MODULES[module].load()
+
+
 class _Module:
     """The compiled functions of a module: one piece of machine code."""
 
@@ -79,12 +86,18 @@ class _Module:
 
     def address(self, name: str) -> int:
         """Where the machine code of a public function is in this process."""
-        from irc.local_search.llvm import modules, objects
+        from irc.local_search.llvm.modules import entry_of
+
+        return int(self.load().get_function_address(entry_of(name)))
+
+    def load(self) -> Any:
+        """The machine code in this process."""
+        from irc.local_search.llvm import objects
 
         with self._lock:
             if self._engine is None:
                 self._engine = objects.loaded(self._code())
-        return int(self._engine.get_function_address(modules.entry_of(name)))
+        return self._engine
 
     def _code(self) -> bytes:
         """The machine code; it is kept, and half of the way to it, where a process ends before."""

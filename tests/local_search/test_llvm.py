@@ -235,6 +235,13 @@ def test_a_process_goes_on_where_another_one_was_ended(
     assert kept.made == len([*kept.folder.iterdir()]) == 1
 
 
+def test_a_module_can_be_compiled_before_it_is_needed(kept: Kept) -> None:
+    loops(kept.module)
+    compiled.compile_now("written")
+    kept.run()
+    assert kept.made == 1
+
+
 def test_another_constant_or_machine_is_compiled_anew(
     kept: Kept, monkeypatch: pytest.MonkeyPatch
 ) -> None:
