@@ -20,10 +20,9 @@ from irc.schedule import Schedule
 from irc.targets import Budget, Outcome
 
 LEAST_SECONDS = 0.5
-LIMIT_SHARE = 0.05
-ELAPSED_SHARE = 0.5
-"""The time for it is the greatest of these: seconds, a part of the limit, and one of the time that
-the answer took.
+LIMIT_SHARE = 0.1
+"""The time for it is as long as the answer took, or one of these if that is more: seconds, and a
+part of the limit.
 """
 
 AFTERWARDS_SHARE = 0.3
@@ -65,7 +64,7 @@ def with_fewer_moves(
 def _seconds(budget: Budget) -> float:
     """The time for the search."""
     share = LIMIT_SHARE * budget.limit if budget.is_limited else 0.0
-    wanted = max(LEAST_SECONDS, ELAPSED_SHARE * budget.elapsed, share)
+    wanted = max(LEAST_SECONDS, budget.elapsed, share)
     return max(0.0, min(wanted, budget.left - AFTERWARDS_SHARE * budget.elapsed))
 
 
