@@ -1,8 +1,9 @@
 """Measures large tasks: from JSON to PDDL2.1 on disk, and to an exact schedule.
 
-    python benchmarks/size.py [--actions 100000] [--edges 300000]
+    python benchmarks/size.py [--actions 100000] [--edges 300000] [--only solve] [--once]
 
-Each is a whole `irc` process; then the same with twice as many actions and edges.
+Each is a whole `irc` process; then, unless `--once` is given, the same with twice as many actions
+and edges. `--only` measures one of the two commands.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -41,25 +43,37 @@ def measure(command: list[str]) -> Spent:
     return Spent(time.perf_counter() - began, cpu, usage.ru_maxrss / 2**20)
 
 
+def write(path: Path, actions: int, edges: int) -> None:
+    """Writes a random task graph into a file."""
+    path.write_text(random_graph(actions, edges))
+
+
 def main() -> None:
     """Prints one row per size and command, and the growth."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--actions", type=int, default=100_000)
     parser.add_argument("--edges", type=int, default=300_000)
+    parser.add_argument("--only", choices=["compile", "solve"])
+    parser.add_argument("--once", action="store_true")
     options = parser.parse_args()
     irc = str(Path(sys.executable).with_name("irc"))
     rows: dict[str, list[Spent]] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for factor in (1, 2):
+        for factor in (1,) if options.once else (1, 2):
             actions, edges = factor * options.actions, factor * options.edges
             task = folder / f"task{factor}.json"
-            task.write_text(random_graph(actions, edges))
+            # (In a process of its own, whose memory does not count as that of the commands.)
+            writing = get_context("spawn").Process(target=write, args=(task, actions, edges))
+            writing.start()
+            writing.join()
             commands = {
                 "compile to pddl21": ["compile", "-t", "pddl21", "-o", str(folder / "out")],
                 "solve by critical path": ["solve", "-o", str(folder / "s.json")],
             }
             for label, words in commands.items():
+                if options.only not in (None, words[0]):
+                    continue
                 spent = measure([irc, words[0], str(task), *words[1:]])
                 rows.setdefault(label, []).append(spent)
                 print(
@@ -67,7 +81,10 @@ def main() -> None:
                     f"({spent.cpu:.1f} s of CPU), {spent.memory:.2f} GiB",
                     flush=True,
                 )
-    for label, (one, two) in rows.items():
+    for label, (one, *twice) in rows.items():
+        if not twice:
+            continue
+        (two,) = twice
         print(
             f"{label}: twice the size costs × {two.wall / one.wall:.2f} "
             f"(CPU × {two.cpu / one.cpu:.2f})"
