@@ -6,10 +6,11 @@ Tasks of `--actions` actions on `--resources` stations and a crew, with random p
 planned (every other one with all stations equally busy), carried out for a third of the plan, and
 then a station is down for a tenth of it. Three repairs of the same moment are measured, from the
 event to the judged schedule, with all of lowering and judging, in a process that has repaired a
-small task before: one without time for a search, for
-the first valid schedule and what moves in it; one that may take a second, and one that may take
-eight for each 1,000 actions, for the gap to the proven bound and what still moves. Seconds are
-wall-clock and, in brackets, processor time. Also a task of 100 actions whose old order survives.
+small task before: one without time for a search, for the first valid schedule and what moves in it;
+one that may take a second, and one that may take eight for each 1,000 actions, for the gap to the
+proven bound and what still moves. Seconds are wall-clock and, in brackets, processor time. Also a
+task of 100 actions whose old order survives.
+
 Ends with status 1 where a row of its own is missed, by processor time: a first schedule within half
 a second for 1,000 actions (and 2 s for 5,000), 10 s and 5 % for 1,000 actions, 1 s for 100.
 """
