@@ -21,7 +21,7 @@ from hashlib import sha256
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
-from threading import Lock
+from threading import Lock, Thread
 from typing import Any, TypeVar, cast
 
 from irc.local_search.arrays import Ints as Ints
@@ -75,6 +75,23 @@ def compile_now(module: str) -> None:
     _MODULES[module].load()
 
 
+def compile_within(module: str, seconds: float | None) -> bool:
+    """Whether the functions of a module are compiled within some seconds; they are later, if not.
+
+    Without llvmlite there is nothing to compile.
+    """
+    import_module(module)
+    own = _MODULES.get(module)
+    if own is None or own.is_loaded:
+        return True
+    thread = Thread(target=own.load, name="irc-compilation", daemon=True)
+    thread.start()
+    thread.join(seconds)
+    if not thread.is_alive():
+        own.load()  # (It raises here what it raises there.)
+    return own.is_loaded
+
+
 class _Module:
     """The compiled functions of a module: one piece of machine code."""
 
@@ -90,13 +107,20 @@ class _Module:
 
         return int(self.load().get_function_address(entry_of(name)))
 
+    @property
+    def is_loaded(self) -> bool:
+        """Whether the machine code is in this process."""
+        return self._engine is not None
+
     def load(self) -> Any:
         """The machine code in this process."""
         from irc.local_search.llvm import objects
 
         with self._lock:
             if self._engine is None:
-                self._engine = objects.loaded(self._code())
+                code = self._code()
+                with objects.AT_WORK:
+                    self._engine = objects.loaded(code)
         return self._engine
 
     def _code(self) -> bytes:
@@ -107,11 +131,14 @@ class _Module:
         if (code := objects.kept(f"{file}.o")) is not None:
             return code
         if (bitcode := objects.kept(f"{file}.bc")) is None:
-            bitcode = objects.optimised(modules.module_text(self.name, self.functions))
-            objects.keep(f"{file}.bc", bitcode)
-        code = objects.machine_code(bitcode)
-        objects.keep(f"{file}.o", code)
-        objects.forget(f"{file}.bc")
+            text = modules.module_text(self.name, self.functions)
+            with objects.AT_WORK:
+                bitcode = objects.optimised(text)
+                objects.keep(f"{file}.bc", bitcode)
+        with objects.AT_WORK:
+            code = objects.machine_code(bitcode)
+            objects.keep(f"{file}.o", code)
+            objects.forget(f"{file}.bc")
         return code
 
     def file(self) -> str:

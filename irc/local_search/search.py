@@ -10,6 +10,7 @@ from irc.local_search.ways import (
     MOST_OF_A_PROJECT,
     Found,
     NotApplicable,
+    NotInTime,
     Ways,
     knows,
     units_of,
@@ -66,28 +67,42 @@ def is_large(problem: Problem) -> bool:
 
 
 def search_of(
-    problem: Problem, seed: int = 0, target: int | None = None, *, steady: bool = False
+    problem: Problem,
+    seed: int = 0,
+    target: int | None = None,
+    *,
+    steady: bool = False,
+    seconds: float | None = None,
 ) -> LocalSearch:
     """The search of a problem, which ends where a schedule's value is `target`.
 
     Without a target it is a proven bound. A `steady` one does as much in a step without llvmlite as
-    with it. Repeats must be unrolled. Raises `irc.local_search.ways.NotApplicable`. Loads numpy,
-    and llvmlite where it is installed.
+    with it. Repeats must be unrolled. Raises `irc.local_search.ways.NotApplicable`, and `NotInTime`
+    where the loops of a search are not compiled within some `seconds`. Loads numpy, and llvmlite
+    where it is installed.
     """
     if _knows_ways(problem):
         try:
-            return search_with(ways_of(problem), seed, target, steady=steady)
+            return search_with(ways_of(problem), seed, target, steady=steady, seconds=seconds)
+        except NotInTime:
+            raise
         except NotApplicable:
             pass  # The search over lists knows more about single activities.
     listing = listing_of(problem)
     from irc.local_search.list_search import ListSearch
 
+    _compile("lists", seconds)
     least = least_value(problem) if target is None else target
     return ListSearch(listing, seed, least, steady=steady)
 
 
 def search_with(
-    ways: Ways, seed: int = 0, target: int | None = None, *, steady: bool = False
+    ways: Ways,
+    seed: int = 0,
+    target: int | None = None,
+    *,
+    steady: bool = False,
+    seconds: float | None = None,
 ) -> LocalSearch:
     """The same for ways. Raises `NotApplicable` for a project that is too large.
 
@@ -101,6 +116,7 @@ def search_with(
             return ShopWindows(ways, seed, least)
         from irc.local_search.shop import ShopSearch
 
+        _compile("tabu", seconds)
         return ShopSearch(ways, seed, least, steady=steady)
     if len(ways.of) >= LARGE and not ways.stock and not steady:
         from irc.local_search.project_windows import ProjectWindows
@@ -110,7 +126,16 @@ def search_with(
         raise NotApplicable("it has too many activities for a search of the whole project")
     from irc.local_search.project import ProjectSearch
 
+    _compile("genetic", seconds)
     return ProjectSearch(ways, seed, least, steady=steady)
+
+
+def _compile(loops: str, seconds: float | None) -> None:
+    """Compiles the loops of a search. Raises `NotInTime`."""
+    from irc.local_search.compiled import compile_within
+
+    if seconds is not None and not compile_within(f"irc.local_search.{loops}", seconds):
+        raise NotInTime("its search is not compiled in time")
 
 
 def is_shop(ways: Ways) -> bool:

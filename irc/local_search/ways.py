@@ -48,6 +48,10 @@ class NotApplicable(IrcError):
     """A problem has something that this search does not know about; the text says what."""
 
 
+class NotInTime(NotApplicable):
+    """The loops of a search are not compiled in the time that there is."""
+
+
 @dataclass(frozen=True, slots=True)
 class Assignment:
     """A mode (None: there are none), and the pool of each open demand (-1: not held in it)."""

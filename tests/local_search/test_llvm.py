@@ -7,15 +7,20 @@ import inspect
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event
 from types import ModuleType
 from typing import Any
 
 import pytest
 
+from builders import after_passes
 from irc.local_search import compiled
 from irc.local_search.llvm import modules, objects
 from irc.local_search.llvm.kinds import NotCompiled
+from irc.local_search.search import search_of
+from irc.local_search.ways import NotInTime
 from local_search import loop_examples
+from local_search_tasks import job_shop
 
 pytest.importorskip("llvmlite")
 
@@ -240,6 +245,35 @@ def test_a_module_can_be_compiled_before_it_is_needed(kept: Kept) -> None:
     compiled.compile_now("written")
     kept.run()
     assert kept.made == 1
+
+
+def test_compilation_takes_no_longer_than_it_may(
+    kept: Kept, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loops(kept.module)
+    goes_on, machine_code = Event(), objects.machine_code
+
+    def waiting(bitcode: bytes) -> bytes:
+        goes_on.wait()
+        return machine_code(bitcode)
+
+    monkeypatch.setattr(objects, "machine_code", waiting)
+    assert not compiled.compile_within("written", 0.01)
+    goes_on.set()
+    assert compiled.compile_within("written", 60)
+    kept.run()
+    assert kept.made == 1
+
+
+def test_a_search_that_is_not_compiled_in_time_does_not_apply(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(compiled, "compile_within", lambda module, seconds: seconds > 1)
+    problem = after_passes(job_shop(1))
+    with pytest.raises(NotInTime):
+        search_of(problem, seconds=0.5)
+    assert search_of(problem, seconds=2.0).value is None
+    assert search_of(problem).value is None
 
 
 def test_another_constant_or_machine_is_compiled_anew(

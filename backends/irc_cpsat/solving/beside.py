@@ -161,7 +161,7 @@ class Beside:
                 self.improving.start()
             elif not self._has_searched:
                 self._has_searched = True
-                return self.improving.begin()
+                return self.improving.begin(self.budget.left)
         value = self.improving.value
         if value is None:
             return False

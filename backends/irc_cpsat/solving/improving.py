@@ -120,18 +120,23 @@ class Improving:
         if self._error is not None:
             raise self._error
 
-    def begin(self) -> bool:
-        """Reads the problem; False where it has something that the search does not know about."""
-        return self._begin(0)
+    def begin(self, seconds: float | None = None) -> bool:
+        """Reads the problem; False where it has something that the search does not know about.
+
+        Also False where the search is not compiled within some seconds.
+        """
+        return self._begin(0, seconds)
 
     def step(self) -> bool:
         """Searches on for a little while, in the caller's thread; False: the bound is met."""
         return self._step(0)
 
-    def _begin(self, number: int) -> bool:
+    def _begin(self, number: int, seconds: float | None = None) -> bool:
         try:
             seed = self._seed + number
-            self._searches[number] = search_of(self.problem, seed, steady=self._steady)
+            self._searches[number] = search_of(
+                self.problem, seed, steady=self._steady, seconds=seconds
+            )
         except NotApplicable:
             return False
         return True

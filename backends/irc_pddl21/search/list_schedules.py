@@ -53,7 +53,7 @@ def searched_schedule(problem: Problem, enough: int, budget: Budget, seed: int) 
     from irc.local_search.ways import NotApplicable
 
     try:
-        search = search_of(replace(problem, deadline=None), seed)
+        search = search_of(replace(problem, deadline=None), seed, seconds=budget.left)
     except NotApplicable:
         return None
     while not budget.is_over and (search.value is None or search.value > enough):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import platform
 import sys
@@ -9,12 +10,23 @@ from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 _DIGEST = sha256().digest_size
 
 FOLDER = "IRC_CACHE_DIR"
 """The environment variable with the folder in which machine code is kept."""
+
+
+AT_WORK = Lock()
+"""Held while LLVM works. It does not survive the end of the process, which waits for its step."""
+
+
+@atexit.register
+def _wait() -> None:
+    """Waits for the step at which LLVM is, and lets no other one begin."""
+    AT_WORK.acquire()
 
 
 def machine() -> str:
