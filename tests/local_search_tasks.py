@@ -39,6 +39,21 @@ def job_shop(seed: int, *, flexible: bool = False) -> Document:
     return {"resources": [{"id": m} for m in machines], "actions": actions, "precedence": arcs}
 
 
+def larger_shop(*, flexible: bool = False) -> Document:
+    """Twelve jobs of five operations on five machines, or on any of two of them."""
+    rng = random.Random(7)
+    machines = [f"m{k}" for k in range(5)]
+    actions, arcs = [], list[Document]()
+    for job in range(12):
+        names = [f"{job}.{k}" for k in range(5)]
+        for name, machine in zip(names, rng.sample(machines, 5), strict=True):
+            other = rng.choice([m for m in machines if m != machine])
+            uses = [{"one_of": [machine, other]} if flexible else use(machine)]
+            actions.append(act(name, rng.randint(1, 9), uses=uses))
+        arcs += chain(*names)
+    return {"resources": [{"id": m} for m in machines], "actions": actions, "precedence": arcs}
+
+
 def project(seed: int) -> Document:
     """Six activities that hold some of two resources, in a random order of precedence."""
     rng = random.Random(seed)

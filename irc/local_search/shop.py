@@ -35,6 +35,7 @@ from irc.local_search.tabu import (
     MACHINES,
     ORDERS,
     RANDOM,
+    REACH,
     ROWS,
     SIZE,
     STEP,
@@ -229,16 +230,18 @@ def read(ways: Ways, machines: Machines, found: Found) -> tuple[list[int], list[
     return order, taken
 
 
-def room_for(n: int, machines: int, orders: int, seed: int) -> Ints:
+def room_for(n: int, machines: int, orders: int, seed: int, reach: int | None = None) -> Ints:
     """Room for a walk through the solutions of a shop of `n` operations.
 
-    `orders` is the room for orders of two operations that are tabu.
+    `orders` is the room for orders of two operations that are tabu, `reach` the most places that
+    a move goes within a critical block; by default as many as there are.
     """
     walk = table(ROWS, max(COLUMNS, n, machines))
     walk[COUNTS, SIZE] = n
     walk[COUNTS, MACHINES] = machines
     walk[COUNTS, ORDERS] = orders
     walk[COUNTS, RANDOM] = first_random(seed)
+    walk[COUNTS, REACH] = n if reach is None else reach
     return walk
 
 

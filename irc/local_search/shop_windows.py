@@ -57,6 +57,11 @@ MOST_PATIENCE = 32_000
 pass, and the most, to which they double with each size.
 """
 
+REACH = 6
+"""The most places that a move goes within a critical block. Those of large windows are long, and
+all moves within one take more than in proportion.
+"""
+
 DELAYS = (0, 25)
 """How long machines wait in list schedules, in percent: see `irc.local_search.active_lists`."""
 
@@ -186,7 +191,7 @@ class ShopWindows:
         chosen: list[int] = order[begin:end].tolist()
         shop, size = _cut(self._arrays, walk, chosen, self.machines.count)
         self._seed += 1
-        room = room_for(size, self.machines.count, _ORDERS, self._seed)
+        room = room_for(size, self.machines.count, _ORDERS, self._seed, REACH)
         tabu = constant(0, _ORDERS + size)
         load(shop, room, tabu, ints(range(size)), ints(range(size)))
         return _Open(begin, order, chosen, shop, size, room, tabu, int(room[COUNTS, BEST]))

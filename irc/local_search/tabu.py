@@ -6,7 +6,7 @@ Within its blocks operations move to the ends of the block, and the first and th
 inwards (the neighbourhood N7); an operation with several ways moves to another one, between two
 operations of that machine. Moves are judged by estimates from heads and tails, and done after an
 exact test that no cycle arises. The order is mended within the segment that a move concerns, heads
-are found again from there on, and tails from there back.
+are found again from there on, and tails from there back, as far as others follow from them.
 
 Sources: Nowicki and Smutnicki, "A fast taboo search algorithm for the job shop problem", Management
 Science 42 (1996); Balas and Vazacopoulos, "Guided local search with shifting bottleneck for job
@@ -56,6 +56,7 @@ STAMP = 5
 SIZE = 6
 MACHINES = 7
 ORDERS = 8
+REACH = 9  # The most places that a move goes within a block.
 
 # The columns of the row `MOVE`: the best move, and one that is tabu, drawn at random.
 _KIND, _WHAT, _WHERE, _TO, _VALUE, _TIES = 0, 1, 2, 3, 4, 5
@@ -105,9 +106,13 @@ def _draw(walk: Ints, below: int) -> int:
 
 
 @compiled
-def _find_heads(shop: Shop, walk: Ints, low: int) -> None:
-    """Finds heads again from a position of the order on."""
-    for k in range(low, walk[COUNTS, SIZE]):
+def _find_heads(shop: Shop, walk: Ints, low: int, last: int, moved: int) -> None:
+    """Finds heads again from a position of the order to another one, and of their successors.
+
+    `moved` may have another duration than before. Where no head changes, the rest stays.
+    """
+    k = low
+    while k <= last:
         i = walk[ORDER, k]
         time = shop[RELEASE, i]
         for a in range(shop[BEFORE_AT, i], shop[BEFORE_AT, i + 1]):
@@ -117,13 +122,21 @@ def _find_heads(shop: Shop, walk: Ints, low: int) -> None:
         j = walk[LEFT, i]
         if j >= 0:
             time = max(time, walk[HEAD, j] + walk[DURATION, j])
-        walk[HEAD, i] = time
+        if time != walk[HEAD, i] or i == moved:
+            walk[HEAD, i] = time
+            j = walk[RIGHT, i]
+            if j >= 0:
+                last = max(last, walk[POSITION, j])
+            for a in range(shop[AFTER_AT, i], shop[AFTER_AT, i + 1]):
+                last = max(last, walk[POSITION, shop[AFTER, a]])
+        k += 1
 
 
 @compiled
-def _find_tails(shop: Shop, walk: Ints, high: int) -> None:
-    """Finds tails again from a position of the order back."""
-    for k in range(high, -1, -1):
+def _find_tails(shop: Shop, walk: Ints, high: int, first: int, moved: int) -> None:
+    """Finds tails again from a position of the order back to another one, and of predecessors."""
+    k = high
+    while k >= first:
         i = walk[ORDER, k]
         time = 0
         for a in range(shop[AFTER_AT, i], shop[AFTER_AT, i + 1]):
@@ -133,18 +146,44 @@ def _find_tails(shop: Shop, walk: Ints, high: int) -> None:
         j = walk[RIGHT, i]
         if j >= 0:
             time = max(time, walk[DURATION, j] + walk[TAIL, j])
-        walk[TAIL, i] = time
+        if time != walk[TAIL, i] or i == moved:
+            walk[TAIL, i] = time
+            j = walk[LEFT, i]
+            if j >= 0:
+                first = min(first, walk[POSITION, j])
+            for a in range(shop[BEFORE_AT, i], shop[BEFORE_AT, i + 1]):
+                first = min(first, walk[POSITION, shop[BEFORE, a]])
+        k -= 1
 
 
 @compiled
-def _update(shop: Shop, walk: Ints, low: int, high: int) -> None:
-    """Finds heads, tails and the makespan again after a change between two positions."""
-    _find_heads(shop, walk, low)
-    _find_tails(shop, walk, high)
+def _find_makespan(walk: Ints) -> None:
     longest = 0
     for i in range(walk[COUNTS, SIZE]):
         longest = max(longest, walk[HEAD, i] + walk[DURATION, i])
     walk[COUNTS, MAKESPAN] = longest
+
+
+@compiled
+def _update(
+    shop: Shop, walk: Ints, low: int, high: int, moved: int, before: int, after: int
+) -> None:
+    """Finds heads, tails and the makespan again after a change between two positions.
+
+    `moved` was taken from between `before` and `after` (-1: there was none).
+    """
+    first, last = low, high
+    if before >= 0:
+        first = min(first, walk[POSITION, before])
+    if walk[LEFT, moved] >= 0:
+        first = min(first, walk[POSITION, walk[LEFT, moved]])
+    if after >= 0:
+        last = max(last, walk[POSITION, after])
+    if walk[RIGHT, moved] >= 0:
+        last = max(last, walk[POSITION, walk[RIGHT, moved]])
+    _find_heads(shop, walk, low, last, moved)
+    _find_tails(shop, walk, high, first, moved)
+    _find_makespan(walk)
 
 
 @compiled
@@ -176,7 +215,9 @@ def load(shop: Shop, walk: Table, tabu: Row, order: Row, way: Row) -> None:
         tabu[k] = 0
     walk[COUNTS, STEP] = 0
     walk[COUNTS, IMPROVED_AT] = 0
-    _update(shop, walk, 0, n - 1)
+    _find_heads(shop, walk, 0, n - 1, -1)
+    _find_tails(shop, walk, n - 1, 0, -1)
+    _find_makespan(walk)
     walk[COUNTS, BEST] = _FAR
     _keep_if_better(walk)
 
@@ -318,7 +359,7 @@ def _insert(shop: Shop, walk: Ints, i: int, way: int, before: int, after: int) -
         low = walk[POSITION, after]
         fits = _reorder_earlier(shop, walk, i, after)
     if fits:
-        _update(shop, walk, low, high)
+        _update(shop, walk, low, high, i, old_before, old_after)
         return True
     _unlink(shop, walk, i)
     walk[WAY, i] = old_way
@@ -471,19 +512,28 @@ def _offer_before(walk: Ints, tabu: Ints, v: int, u: int) -> None:
 
 @compiled
 def _offer_block(walk: Ints, tabu: Ints, first: int, last: int) -> None:
-    """The moves within a critical block, from its first to its last operation."""
+    """The moves within a critical block, from its first to its last operation.
+
+    None goes further than `REACH` in the row `COUNTS`.
+    """
+    reach, length, x = walk[COUNTS, REACH], 0, first
+    while x != last:
+        length += 1
+        x = walk[RIGHT, x]
     for side in range(2):
-        x = first
+        x, k = first, 0
         while True:
+            near_first, near_last = k <= reach, length - k <= reach
             u, v = (x, last) if side == 0 else (first, x)
-            if u != v and (side == 0 or v != last):
+            if u != v and (side == 0 or v != last) and (near_last if side == 0 else near_first):
                 _offer_after(walk, tabu, u, v)
             u, v = (first, x) if side == 0 else (x, last)
-            if u != v and walk[RIGHT, u] != v and (side == 0 or u != first):
+            near = near_first if side == 0 else near_last
+            if u != v and walk[RIGHT, u] != v and (side == 0 or u != first) and near:
                 _offer_before(walk, tabu, v, u)
             if x == last:
                 break
-            x = walk[RIGHT, x]
+            x, k = walk[RIGHT, x], k + 1
 
 
 @compiled

@@ -15,25 +15,10 @@ from irc.local_search.ways import NotApplicable, ways_of
 from irc.model import Task
 from irc.retiming.listed import listed_schedule
 from irc.validation import validate
-from local_search_tasks import chain, job_shop, project, use, with_stock
+from local_search_tasks import job_shop, larger_shop, project, use, with_stock
 from oracles.brute_force import optimal_makespan
 
 Kind = type[ShopWindows] | type[ProjectWindows]
-
-
-def larger_shop(*, flexible: bool = False) -> Document:
-    """Twelve jobs of five operations on five machines, or on any of two of them."""
-    rng = random.Random(7)
-    machines = [f"m{k}" for k in range(5)]
-    actions, arcs = [], list[Document]()
-    for job in range(12):
-        names = [f"{job}.{k}" for k in range(5)]
-        for name, machine in zip(names, rng.sample(machines, 5), strict=True):
-            other = rng.choice([m for m in machines if m != machine])
-            uses = [{"one_of": [machine, other]} if flexible else use(machine)]
-            actions.append(act(name, rng.randint(1, 9), uses=uses))
-        arcs += chain(*names)
-    return {"resources": [{"id": m} for m in machines], "actions": actions, "precedence": arcs}
 
 
 def larger_project(*, away: bool = False, rich: bool = False) -> Document:
