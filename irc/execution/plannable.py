@@ -37,7 +37,9 @@ class Plannable:
     target: str
     step: Fraction | None = None
     latest: Number = 0
-    problem: Lowered | None = field(default=None, compare=False, repr=False)
+    problem: Lowered | None = field(
+        default=None, compare=False, repr=False, metadata={"derived": True}
+    )
 
     def after(
         self, task: Task, event: Event, instants: Iterable[Number], source: Source | None

@@ -31,8 +31,10 @@ from irc.targets import SolveOptions
 _KINDS = (Entry, Fact, History, ObjectiveValue, Observed, Plannable, Rounding, Schedule)
 _CLASSES: Mapping[str, type] = MappingProxyType({kind.__name__: kind for kind in _KINDS})
 _NODES: Mapping[str, type[Any]] = MappingProxyType({"Event": Event, "Task": Task})
-_OPTIONS, _NOTES = "options", "_notes"
-"""The attributes of an execution that the caller gives anew, and that begin empty."""
+_OPTIONS = "options"
+_EMPTY: Mapping[str, Any] = MappingProxyType({"_notes": (), "_known": None})
+_LEFT_OUT = {_OPTIONS, *_EMPTY}
+"""The attributes of an execution that the caller gives anew, and those that begin empty."""
 
 
 class SnapshotError(IrcError):
@@ -41,7 +43,7 @@ class SnapshotError(IrcError):
 
 def to_snapshot(execution: Execution) -> dict[str, Any]:
     """The state of an execution, without its options, as a JSON document."""
-    state = {key: value for key, value in vars(execution).items() if key not in (_OPTIONS, _NOTES)}
+    state = {key: value for key, value in vars(execution).items() if key not in _LEFT_OUT}
     return {
         "task_sha256": task_sha256(execution.task),
         "state": {key: _written(value) for key, value in state.items()},
@@ -53,9 +55,9 @@ def from_snapshot(document: Any, options: SolveOptions) -> Execution:
     execution = object.__new__(Execution)
     try:
         state = {key: _read(value) for key, value in document["state"].items()}
-        if not isinstance(state.get("_told"), Task) or state.keys() & {_OPTIONS, _NOTES}:
+        if not isinstance(state.get("_told"), Task) or state.keys() & _LEFT_OUT:
             raise SnapshotError("the snapshot has no task")
-        vars(execution).update(state, **{_OPTIONS: options, _NOTES: ()})
+        vars(execution).update(state, **{_OPTIONS: options, **_EMPTY})
         same = task_sha256(execution.task) == document["task_sha256"]
     except (ArithmeticError, AttributeError, InputError, KeyError, TypeError, ValueError) as error:
         raise SnapshotError(f"the snapshot cannot be read: {error}") from error
@@ -90,12 +92,13 @@ def _written(value: Any) -> Any:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass that do not have their default."""
-    return {
-        f.name: _written(getattr(value, f.name))
-        for f in fields(value)
-        if f.init and (f.default is MISSING or getattr(value, f.name) != f.default)
-    }
+    """The fields of a dataclass that do not have their default.
+
+    What is derived from the others is made again where it is needed.
+    """
+    own = (f for f in fields(value) if f.init and not f.metadata.get("derived"))
+    given = ((f, getattr(value, f.name)) for f in own)
+    return {f.name: _written(has) for f, has in given if f.default is MISSING or has != f.default}
 
 
 def _read(raw: Any) -> Any:

@@ -413,7 +413,7 @@ def test_an_answer_that_is_not_proven_says_so(monkeypatch: pytest.MonkeyPatch) -
         return replace(
             answer,
             schedule=replace(answer.schedule, status=Status.FEASIBLE),
-            problem=answer.problem.with_bound(6, "the critical path"),
+            lowered=answer.problem.with_bound(6, "the critical path"),
         )
 
     monkeypatch.setattr(road, "solve_task", unproven)
