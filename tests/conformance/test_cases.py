@@ -57,7 +57,7 @@ def test_a_task_has_the_right_answer(
 @pytest.mark.parametrize("target", ["cpsat", "pddl21"])
 @pytest.mark.parametrize("name", ["circ.json", "inf2.irc", "long_op.json", "pddl_unknown.json"])
 def test_what_is_impossible_is_infeasible_for_a_reason(cases: Path, name: str, target: str) -> None:
-    schedule = irc.solve(irc.load(cases / name), target, time_limit=5)
+    schedule = irc.solve(irc.load(cases / name), target, time_limit=3)
     assert schedule.status == "infeasible"
     assert schedule.outcome.diagnostics
 
@@ -72,7 +72,7 @@ def test_what_is_impossible_is_infeasible_for_a_reason(cases: Path, name: str, t
     ],
 )
 def test_an_episode_ends_right(cases: Path, name: str, target: str, makespan: int) -> None:
-    simulation = irc.simulate(irc.load(cases / name), target=target, time_limit=5)
+    simulation = irc.simulate(irc.load(cases / name), target=target, time_limit=3)
     assert simulation.final.makespan == makespan
 
 

@@ -47,7 +47,7 @@ def test_what_starts_at_a_change_finds_the_new_value(
     engines = get_backend(target).engines()
     if target == "pddl21" and (missing := engines["kairos"].missing()) is not None:
         pytest.skip(missing)
-    schedule = irc.solve(walk(when, value), target, time_limit=4)
+    schedule = irc.solve(walk(when, value), target, time_limit=2)
     if makespan is None:
         assert schedule.status in (Status.INFEASIBLE, Status.UNKNOWN)
     else:
@@ -114,5 +114,5 @@ def test_what_has_changed_stays_changed_when_the_rest_is_planned_again() -> None
         {"at": 3, "changes": [{"op": "set_duration", "action": "walk", "duration": 4}]}
     )
     for target in ("cpsat", "pddl21"):
-        step = irc.replan(task, schedule, 3, [event], target=target, time_limit=5)
+        step = irc.replan(task, schedule, 3, [event], target=target, time_limit=3)
         assert step.schedule.makespan == 10

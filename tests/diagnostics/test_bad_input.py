@@ -524,8 +524,8 @@ def test_a_path_that_no_file_can_have_is_told() -> None:
 # Size
 
 
-def fifty_mb_of(pattern: bytes) -> bytes:
-    return pattern * (50 * MB // len(pattern))
+def twenty_mb_of(pattern: bytes) -> bytes:
+    return pattern * (20 * MB // len(pattern))
 
 
 RUBBISH = {
@@ -546,9 +546,9 @@ RUBBISH = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("pattern", RUBBISH)
-def test_fifty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_path: Path) -> None:
+def test_twenty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_path: Path) -> None:
     file = tmp_path / "task.json"
-    file.write_bytes(fifty_mb_of(pattern.encode()))
+    file.write_bytes(twenty_mb_of(pattern.encode()))
     began = time.process_time()
     report = irc.check(file)
     assert report.render()
@@ -567,11 +567,11 @@ def test_fifty_megabytes_of_one_thing_are_refused_in_seconds(pattern: str, tmp_p
         ('{"actions": [', "NaN, ", "IRC005"),
     ],
 )
-def test_fifty_megabytes_within_a_document_are_refused_in_seconds(
+def test_twenty_megabytes_within_a_document_are_refused_in_seconds(
     begin: str, pattern: str, code: str, tmp_path: Path
 ) -> None:
     file = tmp_path / "task.json"
-    file.write_bytes(begin.encode() + fifty_mb_of(pattern.encode()))
+    file.write_bytes(begin.encode() + twenty_mb_of(pattern.encode()))
     began = time.process_time()
     report = irc.check(file)
     assert report.render()
@@ -580,9 +580,9 @@ def test_fifty_megabytes_within_a_document_are_refused_in_seconds(
 
 
 @pytest.mark.slow
-def test_fifty_megabytes_of_random_bytes_are_refused_in_seconds(tmp_path: Path) -> None:
+def test_twenty_megabytes_of_random_bytes_are_refused_in_seconds(tmp_path: Path) -> None:
     file = tmp_path / "task.json"
-    file.write_bytes(random.Random(1).randbytes(50 * MB))
+    file.write_bytes(random.Random(1).randbytes(20 * MB))
     began = time.process_time()
     report = irc.check(file)
     assert report.render()

@@ -24,7 +24,7 @@ HARD_TO_PLAN = {"software_project.irc", "delivery_round.irc", "rail_junction.irc
 """For kairos: it may not find a schedule of them in that time."""
 
 PLANNER_SECONDS = 10.0
-SEARCHED_ON_SECONDS = 4.0
+SEARCHED_ON_SECONDS = 2.5
 SEARCHED_ON = {
     "robot_team.json",
     "lab_assay.json",

@@ -224,7 +224,7 @@ def test_what_ended_at_an_instant_comes_before_what_an_event_changes_then() -> N
     old = plan(entry("lit", 0, 2), entry("read", 2, 3, rank=1), entry("light again", 2, 5))
     out = {"op": "set_state", "var": "light", "value": False}
     for target in ("cpsat", "pddl21"):
-        step = repaired(lamp, old, 2, out, target=target)
+        step = repaired(lamp, old, 2, out, target=target, time_limit=3)
         assert starts(step.schedule) == {"lit": 0, "light at 2": 2, "light again": 2, "read": 5}
         assert next(e for e in step.schedule.entries if e.id == "light at 2").rank == 1
 

@@ -36,7 +36,7 @@ PLAN = Schedule((Entry("out", 0, 5), Entry("back", 5, 10, rank=1)))
 
 def step(*changes: Document, target: str = "cpsat") -> Any:
     event = Event.model_validate({"at": 3, "changes": list(changes)})
-    return irc.replan(trips(), PLAN, 3, [event], target=target, time_limit=30)
+    return irc.replan(trips(), PLAN, 3, [event], target=target, time_limit=5)
 
 
 @pytest.mark.slow

@@ -46,7 +46,7 @@ RETRY = {"op": "retry_action", "action": "weld"}
 def step_of(
     task: Task, schedule: Schedule, at: Any, *changes: dict[str, Any], **options: Any
 ) -> Step:
-    step = replan(task, schedule, at, [event(at, *changes)], time_limit=10, **options)
+    step = replan(task, schedule, at, [event(at, *changes)], time_limit=5, **options)
     assert step.schedule.answered, step.notes
     structural = [d for d in irc.check(step.task).errors if not d.code.id.startswith("IRC3")]
     assert not structural, structural

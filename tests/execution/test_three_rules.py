@@ -15,10 +15,10 @@ from irc.targets import SolveOptions
 from irc.validation import validate
 from oracles.state_brute_force import optimum
 
-OPTIONS = SolveOptions(time_limit=6)
+OPTIONS = SolveOptions(time_limit=3)
 PATIENT = SolveOptions(time_limit=20)
 """For a proof by a planner, which takes seconds on a busy machine."""
-BRIEF = SolveOptions(time_limit=3)
+BRIEF = SolveOptions(time_limit=2)
 """For an answer that no planner can prove to be the best: it takes the whole limit."""
 TARGETS = ("cpsat", "pddl21")
 
@@ -52,7 +52,7 @@ CHANGEOVER = Task.model_validate(
 @pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_is_freed_at_a_rank_is_taken_at_no_earlier_one(target: str) -> None:
-    schedule = irc.solve(CHANGEOVER, target=target, time_limit=6)
+    schedule = irc.solve(CHANGEOVER, target=target, time_limit=3)
     assert schedule.makespan == 13
     assert validate(CHANGEOVER, schedule).valid
 
@@ -304,7 +304,7 @@ def test_what_ended_at_a_rank_keeps_it_without_an_event_and_with_one(target: str
     document = late_light(start=0)
     document["actions"][1]["release"] = 4
     task = Task.model_validate(document)
-    plan = irc.solve(task, target=target, time_limit=6)
+    plan = irc.solve(task, target=target, time_limit=3)
     assert [(e.id, e.start, e.rank) for e in plan.entries] == [("weld", 0, 1), ("lamp", 4, 0)]
     step = replan(task, plan, 4, target=target, options=OPTIONS)
     assert [(e.id, e.start, e.rank) for e in step.schedule.entries] == [

@@ -91,14 +91,14 @@ def test_whatever_the_schema_allows_has_a_shape_that_the_readers_take(
 ) -> None:
     rng = random.Random(5)
     taken = 0
-    for _ in range(80):
+    for _ in range(40):
         value = drawn(strict_schema(part), rng)
         raw = value if part == "task" else {"actions": [], "events": [value]}
         findings = Findings()
         taken += to_task(raw, findings) is not None
         wrong = [d.message for d in findings.items if not any(r in d.message for r in RULES)]
         assert wrong == []
-    assert taken >= 4
+    assert taken >= 2
 
 
 def test_every_field_of_the_ir_that_is_not_left_out_is_in_the_schema() -> None:

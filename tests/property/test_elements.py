@@ -10,16 +10,16 @@ from element_laws import judge_exact, judge_planner
 from oracles.elements import KINDS, TooHardError
 
 SEEDS = {
-    "modes": range(24),
-    "numbers": range(32),
-    "objectives": range(24),
-    "couplings": range(24),
-    "selections": range(24),
-    "sequences": range(24),
-    "batches": range(40),
-    "small pairs": range(30),
-    "setups": range(24),
-    "pauses": range(24),
+    "modes": range(12),
+    "numbers": range(16),
+    "objectives": range(12),
+    "couplings": range(12),
+    "selections": range(12),
+    "sequences": range(12),
+    "batches": range(20),
+    "small pairs": range(15),
+    "setups": range(12),
+    "pauses": range(12),
 }
 PLANNED = {
     "modes": range(100, 106),

@@ -24,7 +24,7 @@ SEEDS = {"cpsat": range(40, 60), "pddl21": range(40, 43)}
 def test_answers_before_and_after_a_change_of_the_world_are_exact(target: str, seed: int) -> None:
     task = rules_task(seed)
     best = optimum(task)
-    schedule = irc.solve(task, target=target, time_limit=10)
+    schedule = irc.solve(task, target=target, time_limit=5)
     if schedule.status is Status.OPTIMAL:
         assert best is not None
         assert schedule.makespan == best.vector[0]
@@ -34,6 +34,6 @@ def test_answers_before_and_after_a_change_of_the_world_are_exact(target: str, s
     event = rules_event(seed, schedule) if schedule.answered else None
     if event is None:
         return
-    step = replan(task, schedule, event.at, [event], target=target, time_limit=10)
+    step = replan(task, schedule, event.at, [event], target=target, time_limit=5)
     if step.schedule.status is not Status.UNKNOWN:
         assert judge_step(task, schedule, step, [event]).faults == []

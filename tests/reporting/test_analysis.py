@@ -20,7 +20,7 @@ from irc.reporting.rows import ActionRow
 from irc.schedule import Entry, Schedule
 from reporting.shops import hours_counted, orders_counted, shop
 
-SHOPS = range(50)
+SHOPS = range(20)
 
 
 @cache
