@@ -70,7 +70,10 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Gives the marks of the tiers: `deep` and `oracles` by folder, `fast` to what is not slow."""
+    """Gives the marks of the tiers: `deep` and `oracles` by folder, `fast` to what is not slow.
+
+    Tests that must be alone come last, so that few processes have to wait for them.
+    """
     for item in items:
         if DEEP in item.path.parents:
             item.add_marker("deep")
@@ -78,6 +81,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("oracles")
         elif not any(item.get_closest_marker(mark) for mark in ("slow", "alone")):
             item.add_marker("fast")
+    items.sort(key=lambda item: item.get_closest_marker("alone") is not None)
 
 
 @pytest.hookimpl(wrapper=True)

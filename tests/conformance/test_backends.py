@@ -68,7 +68,7 @@ def seeded(make: Callable[..., Task], name: str, count: int, **knobs: Any) -> It
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.parametrize("part", range(2))
 def test_cp_sat_finds_and_proves_every_optimum(part: int) -> None:
     ends = Counter(
         answered(task, "cpsat", "ortools") for task in seeded(random_task, f"cpsat {part}", 30)
@@ -112,9 +112,9 @@ def test_kairos_answers_are_valid_and_honest(part: int) -> None:
 @pytest.mark.slow
 def test_kairos_answers_on_contended_tasks_are_valid_and_honest() -> None:
     needs("kairos")
-    tasks = list(seeded(contended_task, "robots", 6, n=7))
+    tasks = list(seeded(contended_task, "robots", 4, n=7))
     ends = Counter(answered(task, "pddl21", "kairos", PLANNER_SECONDS) for task in tasks)
-    assert ends["optimal"] >= 4
+    assert ends["optimal"] >= 2
     assert set(ends) <= {"optimal", "feasible", "unknown"}
 
 

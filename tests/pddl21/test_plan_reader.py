@@ -585,7 +585,7 @@ def optic_heading(steps: Sequence[PlanStep]) -> str:
     ids=["kairos", "optic", "lpg"],
 )
 @given(steps=STEPS)
-@settings(suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=20)
 def test_a_printed_plan_is_read_back_equal(
     heading: Callable[[Sequence[PlanStep]], str],
     line: Callable[[PlanStep], str],

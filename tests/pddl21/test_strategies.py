@@ -271,7 +271,7 @@ def test_neighbourhoods_grow_and_come_to_an_end() -> None:
 # --- whole answers -------------------------------------------------------------------------------
 
 
-def solved(task: Task, seconds: float = 10.0) -> irc.Schedule:
+def solved(task: Task, seconds: float = 6.0) -> irc.Schedule:
     needs_kairos()
     schedule = solve_task(task, SolveOptions("pddl21", "kairos", seconds, shortcut=False)).schedule
     assert validate(task, schedule).valid
