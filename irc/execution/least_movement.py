@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from irc.model.quantities import Number
 from irc.passes.fewer_moves import fewer_moves, knows_moves
 from irc.passes.serial_sgs import Found
 from irc.problem import Problem
@@ -41,7 +42,10 @@ def with_fewer_moves(
     schedule = outcome.schedule
     if schedule is None or budget.is_over or problem.previous.stability:
         return outcome
-    if _is_least(problem, outcome, schedule) or not knows_moves(problem):
+    if not knows_moves(problem):
+        return outcome
+    before = schedule_values(problem, schedule)
+    if _is_least(outcome, before["changes"]):
         return outcome
     known = _listed(problem, schedule)
     if known is None:
@@ -54,9 +58,10 @@ def with_fewer_moves(
         moved = listed_schedule(problem, found)
     except AnswerError:
         return outcome  # Exact times may break a limit that holds in whole ticks.
-    if not _is_better(problem, moved, schedule) or not is_valid(moved):
-        return outcome
     values = schedule_values(problem, moved)
+    is_better = values["makespan"] <= before["makespan"] and values["changes"] < before["changes"]
+    if not is_better or not is_valid(moved):
+        return outcome
     levels = tuple(replace(level, value=values[level.name]) for level in outcome.levels)
     return replace(outcome, schedule=moved, levels=levels)
 
@@ -68,17 +73,10 @@ def _seconds(budget: Budget) -> float:
     return max(0.0, min(wanted, budget.left - AFTERWARDS_SHARE * budget.elapsed))
 
 
-def _is_least(problem: Problem, outcome: Outcome, schedule: Schedule) -> bool:
+def _is_least(outcome: Outcome, changes: Number) -> bool:
     """Whether nothing moves, or the engine has proven that no fewer activities can move."""
-    value = schedule_values(problem, schedule)["changes"]
-    proven = any(level.name == "changes" and level.bound == value for level in outcome.levels)
-    return proven or not value
-
-
-def _is_better(problem: Problem, new: Schedule, old: Schedule) -> bool:
-    """Whether a schedule ends no later than another, and fewer activities move in it."""
-    now, before = schedule_values(problem, new), schedule_values(problem, old)
-    return now["makespan"] <= before["makespan"] and now["changes"] < before["changes"]
+    proven = any(level.name == "changes" and level.bound == changes for level in outcome.levels)
+    return proven or not changes
 
 
 def _listed(problem: Problem, schedule: Schedule) -> Found | None:

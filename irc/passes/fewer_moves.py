@@ -21,6 +21,7 @@ from irc.passes.serial_sgs import (
     keeps_windows,
     moved_in,
     order_of,
+    ready_behind,
     room_for,
     take_room,
 )
@@ -348,12 +349,8 @@ class _Placing:
 
     def _ready(self, i: int) -> int:
         """The first time at which what comes before an activity lets it start."""
-        duration, ready = self.problem.activities[i].duration_min, 0
-        for arc in self.incoming[i]:
-            before = self.decisions[arc.before]
-            point = int(before.end if arc.from_end else before.start) + arc.min_lag
-            ready = max(ready, point - duration if arc.to_end else point)
-        return ready
+        duration = self.problem.activities[i].duration_min
+        return ready_behind(self.incoming[i], duration, self.decisions)
 
     def _put(self, i: int, start: int, choice: Choice) -> None:
         """Places an activity for good."""

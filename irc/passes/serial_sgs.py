@@ -14,7 +14,7 @@ from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
 from irc.passes.resource_profile import UNREACHABLE_TIME, Profile
-from irc.problem import Activity, ContendedPool, OpenDemand, PreviousPlace, Problem
+from irc.problem import Activity, Arc, ContendedPool, OpenDemand, PreviousPlace, Problem
 from irc.problem.decisions import Decision
 
 if TYPE_CHECKING:
@@ -51,16 +51,18 @@ def list_schedule(
         for demand in activity.open_demands
     ):
         return None
-    incoming: list[list[int]] = [[] for _ in problem.activities]
-    for k, arc in enumerate(problem.arcs):
-        incoming[arc.after].append(k)
+    incoming: list[list[Arc]] = [[] for _ in problem.activities]
+    for arc in problem.arcs:
+        incoming[arc.after].append(arc)
     profiles = [_profile(problem, pool) for pool in problem.contention.pools]
     placer = _work_placer(problem, profiles)
     decisions = [Decision(0, 0)] * len(problem.activities)
     choices: list[Choice] = [()] * len(problem.activities)
     for i in order:
         activity = problem.activities[i]
-        start = _ready(problem, i, incoming[i], decisions)
+        start = max(
+            problem.bounds.heads[i], ready_behind(incoming[i], activity.duration_min, decisions)
+        )
         if floors is not None:
             start = max(start, floors[i])
         if activity.start is not None:
@@ -239,15 +241,14 @@ def order_of(problem: Problem, priorities: Sequence[int]) -> list[int] | None:
     return order if len(order) == len(waiting) else None
 
 
-def _ready(problem: Problem, index: int, incoming: list[int], decisions: list[Decision]) -> int:
-    start = problem.bounds.heads[index]
-    duration = problem.activities[index].duration_min
-    for k in incoming:
-        arc = problem.arcs[k]
+def ready_behind(arcs: Iterable[Arc], duration: int, decisions: Sequence[Decision]) -> int:
+    """The first time, from 0 on, at which the arcs to an activity of a duration let it start."""
+    ready = 0
+    for arc in arcs:
         before = decisions[arc.before]
         point = int(before.end if arc.from_end else before.start) + arc.min_lag
-        start = max(start, point - duration if arc.to_end else point)
-    return start
+        ready = max(ready, point - duration if arc.to_end else point)
+    return ready
 
 
 def _place(activity: Activity, start: int, profiles: list[Profile]) -> tuple[int, Choice] | None:
