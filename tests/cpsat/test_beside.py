@@ -144,11 +144,32 @@ def test_a_bound_and_a_schedule_of_others_count_as_its_own(workers: int) -> None
     assert not validate(task, schedule).violations
 
 
-def test_without_a_bound_it_is_feasible_and_valid() -> None:
+@pytest.mark.parametrize("number", [0, 1])
+def test_with_one_worker_it_searches_though_others_have_a_schedule(number: int) -> None:
+    task = shop(3)
+    problem = problem_for_cpsat(task).with_bound(1, "nothing is proven")
+    best = int(solve_task(task).schedule.makespan)
+    searching = Improving(unroll(problem, 1), 0)
+    assert searching.begin()
+    while searching.value != best:
+        searching.step()
+    assert searching.found is not None
+    decisions, pools = searching.found
+    later = [replace(d, start=d.start + 3, end=d.end + 3) for d in decisions]
+    exchange = Exchange(Part(number, 2))
+    exchange.offer(best + 3, (later, pools))
+    exchange.prove(best)
+    status, answer, built = run(problem, workers=1, exchange=exchange)
+    assert status == cp_model.OPTIMAL
+    assert answer.value(built.makespan) == best
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_without_a_bound_it_is_feasible_and_valid(workers: int) -> None:
     task = shop(5)
     problem = problem_for_cpsat(task).with_bound(1, "nothing is proven")
     told: list[Progress] = []
-    status, answer, built = run(problem, told)
+    status, answer, built = run(problem, told, workers)
     assert status == cp_model.FEASIBLE
     assert answer.best_objective_bound == 1
     schedule = schedule_of(problem, retime(problem, decisions_of(built, answer)))

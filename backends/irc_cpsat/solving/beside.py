@@ -81,7 +81,7 @@ class Beside:
         self.builder, self.built, self.workers, self.budget = builder, built, workers, budget
         self.improving = improving
         self._reporter, self._ask, self._exchanged = reporter, ask, exchange
-        self._search_share, self._most_search = search_limits(
+        self._search_share, self._most_search, self._searches_first = search_limits(
             None if exchange is None else exchange.part
         )
         self._exchange_at = EXCHANGE_SECONDS
@@ -96,13 +96,18 @@ class Beside:
         self._best_value: int | None = None
         self._told: int | None = None
         self._ended = False
-        self._has_searched = False
+        self._may_search = workers == 1 and self._search_share > 0
+        self._is_to_search = False
 
     def run(self) -> tuple[Any, Reached]:
         """The status, and the best schedule with the best bound."""
         if self._is_large_shop:
             self.improving.start()
         try:
+            if self._searches_first and self._begins_to_search():
+                self._exchange()
+                if self._is_met or self.budget.is_over:
+                    return self._reached()
             while True:
                 status = self._round()
                 if status in (cp_model.OPTIMAL, cp_model.INFEASIBLE, cp_model.MODEL_INVALID):
@@ -159,9 +164,8 @@ class Beside:
         if not self.improving.has_begun and elapsed >= self._alone * self.budget.slowness:
             if self.workers > 1:
                 self.improving.start()
-            elif not self._has_searched:
-                self._has_searched = True
-                return self.improving.begin(self.budget.left)
+            elif self._begins_to_search():
+                return True
         value = self.improving.value
         if value is None:
             return False
@@ -225,7 +229,8 @@ class Beside:
 
     def _exchange(self) -> None:
         """Makes CP-SAT begin from the best schedule; with one worker, searches for it now."""
-        if self.workers == 1 and self.improving.value is None:
+        if self._is_to_search:
+            self._is_to_search = False
             self._search_alone()
         while self._exchange_at <= self.budget.elapsed:
             # (Of a small task what CP-SAT has learned may be close to a proof.)
@@ -247,11 +252,21 @@ class Beside:
             if not knows(self.built.problem):
                 complete_hint(self.built, self.budget)
 
+    def _begins_to_search(self) -> bool:
+        """With one worker, whether local search is to take its place now: once, where it can."""
+        if self._may_search:
+            self._may_search = False
+            self._is_to_search = self.improving.begin(self.budget.left)
+        return self._is_to_search
+
     def _search_alone(self) -> None:
         """Local search in this thread, for a part of the time."""
         part = self.budget.share(self._search_share).at_most(self._most_search)
+        reporter = self._reporter()
         while not part.is_over and self.improving.step():
             self._share()
+            if self.improving.value is not None:
+                self._tell(reporter, self.improving.value)
             if self._is_met:
                 break
 

@@ -1,8 +1,9 @@
 """How the searches for one problem differ where several processes search for it at once.
 
 Each has a seed of its own. The first one is what a search alone would be. With one thread each, the
-others give local search nearly all of their time, but for every third, which proves: only it gives
-CP-SAT all of the time. From the third on, CP-SAT has parameters of another family each.
+others give local search all of their time where it knows the problem, but for every third, which
+proves: it gives CP-SAT all of the time. From the third on, CP-SAT has parameters of another family
+each.
 """
 
 from __future__ import annotations
@@ -14,9 +15,6 @@ from irc.targets import Part
 SINGLE_SHARE = 0.5
 SINGLE_SECONDS = 30.0
 """With one worker, the part of the time that local search gets, and the most, before CP-SAT."""
-
-SEARCH_SHARE = 0.9
-"""The same share in a process that is there to search: the rest is for CP-SAT to improve on it."""
 
 PROVES = 3
 """Every third process proves."""
@@ -31,14 +29,16 @@ FAMILIES: tuple[dict[str, object], ...] = (
 """Parameters of CP-SAT that lead it to other searches; none changes what is a solution."""
 
 
-def search_limits(part: Part | None) -> tuple[float, float]:
-    """(share of the time, seconds) of local search before CP-SAT, with one worker."""
-    if part is None or part.count == 1:
-        return SINGLE_SHARE, SINGLE_SECONDS
+def search_limits(part: Part | None) -> tuple[float, float, bool]:
+    """(share of the time, seconds, whether at once) of local search, with one worker.
+
+    Where it does not begin at once, CP-SAT is alone first; after it, CP-SAT has the rest.
+    """
+    if part is None or part.number == 0:
+        return SINGLE_SHARE, SINGLE_SECONDS, False
     if part.number % PROVES == PROVES - 1:
-        return 0.0, 0.0
-    share = SEARCH_SHARE if part.number else SINGLE_SHARE
-    return share, float("inf")
+        return 0.0, 0.0, False
+    return 1.0, float("inf"), True
 
 
 def vary(solver: cp_model.CpSolver, part: Part) -> None:
