@@ -79,14 +79,19 @@ def in_their_order(
 ) -> list[Decision]:
     """The decisions, in which each change has a place among the ends of its instant.
 
-    An engine does not say where a change comes; every place is tried until all conditions find
-    their values. (Ranks are spread, so that there is a place between any two.) Raises `AnswerError`
-    where no place suits.
+    An engine does not say where a change comes; every place is tried until all conditions before
+    the next change of the same variable find their values. (Ranks are spread, so that there is a
+    place between any two.) Raises `AnswerError` where no place suits.
     """
     spread = [replace(d, rank=3 * d.rank, end_rank=3 * d.end_rank) for d in decisions]
     for change in changes:
         spread[change.index] = Decision(change.at, change.at)
-    for change in changes:
+    following = dict[tuple[int, bool], int]()
+    until = list[int | None]()
+    for change in reversed(changes):
+        until.append(following.get((change.var, change.number)))
+        following[change.var, change.number] = change.at
+    for change, end_of_view in zip(changes, reversed(until), strict=True):
         moments: dict[_Key, None] = {(change.at, -1): None}
         for i in range(len(problem.activities) - len(changes)):
             end, rank = spread[i].end, spread[i].end_rank
@@ -94,8 +99,55 @@ def in_their_order(
                 spread[i].start < change.at <= end <= change.at + tolerance
             ):
                 moments |= {(end, rank - 1): None, (end, rank): None, (end, rank + 1): None}
-        spread[change.index] = _best_place(problem, spread, change, sorted(moments), tolerance)
+        seen = problem if end_of_view is None else _before(problem, spread, change, end_of_view)
+        spread[change.index] = _best_place(seen, spread, change, sorted(moments), tolerance)
     return spread
+
+
+def _before(
+    problem: Problem, decisions: Sequence[Decision], change: ChangeActivity, until: int
+) -> Problem:
+    """The problem as far as the variable of a change is read, held or changed before a time.
+
+    What holds beyond that time holds on both sides of the instant of the change, wherever in it
+    the change comes.
+    """
+    kept = []
+    for activity, decision in zip(problem.activities, decisions, strict=True):
+        starts, ends = decision.start < until, decision.end < until
+        if ends or not _touches(activity, change):
+            kept.append(activity)
+            continue
+        details = activity.details
+        if change.number:
+            mine = change.var
+            details = replace(
+                details,
+                number_conditions=tuple(
+                    c
+                    for c in details.number_conditions
+                    if c.number != mine or (starts and c.at == "start")
+                ),
+                number_effects=tuple(
+                    e
+                    for e in details.number_effects
+                    if e.number != mine or (starts and not e.at_end)
+                ),
+            )
+        else:
+            details = replace(
+                details,
+                conditions=tuple(
+                    c
+                    for c in details.conditions
+                    if c.var != change.var or (starts and c.at == "start")
+                ),
+                effects=tuple(
+                    e for e in details.effects if e.var != change.var or (starts and not e.at_end)
+                ),
+            )
+        kept.append(replace(activity, details=details))
+    return replace(problem, activities=tuple(kept), goals=(), number_goals=())
 
 
 def _best_place(

@@ -8,11 +8,12 @@ import pytest
 
 import irc
 from builders import Document, act, at, task_of
+from irc.driver.solve import solve_task
 from irc.frontends.dsl.printer import print_task
 from irc.frontends.dsl.task import dsl_task
 from irc.model import Event, Task
 from irc.schedule import Status
-from irc.targets import get_backend
+from irc.targets import SolveOptions, get_backend
 
 DOOR = {
     "id": "door",
@@ -61,6 +62,21 @@ def test_a_change_is_no_action_and_not_in_the_makespan() -> None:
         task_of(act("a", 3, conditions=[at("start", "door", False)]), state=[late])
     )
     assert (schedule.makespan, [entry.id for entry in schedule.entries]) == (3, ["a"])
+
+
+@pytest.mark.parametrize("changes", [[True, False], [False, True], [False, True, False]])
+@pytest.mark.parametrize("number", [False, True])
+def test_ends_at_several_changes_find_each_its_side(changes: list[bool], number: bool) -> None:
+    """The place of one change among the ends of its instant does not hang on the next change."""
+    values = [{"at": k + 1, "value": 5 * v if number else v} for k, v in enumerate(changes)]
+    needed = {"at_least": 1} if number else {"value": True}
+    reads = act("b", 1, conditions=[{"at": "end", "var": "door", **needed}])
+    reads["occurs"] = {"min": 2, "max": 2}
+    kind = {"kind": "number", "min": 0, "max": 5, "initial": 5} if number else {"initial": True}
+    task = task_of(reads, state=[{"id": "door", **kind, "changes": values}])
+    schedule = solve_task(task, SolveOptions("cpsat", workers=1, shortcut=False)).schedule
+    assert schedule.status is Status.OPTIMAL
+    assert [(e.start, e.end) for e in schedule.entries] == [(0, 1), (1, 2)]
 
 
 def test_a_goal_may_wait_for_the_world() -> None:
