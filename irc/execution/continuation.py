@@ -28,6 +28,7 @@ from irc.execution.warm_start import warm_start
 from irc.model import Task
 from irc.model.garbage import without_garbage
 from irc.model.quantities import Number
+from irc.model.world_changes import is_world_change
 from irc.passes import bounded_by_stock, order_from_state, resource_bounds, run_passes
 from irc.passes.contention import drop_uncontended
 from irc.passes.critical_path import heads_and_tails
@@ -151,14 +152,15 @@ class Repair:
 
     def with_status(self, schedule: Schedule, given_up: Sequence[int]) -> Schedule:
         """Marks the entries as cancelled, as abandoned where their group is given up, or as begun
-        where they were observed to begin now (of what does not repeat, the task fixes the start).
+        where they were observed to begin now.
         """
         groups, activities = self.frozen.problem.groups, self.frozen.problem.activities
         kept = {i for k, g in enumerate(groups) if k not in given_up for i in g.members}
         lost = {activities[i].id for k in given_up for i in groups[k].members if i not in kept}
 
-        free = {action.id for action in self.task.actions if action.start is None}
-        begun = {key for key in self.frozen.begun if key[0] in free}
+        clock = self.task.clock
+        world = {action.id for action in self.task.actions if is_world_change(action, clock)}
+        begun = {key for key in self.frozen.begun if key[0] not in world}
 
         def marked(entry: Entry) -> Entry:
             before = self.history.entries.get(key_of(entry))

@@ -86,7 +86,10 @@ class Execution:
         self._plannable = Plannable(self.options.target)
         self._task: Task | None = self._told
         self._schedule = schedule
-        self._history = History.of(schedule, self.now, assumes=presume == "assume")
+        clock = self._told.clock
+        starts = {a.id: clock.number(a.start) for a in self._told.actions if a.start is not None}
+        assumes = presume == "assume"
+        self._history = History.of(schedule, self.now, assumes=assumes, starts=starts)
         self._events: list[Event] = []
         self._known: _Facts | None = None
 

@@ -15,12 +15,14 @@ from irc.diagnostics.source import Pointer
 from irc.execution.event_step import EventStep
 from irc.execution.history import History
 from irc.execution.observe import expects, observe
+from irc.execution.possible import precedence_reason
 from irc.execution.presumed import fix_begun
 from irc.execution.state import key_of
 from irc.model import DurationRange, Event, Task
 from irc.model.events import (
     AddActions,
     AddGroups,
+    AddPrecedence,
     CancelActions,
     CancelGroups,
     Observe,
@@ -205,6 +207,12 @@ def _add_actions(step: EventStep, change: AddActions, _: Pointer) -> None:
     step.actions.update((action.id, action) for action in change.actions)
 
 
+def _add_precedence(step: EventStep, change: AddPrecedence, _: Pointer) -> None:
+    """Notes which precedences come after the start that they bind: it has not waited for them."""
+    added = (edge for edge in change.precedence if (edge.after, 1) in step.history.begun)
+    step.history.came_later |= frozenset(map(precedence_reason, added))
+
+
 def _add_groups(step: EventStep, change: AddGroups, _: Pointer) -> None:
     step.groups.update((group.id, group) for group in change.groups)
 
@@ -213,6 +221,7 @@ _FOLLOWED: Mapping[type, Callable[[EventStep, Any, Pointer], None]] = MappingPro
     {
         AddActions: _add_actions,
         AddGroups: _add_groups,
+        AddPrecedence: _add_precedence,
         CancelActions: _cancel_actions,
         CancelGroups: _cancel_groups,
         RetryAction: _retry_action,

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 from irc.execution.observations import Observed
 from irc.execution.state import ExecutionState, Key, key_of, state_of
 from irc.model.quantities import Number
-from irc.schedule import CANCELLED, Entry, Schedule
+from irc.schedule import BEGUN, CANCELLED, Entry, Schedule
+
+_NO_STARTS: Mapping[str, Number] = MappingProxyType({})
 
 
 @dataclass
 class History:
     """The entries of the schedule that is being carried out, and what has been observed.
 
-    `begun` are the occurrences that had begun when an event revised the task or a plan was made;
-    `done` are those that had ended in the schedule that it all began with. `late` are those that
+    `begun` are the occurrences that had begun when an event revised the task or a plan was made,
+    and `came_later` the precedences that an event has added behind a start (as reasons against it);
+    of the schedule that it all began with, `done` are those that had ended, and `fixed` those whose
+    start was observed before: the task fixes it, or their status says so. `late` are those that
     cannot have begun as planned: they wait for an observation or the next plan. `cancelled` has for
     each action that must not begin any more the time since when. `plan` has the entries as planned;
     events do not change it.
@@ -38,17 +43,32 @@ class History:
     """Whether something has come in since the last plan."""
     count: int = 0
     """The number of events that have come in."""
+    fixed: frozenset[Key] = frozenset()
+    came_later: frozenset[tuple[Hashable, ...]] = frozenset()
     least_ends: Mapping[Key, Number] = field(default_factory=dict)
     """Times before which running occurrences of actions that repeat do not end."""
 
     @classmethod
-    def of(cls, schedule: Schedule, at: Number = 0, *, assumes: bool = True) -> History:
-        """The history with the entries of a schedule, which has been carried out until `at`."""
-        entries = {key_of(entry): entry for entry in schedule.entries}
-        begun = {key: entry for key, entry in entries.items() if entry.start < at}
+    def of(
+        cls,
+        schedule: Schedule,
+        at: Number = 0,
+        *,
+        assumes: bool = True,
+        starts: Mapping[str, Number] = _NO_STARTS,
+    ) -> History:
+        """The history with the entries of a schedule, which has been carried out until `at`.
+
+        `starts` are the starts that the task fixes. (It does so for those that were observed.)
+        """
+        entries = {key_of(entry): without_begun(entry) for entry in schedule.entries}
+        seen = {key_of(e) for e in schedule.entries if e.start == at and e.status == BEGUN}
+        begun = {key: e for key, e in entries.items() if e.start < at or key in seen}
+        fixed = {key for key, e in begun.items() if starts.get(key[0]) == e.start}
         return cls(
             entries,
             begun=set(begun),
+            fixed=frozenset(fixed | seen),
             done={key for key, entry in begun.items() if entry.end <= at},
             cancelled={e.id: e.end for e in schedule.entries if e.status == CANCELLED},
             plan=dict(entries),
@@ -77,6 +97,11 @@ class History:
     def reject(self, now: Number) -> None:
         """Takes note that there is no plan: nothing of the previous one is presumed from now on."""
         self.held = now if self.held is None else min(self.held, now)
+
+
+def without_begun(entry: Entry) -> Entry:
+    """The entry without the status that it was observed to begin, which is in the history."""
+    return replace(entry, status=None) if entry.status == BEGUN else entry
 
 
 def ids(entries: Collection[Entry]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ or ended until that was observed.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -14,7 +15,7 @@ from functools import cached_property
 from math import floor
 
 from irc.events.observed import Outcome
-from irc.execution.history import History
+from irc.execution.history import History, without_begun
 from irc.execution.observations import Observed
 from irc.execution.possible import Happened
 from irc.execution.state import Key, key_of
@@ -115,7 +116,7 @@ def adopt(history: History, schedule: Schedule, now: Number, begun: Collection[K
     history.plan = {key_of(entry): entry for entry in schedule.entries}
     # (That it failed is an observation, which may be corrected.)
     history.entries = {
-        key: replace(entry, status=None) if key in failed else entry
+        key: replace(entry, status=None) if key in failed else without_begun(entry)
         for key, entry in history.plan.items()
     }
     history.begun = {k for k, e in history.entries.items() if k in begun or e.start < now}
@@ -183,6 +184,11 @@ def length_of(action: Action, entry: Entry, clock: Clock) -> Number | None:
     return clock.number(duration)
 
 
+def _order(entry: Entry) -> tuple[Number, int, str, int]:
+    """The order in which entries are asked whether they can have begun."""
+    return entry.start, entry.rank, entry.id, entry.occurrence
+
+
 class _Presuming:
     def __init__(
         self, history: History, task: Task, now: Number, actions: Mapping[str, Action] | None
@@ -212,12 +218,16 @@ class _Presuming:
                 continue
             else:
                 entries[key] = self._to_its_end(entry) if key in history.begun else entry
-                if not observed.waits and self._is_due(key, entry):
+                if observed.waits:
+                    continue
+                if key in history.fixed:
+                    known[key] = entries[key]
+                elif self._is_due(key, entry):
                     possible.append(entries[key])
         if not possible or (history.assumes and self._as_planned(known)):
             begun = {*known, *map(key_of, possible)}
             return Presumed(_ended(entries, begun, self), begun)
-        return self._judged(entries, known, sorted(possible, key=lambda e: (e.start, e.rank)))
+        return self._judged(entries, known, sorted(possible, key=_order))
 
     def _as_planned(self, known: Mapping[Key, Entry]) -> bool:
         """Whether nothing has come in since the last plan, and what is known goes as planned."""
@@ -243,40 +253,63 @@ class _Presuming:
     def _judged(
         self, entries: dict[Key, Entry], known: dict[Key, Entry], possible: list[Entry]
     ) -> Presumed:
-        """The facts where each of `possible` has begun if it can have, beside what is `known`."""
+        """The facts where each of `possible` has begun if it can have, beside what is `known`.
+
+        The first that cannot have begun has not, and then all are asked again.
+        """
         happened = Happened.all_of(self.task, (*known.values(), *possible), self.now)
         happened.certain = known
         happened.planned = {k: e for k, e in entries.items() if k not in happened.begun}
-        as_planned: Happened | None = None
+        happened.order = {key_of(entry): k for k, entry in enumerate(possible)}
         numbers: dict[str, list[int]] = {}
         for name, number in happened.begun:
             numbers.setdefault(name, []).append(number)
-        for entry in possible:
+        place = 0
+        while place < len(possible):
+            entry = possible[place]
+            place += 1
             key = key_of(entry)
-            if key not in happened.begun:
+            if key not in happened.begun or not self._is_forbidden(happened, entry):
                 continue
-            faults = happened.faults(entry)
-            if any(faults) and key in self.history.begun:
-                # (What an event forbade after it had begun is no reason that it has not.)
-                if as_planned is None:
-                    plan = self.history.plan
-                    as_planned = Happened.all_of(self.task, plan.values(), self.now)
-                before = as_planned.faults(self.history.plan.get(key, entry))
-                faults = [now and not then for now, then in zip(faults, before, strict=True)]
             after = [(key[0], number) for number in numbers[key[0]] if number > key[1]]
             later = [k for k in after if k in happened.begun]
-            if not any(faults) or any(k in known for k in later):
+            if any(k in known for k in later):
                 continue
-            for k in later:  # Occurrences are numbered by start.
+            for k in (key, *later):  # Occurrences are numbered by start.
                 happened.planned[k] = happened.begun[k]
                 happened.remove(happened.begun[k])
-            happened.remove(entry)
             if entry.status == CANCELLED:
-                del entries[key]
-            else:
-                happened.planned[key] = entry
+                del entries[key], happened.planned[key]
+            place = min(place, self._first_that_relies_on(happened, entry, possible))
         begun = set(happened.begun)
         return Presumed(_ended(entries, begun, self), begun)
+
+    def _is_forbidden(self, happened: Happened, entry: Entry) -> bool:
+        """Whether what has happened forbids the start of an entry.
+
+        What an event forbade after it had begun is no reason that it has not.
+        """
+        reasons = happened.reasons(entry)
+        if not reasons or key_of(entry) not in self.history.begun:
+            return bool(reasons)
+        planned = self.history.entries.get(key_of(entry), entry)
+        return bool(reasons - self.history.came_later - self._as_the_plan_has_it.reasons(planned))
+
+    @cached_property
+    def _as_the_plan_has_it(self) -> Happened:
+        """The facts if all is carried out as planned, and as events have changed it."""
+        happened = Happened.all_of(self.task, self.history.entries.values(), self.now)
+        observed = (key for key, o in self.history.observed.items() if o.has_begun)
+        happened.certain = {*self.history.fixed, *observed}
+        return happened
+
+    def _first_that_relies_on(
+        self, happened: Happened, entry: Entry, possible: Sequence[Entry]
+    ) -> int:
+        """The first place of what an entry that has not begun may have let begin."""
+        same_time = bisect_left(possible, entry.start, key=lambda e: e.start)
+        after = (happened.order.get((name, 1)) for name in happened.after.get(entry.id, ()))
+        return min((same_time, *(place for place in after if place is not None)))
 
     def _as_observed(self, key: Key, entry: Entry | None, observed: Observed) -> Entry:
         """The entry of what was observed to have begun."""

@@ -24,7 +24,8 @@ from irc.model import (
 from irc.model.objectives import is_time
 from irc.model.quantities import Number
 from irc.model.times import Clock
-from irc.schedule import BEGUN, CANCELLED, Entry, LeftOut, Schedule
+from irc.model.world_changes import is_world_change
+from irc.schedule import ABANDONED, BEGUN, CANCELLED, Entry, LeftOut, Schedule
 from irc.validation.open_times import Calendars, Span, time_in
 
 
@@ -339,12 +340,10 @@ def _past(
     clock: Clock,
     at: Number,
 ) -> Past | None:
-    """Whether a start at `at` itself is history: it was observed, as the status says or the task,
-    which fixes it.
+    """Whether an entry is history, and until when; a start at `at` itself is, where its status says
+    that it was observed, and a change of the world.
     """
-    fixed = action.start is not None and clock.number(action.start) == at
-    observed = entry.start == at and (entry.status == BEGUN or fixed)
-    if not (entry.start < at or observed):
+    if entry.start > at or (entry.start == at and not _began_now(entry, action, clock)):
         return None
     shortest, longest = bounds
     over = entry.end <= at
@@ -354,6 +353,13 @@ def _past(
         return Past(over, entry.end, entry.end)  # It was observed to take another time.
     earliest = max(at, entry.start + shortest)
     return Past(over, earliest, max(earliest, entry.start + longest))
+
+
+def _began_now(entry: Entry, action: Action, clock: Clock) -> bool:
+    """Whether an entry that starts as of when it is judged has begun."""
+    if entry.status in (CANCELLED, ABANDONED):
+        return action.start is not None and clock.number(action.start) == entry.start
+    return entry.status == BEGUN or is_world_change(action, clock)
 
 
 def _check_exact(entry: Entry) -> None:

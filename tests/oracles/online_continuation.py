@@ -26,6 +26,7 @@ from irc.model import Action, DurationRange, Event, Group, Precedence, Resource,
 from irc.model.events import AddGroups, CancelActions, CancelGroups, Observe, RetryAction
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule
+from oracles.online_presumed import not_begun
 from oracles.state_brute_force import Optimum, Past, TooLargeError, optimum
 
 CANCELLED = "cancelled"
@@ -79,22 +80,22 @@ def frozen(
 ) -> list[Frozen]:
     """What has started by `at`, as the events at `at` have it; they have revised `before`.
 
+    Without an observation that is what was to start before, but for what cannot have.
+
     Raises `NotCompared` where something is observed that the schedule did not plan.
     """
     old = {(e.id, e.occurrence): e for e in schedule.entries}
     entries = dict(old)
-    started = {key for key, e in entries.items() if e.start < at}
-    ended = {key for key, e in entries.items() if e.start < at and e.end <= at}
+    observed = {}
     for change in (change for event in events for change in event.changes):
         if isinstance(change, Observe):
             key = (change.action, 1)
             if key not in entries:
                 raise NotCompared("observed, and not planned")
-            entries[key] = _observed(task, entries[key], change)
-            started.add(key)
-            ended.discard(key)
-            if change.finished is not None or entries[key].end <= at:
-                ended.add(key)
+            entries[key] = observed[key] = _observed(task, entries[key], change)
+    waiting = not_begun(before, schedule, at, observed) if observed else frozenset()
+    started = {key for key, e in old.items() if e.start < at} - waiting | observed.keys()
+    ended = {key for key in started if entries[key].end <= at}
     gone = cancelled(before, events)
     found = []
     for key in sorted(started):

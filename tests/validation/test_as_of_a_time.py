@@ -42,10 +42,22 @@ def test_what_began_before_is_history_and_what_begins_then_is_not() -> None:
 
 
 def test_what_was_observed_to_begin_just_then_is_history() -> None:
-    observed = task_of(act("a", 3, deadline=6, start=4))
-    assert judged(observed, 4, Entry("a", 4, 7)) == ([], ["deadline"])
-    assert judged(observed, 3, Entry("a", 4, 7)) == (["deadline"], [])
-    assert judged(observed, 5, Entry("a", 5, 8)) == (["start", "deadline"], [])
+    for task in (task_of(act("a", 3, deadline=6)), task_of(act("a", 3, deadline=6, start=4))):
+        begun = Entry("a", 4, 7, status="begun")
+        assert judged(task, 4, begun) == ([], ["deadline"])
+        early = validate(task, Schedule((begun,)), 3)
+        assert told(early) == (["status", "deadline"], [])
+        assert judged(task, 4, Entry("a", 4, 7)) == (["deadline"], [])
+
+
+def test_a_change_of_the_world_just_then_is_history() -> None:
+    late = {"at": "start", "var": "v", "value": True}
+    change = act("v at 4", 0, start=4, effects=[late])
+    task = task_of(change, act("b", 5, effects=[{**late, "value": False}]), state=[{"id": "v"}])
+    ranked = [Entry("v at 4", 4, 4, rank=1), Entry("b", 4, 9, rank=1)]
+    assert judged(task, 4, *ranked) == (["interference"], [])
+    begun = [ranked[0], Entry("b", 4, 9, rank=1, status="begun")]
+    assert judged(task, 4, *begun) == ([], ["interference"])
 
 
 def test_without_a_time_nothing_is_carried_and_nothing_is_said_of_it() -> None:

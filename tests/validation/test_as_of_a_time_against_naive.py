@@ -33,8 +33,10 @@ from oracles.naive_validation import (
 
 
 def is_past(task: Task, entry: Entry, at: Number) -> bool:
-    fixed = {action.id: action.start for action in task.actions}.get(entry.id)
-    return entry.start < at or entry.start == at == fixed
+    changed = {f"{variable.id} at {at}" for variable in task.state}
+    return entry.start < at or (
+        entry.start == at and (entry.status == "begun" or entry.id in changed)
+    )
 
 
 def only(task: Task, entries: Sequence[Entry], at: Number) -> list[Entry]:
