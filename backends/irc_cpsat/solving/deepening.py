@@ -34,9 +34,10 @@ from irc_cpsat.solving.hinting import complete_hint
 from irc_cpsat.solving.improving import Improving
 from irc_cpsat.solving.levels import LevelResult, LexicographicResult, solve_levels
 from irc_cpsat.solving.outcome import better, outcome_of
+from irc_cpsat.solving.parts import improve_parts
 from irc_cpsat.solving.reporting import Reporter, tell_hint
 from irc_cpsat.solving.rounds import Rounds
-from irc_cpsat.solving.solution import Answer, Reached
+from irc_cpsat.solving.solution import Answer, FoundSolution, Reached
 from irc_cpsat.solving.variations import vary
 
 _DEPTH_SHARE = 0.4
@@ -49,8 +50,13 @@ _MOST_LISTING_SECONDS = 20.0
 _MOST_SEARCHING_SECONDS = 3.0
 """The time that local search has for it at most, where it knows the problem."""
 
-_MOVES_SHARE = 0.3
-"""The part of the time for fewer moves in which the compiler searches for them itself."""
+_MOVES_SHARE = 0.1
+"""The part of all time left in which the compiler searches for fewer moves itself, at most."""
+
+_PARTS_SHARE = 0.25
+"""The part of all time left in which CP-SAT then searches parts for fewer moves, at most. (It ends
+where no part has any, which it soon does where there are few moves.)
+"""
 
 _MOVES = 40
 """The number of orders that are tried for it at most, for each pair of activities."""
@@ -231,33 +237,55 @@ class DeepeningSearch:
         if budget.is_cancelled:
             return cp_model.UNKNOWN, Reached(0)
         if objective == "changes" and earlier:
-            self._begin_with_few_moves(built, budget)
+            return self._few_moves(built, earlier, budget)
         budget = budget.at_least(self._least)
         # (Counted work has rounds for both, however little it is.)
         enough = budget.work is not None or budget.left > LEAST_SECONDS
         if self._improving is not None and not earlier and enough:
             return self._beside(built, objective, self._improving, budget)
+        return self._asked(built, objective, earlier, budget)
+
+    def _asked(
+        self, built: Model, objective: str, earlier: Sequence[LevelResult], budget: Budget
+    ) -> tuple[Any, cp_model.CpSolver]:
+        """The status and the answer of CP-SAT alone."""
         solver = self._solver(self.options.workers)
         if self.options.on_progress is None:
             return asked(solver, built.model, budget), solver
         return self._reporter(built, objective, earlier).asked(solver, budget), solver
 
-    def _begin_with_few_moves(self, built: Model, budget: Budget) -> None:
-        """Makes the best schedule the hint, after a search of the compiler's for fewer moves.
+    def _few_moves(
+        self, built: Model, earlier: Sequence[LevelResult], budget: Budget
+    ) -> tuple[Any, Answer]:
+        """The same for the number of moves, after searches for fewer ones."""
+        found = self._begin_with_few_moves(built, budget)
+        status, solver = self._asked(built, "changes", earlier, budget.at_least(self._least))
+        if found is None or status in (cp_model.OPTIMAL, cp_model.MODEL_INVALID):
+            return status, solver
+        # (Of a large model CP-SAT may not come to its hint in time.)
+        value = built.values["changes"]
+        if status == cp_model.FEASIBLE and solver.value(value) <= found.value(value):
+            return status, solver
+        return cp_model.FEASIBLE, Reached(0, found)
 
-        (Its rules are tried for a part of the time; how busy the machine is must not decide what a
-        deterministic call does.)
+    def _begin_with_few_moves(self, built: Model, budget: Budget) -> FoundSolution | None:
+        """Makes a schedule with few moves the hint; the best solution of parts, if there is one.
+
+        First the rules of the compiler are tried, then CP-SAT searches parts. (Both for a share of
+        the time; how busy the machine is must not decide what a deterministic call does.)
         """
         known = hinted(built)
         if known is None or self._builder is None or not knows_moves(built.problem):
-            return
+            return None
         if built.problem.previous.stability or self._work is not None:
-            return
-        part = budget.share(_MOVES_SHARE)
+            return None
+        part = self.budget.share(_MOVES_SHARE)
         found = fewer_moves(built.problem, known, lambda: part.is_over)
         if found is not None:
             hint_at(self._builder, built, found)
             complete_hint(built, budget)
+        share = self.budget.share(_PARTS_SHARE)
+        return improve_parts(built, lambda: self._solver(1), share)
 
     def _beside(
         self, built: Model, objective: str, improving: Improving, budget: Budget
