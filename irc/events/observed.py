@@ -16,7 +16,7 @@ class Outcome(NamedTuple):
 
     `started` is an observed start. `length` is how long it took, or takes as far as is known;
     `at_least`: how long it takes at least. `failed` is when it failed, `began` its start, observed
-    or planned.
+    or planned, and `resources` those that it held, if that is known.
     """
 
     action: str
@@ -25,6 +25,7 @@ class Outcome(NamedTuple):
     at_least: Number | None = None
     failed: Number | None = None
     began: Number = 0
+    resources: tuple[str, ...] | None = None
 
 
 def with_start(action: Action, started: Number, clock: Clock) -> Action:
@@ -38,10 +39,17 @@ def with_start(action: Action, started: Number, clock: Clock) -> Action:
     return action.model_copy(update=fields)
 
 
-def working_time(task: Task, action: Action, start: Number, end: Number) -> Number:
+def working_time(
+    task: Task,
+    action: Action,
+    start: Number,
+    end: Number,
+    resources: tuple[str, ...] | None = None,
+) -> Number:
     """How much of an action's time was work: what lies between its start and its end, less pauses.
 
-    Of resources that it might have taken the first count; a schedule knows which it took.
+    `resources` are those that it took. Where these are not known, the first that it might have
+    taken count.
     """
     if action.breaks != "pause" or start >= end:
         return end - start
@@ -50,6 +58,7 @@ def working_time(task: Task, action: Action, start: Number, end: Number) -> Numb
     calendars = Calendars(task, task.clock, end)
     closed = [] if action.calendar is None else [calendars.closed(action.calendar)]
     taken = {use.alternatives[0] for use in action.uses if use.alternatives}
+    taken = taken if resources is None else set(resources)
     closed += [calendars.without_capacity(r) for r in task.resources if r.id in taken]
     return exact(Fraction(end - start - time_in(closed, start, end)))
 
@@ -95,10 +104,10 @@ def written(task: Task, action: Action, outcome: Outcome) -> Action:
         action = with_start(action, outcome.started, clock)
     began = outcome.began
     if outcome.length is not None:
-        work = working_time(task, action, began, began + outcome.length)
+        work = working_time(task, action, began, began + outcome.length, outcome.resources)
         action = with_length(ended_at(action, began + outcome.length, clock), work)
     if outcome.at_least is not None:
-        work = working_time(task, action, began, began + outcome.at_least)
+        work = working_time(task, action, began, began + outcome.at_least, outcome.resources)
         action = lasting(action, work, clock)
     return action
 

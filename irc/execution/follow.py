@@ -18,6 +18,7 @@ from irc.execution.observe import expects, observe
 from irc.execution.possible import precedence_reason
 from irc.execution.presumed import fix_begun
 from irc.execution.state import key_of
+from irc.execution.work_spans import WorkSpans
 from irc.model import DurationRange, Event, Task
 from irc.model.events import (
     AddActions,
@@ -160,10 +161,10 @@ def _set_duration(step: EventStep, change: SetDuration, at: Pointer) -> None:
     else:
         least = most = step.clock.number(duration)
     for entry in step.occurrences(change.action):
-        if not step.is_frozen(entry):
+        if action is None or not step.is_frozen(entry):
             continue
         if not step.is_running(entry):
-            if action is not None and not action.may_repeat:
+            if not action.may_repeat:
                 step.add_finding(
                     Code.ALREADY_DONE,
                     f"action {change.action!r} ended at {step.text(entry.end)}, "
@@ -173,20 +174,22 @@ def _set_duration(step: EventStep, change: SetDuration, at: Pointer) -> None:
                     "ended), or leave this out",
                 )
             continue
-        if entry.start + most < step.at:
+        spans = WorkSpans(step.task, (entry.start, entry.end, step.at, least, most))
+        done, planned = spans.work(action, entry, step.at), spans.work(action, entry)
+        if most < done:
             step.add_finding(
                 Code.EVENT_TIME,
                 f"action {change.action!r} started at {step.text(entry.start)}; with this duration "
-                f"it would have ended at {step.text(entry.start + most)}, before the event "
-                f"({step.text(step.at)})",
+                f"it would have ended at {step.text(spans.end(action, entry, most))}, before the "
+                f"event ({step.text(step.at)})",
                 (*at, "duration"),
-                f"at least {step.text(step.at - entry.start)} is needed; to end it now, cancel "
+                f"at least {step.text(done)} is needed; to end it now, cancel "
                 "it or observe that it finished",
             )
             continue
-        length = max(least, step.at - entry.start, min(entry.end - entry.start, most))
-        step.put(entry, end=entry.start + length)
-        expects(step, key_of(entry), entry.start + length)
+        end = spans.end(action, entry, max(least, done, min(planned, most)))
+        step.put(entry, end=end)
+        expects(step, key_of(entry), end)
 
 
 def _set_goals(step: EventStep, change: SetGoals, at: Pointer) -> None:

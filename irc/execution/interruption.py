@@ -8,14 +8,13 @@ from irc.diagnostics import Code, Diagnostic
 from irc.diagnostics.listing import and_more
 from irc.diagnostics.source import Pointer
 from irc.execution.state import ExecutionState
-from irc.lowering.lower import lower
+from irc.execution.work_spans import WorkSpans
 from irc.model import Action, Event, Precedence, Task
 from irc.model.cancellation import latest
 from irc.model.details import Lapsed
 from irc.model.events import CancelActions, Change, RetryAction, SetCapacity
 from irc.model.quantities import Number
 from irc.model.times import json_number
-from irc.problem.work_times import WorkTimesOf
 from irc.schedule import Entry
 
 _SHOWN = 5
@@ -79,22 +78,10 @@ def _stands(action: Action, change: SetCapacity) -> bool:
 def _again(action: Action, entry: Entry, at: Number, task: Task) -> RetryAction:
     fields: dict[str, object] = {"op": "retry_action", "action": action.id}
     if action.on_failure != "restart":
-        fields["done"] = json_number(_work_done(action, entry, at, task))
+        fields["done"] = json_number(WorkSpans(task, (entry.start, at)).work(action, entry, at))
         if action.modes:
             fields["mode"] = entry.mode
     return RetryAction.model_validate(fields)
-
-
-def _work_done(action: Action, entry: Entry, at: Number, task: Task) -> Number:
-    """The part of the duration that a running occurrence has behind it at `at`, without pauses."""
-    if action.breaks != "pause":
-        return at - entry.start
-    problem = lower(task, (entry.start, at))
-    activity = next(a for a in problem.activities if a.id == action.id)
-    held = [r for r, resource in enumerate(problem.resources) if resource.id in entry.resources]
-    times = WorkTimesOf(problem).of(activity, held)
-    start, now = problem.whole_ticks(entry.start), problem.whole_ticks(at)
-    return problem.to_units(times.work_before(now) - times.work_before(start))
 
 
 def lapses(

@@ -8,7 +8,7 @@ or ended until that was observed.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -19,6 +19,7 @@ from irc.execution.history import History, without_begun
 from irc.execution.observations import Observed
 from irc.execution.possible import Happened
 from irc.execution.state import Key, key_of
+from irc.execution.work_spans import WorkSpans
 from irc.model import Action, DurationRange, Task, Use
 from irc.model.quantities import Number, exact
 from irc.model.times import Clock, common_tick
@@ -73,6 +74,7 @@ def _least_ends(
     """Times before which what runs of actions that repeat does not end."""
     if history.assumes and not history.observed:
         return
+    spans = _spans(task, history, task.actions)
     repeat = {action.id: action for action in task.actions if action.may_repeat}
     for key in taken.begun if repeat else ():
         action, entry = repeat.get(key[0]), taken.entries[key]
@@ -80,8 +82,8 @@ def _least_ends(
         seen = observed.end is not None and observed.ended is None
         if action is None or entry.end <= now or not (seen or not history.assumes):
             continue
-        usual = length_of(action, entry, task.clock) == entry.end - entry.start
-        soonest = min(entry.end, soon(action, entry, task, now))
+        usual = length_of(action, entry, spans, task.clock) == spans.work(action, entry)
+        soonest = min(entry.end, soon(action, entry, task, now, spans))
         yield key, soonest if usual else entry.end
 
 
@@ -132,6 +134,7 @@ def outcomes(history: History, task: Task, now: Number) -> list[Outcome]:
     if not history.observed and history.assumes:
         return found
     actions = {a.id: a for a in task.actions if not a.may_repeat}
+    spans = _spans(task, history, task.actions)
     for key, entry in history.entries.items():
         action = actions.get(key[0])
         if action is None or key not in history.begun:
@@ -139,12 +142,34 @@ def outcomes(history: History, task: Task, now: Number) -> list[Outcome]:
         observed = history.observed.get(key, _NOTHING)
         if not observed.has_begun and (history.assumes or key in history.done):
             continue
-        found.append(_outcome(history, task, action, entry, observed, now))
+        outcome = _outcome(history, task, action, entry, observed, now, spans)
+        found.append(outcome._replace(resources=tuple(entry.resources)))
     return found
 
 
+def _spans(task: Task, history: History, actions: Iterable[Action]) -> WorkSpans:
+    """The working times of a task, for all times that the history knows."""
+
+    def instants() -> Iterator[Number]:
+        for entry in (*history.entries.values(), *history.plan.values()):
+            yield from (entry.start, entry.end)
+        for observed in history.observed.values():
+            for fact in observed.facts:
+                yield from (fact.time, fact.expected or 0)
+        for action in actions:
+            yield from _durations(action, task.clock)
+
+    return WorkSpans(task, instants())
+
+
 def _outcome(
-    history: History, task: Task, action: Action, entry: Entry, observed: Observed, now: Number
+    history: History,
+    task: Task,
+    action: Action,
+    entry: Entry,
+    observed: Observed,
+    now: Number,
+    spans: WorkSpans,
 ) -> Outcome:
     started, took = observed.started, entry.end - entry.start
     if started is None and entry.start == now:
@@ -155,21 +180,22 @@ def _outcome(
         return Outcome(action.id, started, at_least=took, began=entry.start)
     if observed.ended is not None:
         return Outcome(action.id, started, took, began=entry.start)
-    usual = length_of(action, entry, task.clock)
+    usual = length_of(action, entry, spans, task.clock)
     expected = observed.end is not None and observed.end.expected is not None
     if usual is None:
         return Outcome(action.id, started)
-    if usual != took or (expected and observed.end is not None and not observed.end.as_planned):
+    other = usual != spans.work(action, entry)
+    if other or (expected and observed.end is not None and not observed.end.as_planned):
         return Outcome(action.id, started, took, began=entry.start)
     seen_now = observed.end is not None and observed.end.time == now
     if entry.end > now and (seen_now or not history.assumes):
-        soonest = min(entry.end, soon(action, entry, task, now))
+        soonest = min(entry.end, soon(action, entry, task, now, spans))
         return Outcome(action.id, started, at_least=soonest - entry.start, began=entry.start)
     return Outcome(action.id, started)
 
 
-def length_of(action: Action, entry: Entry, clock: Clock) -> Number | None:
-    """The duration of an occurrence: by the task if fixed, by the plan if a range.
+def length_of(action: Action, entry: Entry, spans: WorkSpans, clock: Clock) -> Number | None:
+    """The duration of an occurrence, without pauses: by the task if fixed, by the plan if a range.
 
     None where the action has modes and the entry gives none.
     """
@@ -179,7 +205,7 @@ def length_of(action: Action, entry: Entry, clock: Clock) -> Number | None:
     if duration is None:
         return None
     if isinstance(duration, DurationRange):
-        planned = entry.end - entry.start
+        planned = spans.work(action, entry)
         return max(clock.number(duration.min), min(planned, clock.number(duration.max)))
     return clock.number(duration)
 
@@ -323,10 +349,13 @@ class _Presuming:
         length = entry.end - entry.start
         if observed.started is not None or observed.way is not None:
             start = entry.start if observed.started is None else observed.started
-            its = None if action is None else length_of(action, entry, self.clock)
-            stopped = entry.status == CANCELLED
-            end = entry.end if stopped else start + (length if its is None else its)
-            entry = replace(entry, start=start, end=max(start, end))
+            its = None if action is None else length_of(action, entry, self.spans, self.clock)
+            end, entry = entry.end, replace(entry, start=start)
+            if entry.status != CANCELLED:
+                end = start + length
+                if action is not None and its is not None:
+                    end = self.spans.end(action, entry, its)
+            entry = replace(entry, end=max(start, end))
         if observed.ended is not None:
             status = CANCELLED if observed.failed else None
             return replace(entry, end=observed.ended, status=status)
@@ -357,16 +386,21 @@ class _Presuming:
 
     def soon(self, entry: Entry) -> Number:
         """When to expect an end that is overdue."""
-        return soon(self.actions.get(entry.id), entry, self.task, self.now)
+        return soon(self.actions.get(entry.id), entry, self.task, self.now, self.spans)
+
+    @cached_property
+    def spans(self) -> WorkSpans:
+        """The working times of what has begun."""
+        return _spans(self.task, self.history, self.actions.values())
 
 
-def soon(action: Action | None, entry: Entry, task: Task, now: Number) -> Number:
+def soon(action: Action | None, entry: Entry, task: Task, now: Number, spans: WorkSpans) -> Number:
     """When to expect an end that is overdue: a tenth of its duration from now.
 
     (In steps of the durations of the task, where these are not too coarse.)
     """
     clock = task.clock
-    its = None if action is None else length_of(action, entry, clock)
+    its = None if action is None else length_of(action, entry, spans, clock)
     length = its or entry.end - entry.start
     grid = common_tick(d for a in task.actions for d in _durations(a, clock))
     least = Fraction(length) / 10

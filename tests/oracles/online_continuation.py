@@ -93,7 +93,10 @@ def frozen(
             if key not in entries:
                 raise NotCompared("observed, and not planned")
             entries[key] = observed[key] = _observed(task, entries[key], change)
-    waiting = not_begun(before, schedule, at, observed) if observed else frozenset()
+    fixed = {a.id: task.number(a.start) for a in before.actions if a.start is not None}
+    known = {k: e for k, e in old.items() if e.start < at and fixed.get(e.id) == e.start}
+    known.update(observed)  # (An observation fixes a start.)
+    waiting = not_begun(before, schedule, at, known) if observed else frozenset()
     started = {key for key, e in old.items() if e.start < at} - waiting | observed.keys()
     ended = {key for key in started if entries[key].end <= at}
     gone = cancelled(before, events)

@@ -18,18 +18,22 @@ Key = tuple[str, int]
 
 
 def not_begun(
-    task: Task, schedule: Schedule, at: Number, observed: Mapping[Key, Entry]
+    task: Task,
+    schedule: Schedule,
+    at: Number,
+    observed: Mapping[Key, Entry],
+    waiting: Collection[Key] = (),
 ) -> frozenset[Key]:
     """The occurrences that were to begin before `at` and cannot have.
 
-    `observed` has the entries, as they were observed, of what was observed to have begun. What the
-    task fixes to start when it was to has been observed before.
+    `observed` has the entries, as they were observed, of what was observed to have begun, and
+    `waiting` are those that were observed not to have.
     """
     planned = {_key(entry): entry for entry in schedule.entries}
-    fixed = {a.id: task.number(a.start) for a in task.actions if a.start is not None}
-    known = {k: e for k, e in planned.items() if e.start < at and fixed.get(e.id) == e.start}
-    known.update(observed)
-    presumed = [e for k, e in planned.items() if e.start < at and k not in known]
+    known = {k: e for k, e in observed.items() if k not in waiting}
+    presumed = [
+        e for k, e in planned.items() if e.start < at and k not in known and k not in waiting
+    ]
     presumed.sort(key=lambda e: (e.start, e.rank, e.id, e.occurrence))
     as_planned = _Facts(task, at, planned, known, list(planned.values()))
     gone: set[Key] = set()

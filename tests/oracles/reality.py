@@ -25,6 +25,7 @@ from irc.model.times import json_number
 from irc.model.world_changes import is_world_change
 from irc.schedule import Entry
 from irc.targets import EngineFailed, SolveOptions
+from oracles.online_presumed import not_begun
 from oracles.online_random import online_task
 
 Key = tuple[str, int]
@@ -80,6 +81,31 @@ def play(seed: int, options: SolveOptions, rounds: int = 6) -> Session:
         if rng.random() < 0.8:
             _step(execution, told, changed, found, seed)
     return found
+
+
+def presumptions(seed: int, options: SolveOptions, tries: int = 12) -> Iterator[str]:
+    """What is wrong with the facts after random observations of one random plan, again and again.
+
+    Nothing is planned anew, so this is quick.
+    """
+    rng = random.Random(f"presumed {seed}")
+    task = online_task(rng)
+    if not irc.check(task).ok or not (plan := irc.solve(task, options=options)).answered:
+        return
+    for _ in range(tries):
+        execution = Execution(task, plan, options=options)
+        execution.advance(exact(Fraction(plan.makespan) * rng.randint(1, 8) / 6))
+        told: dict[Key, list[Told]] = {}
+        for number in range(1, rng.randint(2, 4)):
+            at = execution.now
+            raw, key = _observation(rng, execution, at)
+            try:
+                execution.apply(Event.model_validate({"at": json_number(at), "changes": [raw]}))
+            except InputError:
+                continue
+            told.setdefault(key, []).append(Told(at, number, raw))
+            for fault in _presumption(execution, told):
+                yield f"seed {seed} at {at}: {fault} after {told}"
 
 
 def _send(
@@ -168,6 +194,7 @@ def _step(
     seed: int,
 ) -> None:
     limit = execution.options.time_limit or 0
+    found.faults += [f"seed {seed} at {execution.now}: {f}" for f in _presumption(execution, told)]
     began = time.perf_counter()
     try:
         step = execution.replan()
@@ -190,6 +217,29 @@ def _step(
 
 
 # --- the judge ------------------------------------------------------------------------------------
+
+
+def _presumption(execution: Execution, told: dict[Key, list[Told]]) -> Iterator[str]:
+    """Whether what is presumed has begun, and nothing else, since the last plan.
+
+    Asked where only observations have come in since then: what another event finds begun stays so.
+    """
+    history = execution._history
+    only_seen = all(c.op == "observe" for event in execution.pending for c in event.changes)
+    if not history.assumes or history.held is not None or not only_seen:
+        return
+    task, now, plan = execution.unobserved, execution.now, execution._schedule
+    facts = {key: _known(task, observations) for key, observations in told.items()}
+    taken = {(e.id, e.occurrence): e for e in execution.schedule.entries}
+    known = {key: taken[key] for key, its in facts.items() if "begun" in its and key in taken}
+    waiting = {key for key, its in facts.items() if "waited" in its and "begun" not in its}
+    due = {(e.id, e.occurrence) for e in plan.entries if e.start < now}
+    begun = due - not_begun(task, plan, now, known, waiting) - waiting | known.keys()
+    state = {(e.id, e.occurrence) for e in execution.state().frozen}
+    world = {a.id for a in task.actions if is_world_change(a, task.clock)}
+    for key in sorted(begun ^ state):
+        if key[0] not in world:
+            yield f"presumed: {key} is taken {'' if key in state else 'not '}to have begun"
 
 
 def judged(
