@@ -39,10 +39,10 @@ def setup_bound(problem: Problem) -> Problem:
 def _bound_of(problem: Problem, resource: int) -> tuple[int, int, int]:
     """(bound, work, set-ups) of one resource."""
     setups, _ = setups_from_now(problem, resource)
-    certain = list(_certain(problem, resource))
+    certain = list(certain_uses(problem, resource))
     if not certain:
         return 0, 0, 0
-    possible = _possible(problem, resource)
+    possible = possible_families(problem, resource)
     needed = {family for _, family in certain}
     work = sum(problem.activities[i].duration_min for i, _ in certain)
     bounds = problem.bounds
@@ -55,7 +55,7 @@ def _bound_of(problem: Problem, resource: int) -> tuple[int, int, int]:
     return best
 
 
-def _certain(problem: Problem, resource: int) -> Iterator[tuple[int, int]]:
+def certain_uses(problem: Problem, resource: int) -> Iterator[tuple[int, int]]:
     """(activity, family) of the uses of a resource that every schedule has, and that go on."""
     for i, activity in enumerate(problem.activities):
         details = activity.details
@@ -70,7 +70,7 @@ def _certain(problem: Problem, resource: int) -> Iterator[tuple[int, int]]:
                 yield i, use.family
 
 
-def _possible(problem: Problem, resource: int) -> set[int]:
+def possible_families(problem: Problem, resource: int) -> set[int]:
     """The families of all uses that a resource may have."""
     return {
         use.family

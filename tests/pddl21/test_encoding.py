@@ -339,14 +339,15 @@ def test_a_maximum_lag_is_an_envelope_around_both_points(
     assert "is at most 2 ticks after" in names["planner_only"][name]
 
 
-def test_points_that_must_coincide_do_not_wait_for_each_other() -> None:
-    """PDDL separates happenings, so "after each other in a circle" becomes two envelopes."""
+def test_points_that_must_coincide_meet_while_one_envelope_runs() -> None:
+    """PDDL separates happenings, so neither waits for the other."""
     edge = {"before": "a", "after": "b", "type": "start-start", "max_lag": 0}
     program = program_of({}, {"duration": 4}, precedence=[edge])
     steps = read(program).steps
-    envelopes = steps.keys() - {"a", "b"}
-    assert len(envelopes) == 2
-    assert all(steps[e].duration[2][2] == str(program.names["slack"]) for e in envelopes)
+    (meeting,) = steps.keys() - {"a", "b"}
+    assert steps[meeting].duration[2][2] == str(program.names["slack"])
+    (running,) = steps[meeting].deletes("at end")
+    assert all(running in steps[name].needs("at start") for name in "ab")
     assert not [f for f in steps["b"].needs("at start") if f.startswith("begun_")]
 
 

@@ -22,12 +22,14 @@ class MinLag(NamedTuple):
 class SortedArcs:
     """All arcs as conditions on facts (lag 0), waits (lag > 0) and envelopes (lag < 0).
 
-    `waits` maps (point, lag) to the points that must come that lag later.
+    `waits` maps (point, lag) to the points that must come that lag later. `meetings` are pairs of
+    points that must coincide.
     """
 
     conditions: list[MinLag] = field(default_factory=list)
     waits: dict[tuple[Point, int], list[Point]] = field(default_factory=dict)
     envelopes: list[MinLag] = field(default_factory=list)
+    meetings: list[tuple[Point, Point]] = field(default_factory=list)
 
     @property
     def awaited(self) -> set[int]:
@@ -49,7 +51,7 @@ def sort_arcs(problem: Problem) -> SortedArcs:
     """All arcs of a problem by kind.
 
     Points that must coincide (a cycle of length 0) cannot wait for each other in PDDL, whose
-    happenings are separated; arcs inside such a cycle become envelopes. So do arcs from a start to
+    happenings are separated; arcs inside such a cycle become envelopes, and two of them one meeting. So do arcs from a start to
     an end: where the activity that ends gives the other what it needs, both are at one instant.
     """
     arcs = SortedArcs()
@@ -64,7 +66,20 @@ def sort_arcs(problem: Problem) -> SortedArcs:
         coincides = cycle_of.get(c.before) == cycle_of.get(c.after) is not None
         loose = coincides or _may_have_to_coincide(problem, c)
         (arcs.envelopes if loose else arcs.conditions).append(c)
+    _join_meetings(arcs)
     return arcs
+
+
+def _join_meetings(arcs: SortedArcs) -> None:
+    """Makes one meeting of two envelopes that keep two points from coming after each other."""
+    close = {(e.before, e.after) for e in arcs.envelopes if not e.lag}
+    pairs = {(p, q) for p, q in close if p < q and (q, p) in close}
+    arcs.meetings = sorted(pairs)
+    arcs.envelopes = [
+        e
+        for e in arcs.envelopes
+        if e.lag or not pairs & {(e.before, e.after), (e.after, e.before)}
+    ]
 
 
 def _may_have_to_coincide(problem: Problem, constraint: MinLag) -> bool:

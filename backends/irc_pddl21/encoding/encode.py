@@ -55,9 +55,10 @@ def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = F
     scale = time_scale(
         problem,
         epsilon,
-        envelopes=len(arcs.envelopes),
+        envelopes=len(arcs.envelopes) + 2 * len(arcs.meetings),
         helpers=len(arcs.waits)
         + len(arcs.envelopes)
+        + len(arcs.meetings)
         + len(absences)
         + uses_with_setups(problem)
         + len(problem.selections),

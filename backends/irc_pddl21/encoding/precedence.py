@@ -1,4 +1,4 @@
-"""Precedence in PDDL: conditions, waits for minimum lags, envelopes for maximum ones."""
+"""Precedence in PDDL: conditions, waits for minimum lags, envelopes for maximum ones, meetings."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ def add_precedence(builder: Builder, arcs: SortedArcs) -> None:
         _add_wait(builder, point, lag, followers)
     for arc in arcs.envelopes:
         _add_envelope(builder, arc)
+    for one, other in arcs.meetings:
+        _add_meeting(builder, one, other)
 
 
 def _add_wait(builder: Builder, point: Point, lag: int, followers: list[Point]) -> None:
@@ -57,6 +59,25 @@ def _add_envelope(builder: Builder, arc: MinLag) -> None:
     builder.add_helper(operator, meaning)
     builder.require(after, begun)
     builder.require(before, running)
+
+
+def _add_meeting(builder: Builder, one: Point, other: Point) -> None:
+    """Two points at one time: both happen while something runs that lasts no longer than slack."""
+    name = builder.names.new(f"meet_{_label(builder, one)}_and_{_label(builder, other)}")
+    todo = builder.fact(f"todo_{name}", initially=True)
+    running = builder.fact(f"during_{name}")
+    operator = Operator(
+        name,
+        (0, builder.scale.slack),
+        at_start=[todo],
+        start_deletes=[todo],
+        start_adds=[running],
+        end_deletes=[running],
+    )
+    meaning = f"{_description(builder, one)} is also {_description(builder, other)}"
+    builder.add_helper(operator, meaning)
+    builder.require(one, running)
+    builder.require(other, running)
 
 
 def _label(builder: Builder, point: Point) -> str:
