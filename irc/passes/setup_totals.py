@@ -4,9 +4,10 @@ Whatever their order, the uses of a resource that every schedule has are set up 
 another. So the set-ups of a resource amount to no less than those of the best order, in which
 precedence is kept, and in which uses that may be there or not may lie between two others (the
 closure by shortest paths). The best order is found by dynamic programming over how many uses of
-each kind are done, and which family was the last (Held, Karp 1962; kinds of equal uses as in Psaraftis,
-"A dynamic programming approach for sequencing groups of identical jobs", 1980). Uses that could be
-elsewhere are each entered by a set-up, too: by the least that any of their resources has for them.
+each kind are done, and which family was the last (Held, Karp 1962; kinds of equal uses as in
+Psaraftis, "A dynamic programming approach for sequencing groups of identical jobs", 1980). Uses
+that could be elsewhere are each entered by a set-up, too: by the least that any of their resources
+has for them.
 """
 
 from __future__ import annotations
@@ -14,42 +15,37 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Literal
 
 from irc.passes.setup_bound import certain_uses, possible_families
 from irc.problem import Problem, Setup, Setups
 from irc.problem.setups import has_ended, setups_from_now
 
-SetupValue = Literal["setup_time", "setup_cost"]
-"""The objective that set-ups count for: ticks of time, or cost."""
-
 MOST_STATES = 20_000
 """Where the dynamic program would have more states, the least set-up into each use is counted."""
 
 
-def least_setups(problem: Problem, name: SetupValue) -> int:
+def least_setups(problem: Problem, name: str) -> int:
     """A lower bound on the set-ups of all resources together, in ticks or in cost.
 
     What has taken place is part of it.
     """
-    before = certain_order(problem)
-    total = apart = 0
     shared = _with_shared_uses(problem)
-    for r, resource in enumerate(problem.resources):
-        if resource.setups is None:
-            continue
-        setups, past = setups_from_now(problem, r)
-        total += setup_value(past, name)
-        least = _tour_of(problem, r, setups, name, before).least()
+    total = apart = 0
+    for r, tour in tours_of(problem, name).items():
+        total += setup_value(setups_from_now(problem, r)[1], name)
         if r in shared:
-            apart += least
+            apart += tour.least()
         else:
-            total += least
+            total += tour.least()
     return total + max(apart, _least_entries(problem, shared, name))
 
 
-def setup_value(setup: Setup, name: SetupValue) -> int:
-    """What a set-up adds to an objective."""
+SETUP_OBJECTIVES = ("setup_time", "setup_cost")
+"""The objectives that set-ups add to, in ticks and in cost."""
+
+
+def setup_value(setup: Setup, name: str) -> int:
+    """The amount that a set-up adds to one of the `SETUP_OBJECTIVES`."""
     return setup.time if name == "setup_time" else setup.cost
 
 
@@ -61,9 +57,9 @@ def certain_order(problem: Problem) -> frozenset[tuple[int, int]]:
     certain = [not a.details.optional and a.details.repeats is None for a in problem.activities]
     following: list[list[int]] = [[] for _ in problem.activities]
     for arc in problem.arcs:
-        if arc.from_end and not arc.to_end and arc.min_lag >= 0:
-            if certain[arc.before] and certain[arc.after]:
-                following[arc.before].append(arc.after)
+        orders = arc.from_end and not arc.to_end and arc.min_lag >= 0
+        if orders and certain[arc.before] and certain[arc.after]:
+            following[arc.before].append(arc.after)
     set_up = [r for r, resource in enumerate(problem.resources) if resource.setups is not None]
     users = {i for r in set_up for i, _ in certain_uses(problem, r)}
     found: set[tuple[int, int]] = set()
@@ -82,11 +78,13 @@ def certain_order(problem: Problem) -> frozenset[tuple[int, int]]:
 class SetupTour:
     """The least set-ups for uses of one resource that are still to come.
 
-    `families[k]` is that of use k, `before[k]` the uses that come before it in any case.
+    `activities[k]` has use k, `families[k]` is its family, `before[k]` the uses that come before
+    it in any case.
     `between` gives the value of a set-up, also over uses that need not be there; `first` that of
     the first one.
     """
 
+    activities: Sequence[int]
     families: Sequence[int]
     before: Sequence[frozenset[int]]
     between: Callable[[int, int], int]
@@ -94,7 +92,9 @@ class SetupTour:
     _known: dict[tuple[tuple[int, ...], int | None], int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        after = [frozenset(j for j, b in enumerate(self.before) if k in b) for k in range(self.size)]
+        after = [
+            frozenset(j for j, b in enumerate(self.before) if k in b) for k in range(self.size)
+        ]
         alike: dict[tuple[int, frozenset[int], frozenset[int]], list[int]] = {}
         for k, family in enumerate(self.families):
             alike.setdefault((family, self.before[k], after[k]), []).append(k)
@@ -151,36 +151,43 @@ class SetupTour:
                 yield value, (rest, family)
 
     def _entries(self, left: Sequence[int], last: int | None) -> int:
-        """The least set-up into each use, from any other; one may be the first."""
-        families = {*self.families} | (set() if last is None else {last})
-        total = saved = 0
+        """The least set-up into each use: into each family once from outside of it, or at first."""
+        counts: dict[int, int] = {}
         for (family, _), count in zip(self._kinds, left, strict=True):
+            counts[family] = counts.get(family, 0) + count
+        families = {*counts} | (set() if last is None else {last})
+        total = saved = 0
+        for family, count in counts.items():
+            if not count:
+                continue
             entry = min(self.between(a, family) for a in families)
-            total += count * entry
-            if count and last is None:
-                saved = max(saved, entry - self.first(family))
+            begun = entry if last is not None else self.first(family)
+            outside = [self.between(a, family) for a in families - {family}]
+            entered = min(outside, default=begun) if family != last else entry
+            total += entered + (count - 1) * entry
+            saved = max(saved, entered - begun) if last is None else 0
         return total - saved
 
 
-def _tour_of(
-    problem: Problem,
-    resource: int,
-    setups: Setups,
-    name: SetupValue,
-    before: frozenset[tuple[int, int]],
-) -> SetupTour:
-    """The tour of the uses of a resource that every schedule has."""
-    uses = list(certain_uses(problem, resource))
-    place = {i: k for k, (i, _) in enumerate(uses)}
-    earlier = [frozenset(k for j, k in place.items() if (j, i) in before) for i, _ in uses]
-    between, first = closed(problem, resource, setups, name)
-    return SetupTour([family for _, family in uses], earlier, between, first)
+def tours_of(problem: Problem, name: str) -> dict[int, SetupTour]:
+    """The tour of each resource with set-ups: of its uses that every schedule has."""
+    before = certain_order(problem)
+    found: dict[int, SetupTour] = {}
+    for r, resource in enumerate(problem.resources):
+        if resource.setups is not None:
+            uses = list(certain_uses(problem, r))
+            place = {i: k for k, (i, _) in enumerate(uses)}
+            earlier = [frozenset(k for j, k in place.items() if (j, i) in before) for i in place]
+            between, first = _closed(problem, r, name)
+            found[r] = SetupTour([*place], [f for _, f in uses], earlier, between, first)
+    return found
 
 
-def closed(
-    problem: Problem, resource: int, setups: Setups, name: SetupValue
+def _closed(
+    problem: Problem, resource: int, name: str
 ) -> tuple[Callable[[int, int], int], Callable[[int], int]]:
     """The least value from one family to another, and at first, over uses that may be between."""
+    setups, _ = setups_from_now(problem, resource)
     families = sorted(possible_families(problem, resource))
     through = sorted(_families_that_may_be(problem, resource))
     table = {
@@ -189,9 +196,7 @@ def closed(
     for via, a, b in product(through, families, families):
         table[a, b] = min(table[a, b], table[a, via] + table[via, b])
     begin = {b: setup_value(setups.first(b), name) for b in families}
-    start = {
-        b: min([begin[b], *(begin[via] + table[via, b] for via in through)]) for b in families
-    }
+    start = {b: min([begin[b], *(begin[via] + table[via, b] for via in through)]) for b in families}
     return lambda a, b: table[a, b], lambda b: start[b]
 
 
@@ -219,8 +224,8 @@ def _with_shared_uses(problem: Problem) -> frozenset[int]:
     )
 
 
-def _least_entries(problem: Problem, resources: frozenset[int], name: SetupValue) -> int:
-    """The least set-ups into the uses of some resources, wherever they are; one of each is first."""
+def _least_entries(problem: Problem, resources: frozenset[int], name: str) -> int:
+    """The least set-ups into uses that may be on some resources; one of each is the first."""
     entry: dict[int, dict[int, int]] = {}
     first: dict[int, Setups] = {}
     for r in resources:
@@ -231,7 +236,7 @@ def _least_entries(problem: Problem, resources: frozenset[int], name: SetupValue
         }
     total = 0
     saved = dict.fromkeys(resources, 0)
-    for activity, alternatives, family in _mandatory_uses(problem):
+    for alternatives, family in _mandatory_uses(problem):
         if not resources.intersection(alternatives):
             continue
         least = min(entry[r][family] if r in entry else 0 for r in alternatives)
@@ -242,11 +247,11 @@ def _least_entries(problem: Problem, resources: frozenset[int], name: SetupValue
     return total - sum(saved.values())
 
 
-def _mandatory_uses(problem: Problem) -> Iterator[tuple[int, tuple[int, ...], int]]:
-    """(activity, alternatives, family) of the uses that every schedule has somewhere."""
-    for i, activity in enumerate(problem.activities):
+def _mandatory_uses(problem: Problem) -> Iterator[tuple[tuple[int, ...], int]]:
+    """(alternatives, family) of the uses that every schedule has somewhere."""
+    for activity in problem.activities:
         details = activity.details
         if activity.duration_min and not details.optional and details.repeats is None:
             for u, use in enumerate(activity.uses):
                 if details.use_mode(u) is None and not has_ended(problem, activity, u):
-                    yield i, use.alternatives, use.family
+                    yield use.alternatives, use.family
