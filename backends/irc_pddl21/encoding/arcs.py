@@ -51,8 +51,9 @@ def sort_arcs(problem: Problem) -> SortedArcs:
     """All arcs of a problem by kind.
 
     Points that must coincide (a cycle of length 0) cannot wait for each other in PDDL, whose
-    happenings are separated; arcs inside such a cycle become envelopes, and two of them one meeting. So do arcs from a start to
-    an end: where the activity that ends gives the other what it needs, both are at one instant.
+    happenings are separated; arcs inside such a cycle become envelopes, and two of them one
+    meeting. So do arcs from a start to an end: where the activity that ends gives the other what it
+    needs, both are at one instant.
     """
     arcs = SortedArcs()
     for arc in problem.arcs:
@@ -76,9 +77,7 @@ def _join_meetings(arcs: SortedArcs) -> None:
     pairs = {(p, q) for p, q in close if p < q and (q, p) in close}
     arcs.meetings = sorted(pairs)
     arcs.envelopes = [
-        e
-        for e in arcs.envelopes
-        if e.lag or not pairs & {(e.before, e.after), (e.after, e.before)}
+        e for e in arcs.envelopes if e.lag or not pairs & {(e.before, e.after), (e.after, e.before)}
     ]
 
 

@@ -33,7 +33,7 @@ from irc_pddl21.encoding.presence import absences_of, add_absences
 from irc_pddl21.encoding.reservoirs import add_reservoirs
 from irc_pddl21.encoding.resources import add_resources
 from irc_pddl21.encoding.selections import add_selections
-from irc_pddl21.encoding.setups import add_setups, uses_with_setups
+from irc_pddl21.encoding.setups import add_setups, counters_of, uses_with_setups
 from irc_pddl21.encoding.state import add_state
 from irc_pddl21.encoding.time_scale import EPSILON, time_scale
 from irc_pddl21.encoding.time_windows import add_time_windows
@@ -42,10 +42,17 @@ from irc_pddl21.encoding.work import WorkFacts
 DOMAIN_FILE, PROBLEM_FILE = "domain.pddl", "problem.pddl"
 
 
-def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = False) -> Grounded:
+def encode(
+    problem: Problem,
+    epsilon: Fraction = EPSILON,
+    *,
+    shortened: bool = False,
+    limits: Mapping[str, int] | None = None,
+) -> Grounded:
     """The problem as operators and facts, for planners with the given epsilon.
 
     `shortened`: with actions that are shorter by the slack; see `irc_pddl21.decoding.rounding`.
+    `limits`: the greatest set-up time (ticks) and cost, by the short names of the objectives.
 
     Raises `Refusal` where an activity has too many ways to be carried out, or none.
     """
@@ -68,15 +75,17 @@ def encode(problem: Problem, epsilon: Fraction = EPSILON, *, shortened: bool = F
     add_precedence(builder, arcs)
     add_time_windows(builder)
     units = add_resources(builder)
+    objective = add_objective(builder)
+    counters = counters_of(builder, objective, limits or {})
     elements = Elements(
         units=units,
         state=add_state(builder),
         levels=add_reservoirs(builder),
         numbers=add_numbers(builder),
-        objective=add_objective(builder),
+        objective=objective,
         couplings=add_couplings(builder, units),
         selections=add_selections(builder),
-        setups=add_setups(builder, units),
+        setups=add_setups(builder, units, counters),
         work=WorkFacts(builder),
         declined=frozenset(i for absence in absences for i in absence.members),
     )

@@ -4,17 +4,29 @@ The end of a use makes its resource ready for the families that need no set-up a
 other family there is an action of the planner alone: it begins after the use, takes the unit until
 it is done, and makes the resource ready for that one family. A use takes the readiness away, as
 does a set-up, so that there is one set-up between two uses at most: the one from the first to the
-second. No open times bind it, and it may begin at any time after the use.
+second. No open times bind it, and it may begin at any time after the use. Where set-ups count, a
+set-up that takes no time is an instant. A limit on their time or cost is a counter, too, which no
+set-up may push beyond it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from irc.problem import Problem, Setup, Setups
+from irc.problem.setups import setups_from_now
 from irc.targets import Refusal
 from irc_pddl21.encoding.builder import Builder
-from irc_pddl21.encoding.pddl import Additions, Operator, TimedLiteral
+from irc_pddl21.encoding.objectives import ObjectiveCounter
+from irc_pddl21.encoding.pddl import (
+    Additions,
+    NumericCondition,
+    NumericEffect,
+    Operator,
+    TimedLiteral,
+)
 from irc_pddl21.encoding.resources import ResourceUnits
 from irc_pddl21.encoding.variants import Variant
 
@@ -28,12 +40,25 @@ Before = int | str
 """The family (index) of a use, or the beginning."""
 
 
+class SetupCounter(NamedTuple):
+    """A counter of set-ups with weights for their time (ticks) and cost; `most`: its limit."""
+
+    name: str
+    weights: Setup
+    most: int | None = None
+
+    def amount(self, setup: Setup) -> int:
+        """The amount that a set-up adds to it."""
+        return self.weights.time * setup.time + self.weights.cost * setup.cost
+
+
 @dataclass
 class _Resource:
     """The facts of one resource: what it is ready for, and after which uses a set-up may begin."""
 
     setups: Setups
     token: str
+    counters: Sequence[SetupCounter]
     ready: dict[int, str] = field(default_factory=dict)
     after: dict[Before, str] = field(default_factory=dict)
 
@@ -43,9 +68,14 @@ class _Resource:
             return self.setups.first(family)
         return self.setups.between(before, family)
 
+    def counts(self, before: Before, family: int) -> bool:
+        """Whether a set-up takes time, or adds to a counter."""
+        setup = self.between(before, family)
+        return bool(setup.time) or any(c.amount(setup) for c in self.counters)
+
     def made_by(self, before: Before) -> tuple[str, ...]:
         """The facts that hold when a use has ended, or at the beginning."""
-        facts = [fact for f, fact in self.ready.items() if not self.between(before, f).time]
+        facts = [fact for f, fact in self.ready.items() if not self.counts(before, f)]
         return (*facts, self.after[before]) if before in self.after else tuple(facts)
 
     @property
@@ -98,7 +128,31 @@ def uses_with_setups(problem: Problem) -> int:
     )
 
 
-def add_setups(builder: Builder, units: ResourceUnits) -> SetupFacts:
+def counters_of(
+    builder: Builder, objective: ObjectiveCounter, limits: Mapping[str, int]
+) -> list[SetupCounter]:
+    """The counters that set-ups add to: that of the objective, and one for each limit.
+
+    `limits` are the greatest set-up time (ticks) and cost, by the short names of the objectives.
+    What has been set up already counts.
+    """
+    problem = builder.problem
+    if not problem.has_setups:
+        return []
+    found = [SetupCounter(objective.counter, objective.of_setups)] * any(objective.of_setups)
+    past = [setups_from_now(problem, r)[1] for r, x in enumerate(problem.resources) if x.setups]
+    for name, most in sorted(limits.items()):
+        weights = Setup(1, 0) if name == "setup_time" else Setup(0, 1)
+        counter = builder.names.new(f"sum_of_{name}_within_a_limit")
+        limit = SetupCounter(counter, weights, most)
+        builder.encoding.counters[counter] = sum(map(limit.amount, past))
+        found.append(limit)
+    return found
+
+
+def add_setups(
+    builder: Builder, units: ResourceUnits, counters: Sequence[SetupCounter]
+) -> SetupFacts:
     """Declares the facts of resources with set-ups, and adds the set-ups.
 
     Raises `Refusal` where there are more than `MOST_SETUPS`.
@@ -107,19 +161,19 @@ def add_setups(builder: Builder, units: ResourceUnits) -> SetupFacts:
     found = SetupFacts(problem)
     count = 0
     for r, pool in enumerate(problem.contention.pools):
-        setups = problem.resources[pool.members[0]].setups
-        if setups is None or r not in units.tokens:
+        if problem.resources[pool.members[0]].setups is None or r not in units.tokens:
             continue
-        resource = _Resource(setups, units.tokens[r][0])
+        setups, _ = setups_from_now(problem, pool.members[0])
+        resource = _Resource(setups, units.tokens[r][0], counters)
         families = _families(problem, r)
         for f in families:
             resource.ready[f] = builder.fact(builder.names.new(_text(problem, "ready", pool.id, f)))
         befores: tuple[Before, ...] = (BEGINNING, *families)
         for before in befores:
-            if any(resource.between(before, f).time for f in families):
+            if any(resource.counts(before, f) for f in families):
                 name = builder.names.new(_text(problem, "used", pool.id, before))
                 resource.after[before] = builder.fact(name)
-        count += sum(bool(resource.between(b, f).time) for b in resource.after for f in families)
+        count += sum(resource.counts(b, f) for b in resource.after for f in families)
         if count > MOST_SETUPS:
             raise Refusal(
                 f"there are more than {MOST_SETUPS:,} set-ups between families, more than target "
@@ -157,21 +211,40 @@ def _add_resource(builder: Builder, pool: str, resource: _Resource) -> None:
         builder.grounded.tokens[fact] = f"{pool!r} needs no set-up for {_shown(builder, f)}"
     for before, used in resource.after.items():
         builder.grounded.tokens[used] = f"the last use of {pool!r} was {_shown(builder, before)}"
-        for f, ready in resource.ready.items():
-            time = resource.between(before, f).time
-            if not time:
-                continue
-            text = f"setup_{used.removeprefix('used_')}_{ready.removeprefix('ready_')}"
-            length = time * builder.scale.units_per_tick
-            operator = Operator(
-                builder.names.new(text),
-                (length, length),
-                at_start=[used, resource.token, *(begins if before == BEGINNING else ())],
-                start_deletes=[*resource.facts, resource.token],
-                end_adds=[ready, resource.token],
-            )
-            shown = f"from {_shown(builder, before)} to {_shown(builder, f)}"
-            builder.add_helper(operator, f"the set-up of {pool!r} {shown}")
+        for f in resource.ready:
+            if resource.counts(before, f):
+                needs = [used, *(begins if before == BEGINNING else ())]
+                operator = _setup(builder, resource, before, f, needs)
+                shown = f"from {_shown(builder, before)} to {_shown(builder, f)}"
+                if operator is not None:
+                    builder.add_helper(operator, f"the set-up of {pool!r} {shown}")
+
+
+def _setup(
+    builder: Builder, resource: _Resource, before: Before, family: int, needs: list[str]
+) -> Operator | None:
+    """The set-up for a family; None where it is beyond a limit by itself."""
+    setup, ready = resource.between(before, family), resource.ready[family]
+    amounts = [(counter, counter.amount(setup)) for counter in resource.counters]
+    if any(counter.most is not None and n > counter.most for counter, n in amounts):
+        return None
+    used = resource.after[before]
+    name = builder.names.new(f"setup_{used.removeprefix('used_')}_{ready.removeprefix('ready_')}")
+    length = setup.time * builder.scale.units_per_tick
+    facts = [fact for fact in resource.facts if setup.time or fact != ready]
+    return Operator(
+        name,
+        (length, length) if length else None,
+        at_start=[*needs[:1], resource.token, *needs[1:]],
+        start_deletes=[*facts, resource.token] if length else facts,
+        end_adds=[ready, resource.token] if length else [ready],
+        needs=[
+            NumericCondition("start", "<=", counter.name, counter.most - amount)
+            for counter, amount in amounts
+            if counter.most is not None and amount
+        ],
+        changes=[NumericEffect(False, c.name, amount) for c, amount in amounts if amount],
+    )
 
 
 def _beginning(builder: Builder, pool: str, since: int) -> tuple[str, ...]:

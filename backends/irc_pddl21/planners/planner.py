@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 from irc.problem import Problem
@@ -33,7 +34,8 @@ class PlanRequest(NamedTuple):
     `first_plan`: any plan of it will do. A plan whose makespan is `enough` (ticks) ends the run.
     `search` is one of the planner's kinds of search, "" its usual one. `shortened`: with actions
     that are shorter by the slack; see `irc_pddl21.decoding.rounding`. `original`: it reads the PDDL
-    that the task was made of.
+    that the task was made of. `limits` are the greatest set-up time (ticks) and cost, by the short
+    names of the objectives.
     """
 
     problem: Problem
@@ -42,6 +44,7 @@ class PlanRequest(NamedTuple):
     search: str = ""
     shortened: bool = False
     original: bool = False
+    limits: Mapping[str, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)

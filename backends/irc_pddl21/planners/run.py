@@ -78,10 +78,12 @@ def _texts(
     original = program.task.original
     if request.original and original is not None:
         return original.domain, original.problem, names_of_original(program.problem)
-    is_own = request.problem is program.problem and not request.shortened
+    is_own = request.problem is program.problem and not (request.shortened or request.limits)
     if is_own and planner.epsilon == EPSILON:
         return program.files[DOMAIN_FILE], program.files[PROBLEM_FILE], program.names
-    grounded = encode(request.problem, planner.epsilon, shortened=request.shortened)
+    grounded = encode(
+        request.problem, planner.epsilon, shortened=request.shortened, limits=request.limits
+    )
     text = grounded.encoding
     return text.domain_text(), text.problem_text(), names_of(grounded)
 
