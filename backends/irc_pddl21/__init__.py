@@ -69,6 +69,9 @@ class Pddl21(Backend):
             Feature.TARDINESS,
             Feature.TARDY,
             Feature.MAX_TARDINESS,
+            Feature.SETUP_TIME,
+            Feature.SETUP_COST,
+            Feature.OBJECTIVE_SUM,
         }
     )
 

@@ -76,11 +76,16 @@ def _pairs(seed: int) -> tuple[Task, Best]:
 
 
 def _setups(seed: int) -> tuple[Task, Best]:
-    document = setups.random_task(random.Random(f"elements {seed}"))
+    rng = random.Random(f"elements {seed}")
+    document = setups.random_task(rng)
     for resource in document["resources"]:
         resource.pop("no_idle", None)
-    names = [name for name in document["objective"] if "setup" not in name]
-    document["objective"] = names or ["minimize_makespan"]
+    levels = document["objective"]
+    if rng.random() < 0.3:
+        summed = [name for name in levels if name != "maximize_reward"][:2]
+        rest = [name for name in levels if name not in summed]
+        total = {"sum": [[rng.randint(1, 3), name] for name in summed]}
+        document["objective"] = [total, *rest] if summed else levels
     best = setups.best(document)
     if best is not None:
         signs = [-1 if name == "maximize_reward" else 1 for name in document["objective"]]

@@ -215,7 +215,12 @@ def _values(
         "minimize_setup_cost": cost,
     }
     named = task.get("objective", ["minimize_makespan"])
-    return tuple(values[name] for name in ([named] if isinstance(named, str) else named))
+    return tuple(
+        values[level]
+        if isinstance(level, str)
+        else sum(weight * values[name] for weight, name in level["sum"])
+        for level in ([named] if isinstance(named, (str, dict)) else named)
+    )
 
 
 # --- random tasks -------------------------------------------------------------------------------

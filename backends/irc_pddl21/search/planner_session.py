@@ -50,6 +50,8 @@ class PlannerSession:
     runs: int = 0
     of_original: bool = False
     """Whether the best plan is one of the PDDL that the task was made of."""
+    limits: dict[str, int] = field(default_factory=dict)
+    """The greatest set-up time (ticks) and cost of all plans that are asked for from now on."""
     _error: Exception | None = None
 
     def __post_init__(self) -> None:
@@ -88,7 +90,8 @@ class PlannerSession:
         if self.is_over:
             return None
         self.runs += 1
-        request = PlanRequest(problem, first_plan, enough, search, shortened, original)
+        limits = dict(self.limits)
+        request = PlanRequest(problem, first_plan, enough, search, shortened, original, limits)
         budget = self.budget.at_most(seconds)
         try:
             outcome = run_planner(self.planner, self.program, request, self.options, budget)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import takewhile
 
 from irc.diagnostics import Code, Diagnostic
+from irc.model.objectives import is_sum
 from irc.passes.critical_path import TimesContradictError, heads_and_tails
 from irc.passes.restrict import decide_presence
 from irc.problem import Problem
@@ -17,7 +18,9 @@ from irc_pddl21.planners.planner import Planner
 from irc_pddl21.search.choice_search import ChoiceSearch
 from irc_pddl21.search.choices import choices_of
 from irc_pddl21.search.dates import DATED, by_dates
+from irc_pddl21.search.limits import by_limits
 from irc_pddl21.search.makespan import shorten
+from irc_pddl21.search.order_search import OrderSearch
 from irc_pddl21.search.original import plan_original
 from irc_pddl21.search.planner_session import ALL_TACTICS, PlannerSession, Tactics, ticks
 from irc_pddl21.search.selection import (
@@ -34,6 +37,9 @@ _CONTRADICTION = Diagnostic(
     "the lags and durations of the actions that must be present contradict each other",
     hint="`irc explain` shows which of them",
 )
+
+ORDERS_SHARE = 0.5
+"""Of the time left, for a search over orders."""
 
 PREPARING_SHARE = 0.1
 """Of the time left, for the bounds on selections before the search."""
@@ -59,15 +65,60 @@ def solve_with(
         return Outcome(Status.INFEASIBLE, planner.name, notes=(_CONTRADICTION,))
     if session.tactics.original:
         plan_original(session)
+    bounds = _by_orders(session, fixed) if counts_orders(problem) else {}
+    if not _is_proven(session, bounds):
+        bounds = _greater(bounds, _by_first_objective(session, problem, fixed))
+    return _outcome(session, bounds)
+
+
+def counts_orders(problem: Problem) -> bool:
+    """Whether orders on resources are to be searched: for set-ups, and for weighted sums."""
+    names = problem.objectives
+    return problem.has_setups or any("setup" in name or is_sum(name) for name in names)
+
+
+def _by_orders(session: PlannerSession, problem: Problem) -> dict[str, int]:
+    """The bounds by a search over orders on resources."""
+    search = OrderSearch(session, problem, session.budget.share(ORDERS_SHARE))
+    search.run()
+    if search.bounds is None:
+        return {}
+    value = search.value
+    found: dict[str, int] = {}
+    for k, (name, bound) in enumerate(zip(problem.objectives, search.bounds, strict=True)):
+        # (A bound on a level holds where no level before it can be better.)
+        if not k or (value is not None and value[:k] == search.bounds[:k]):
+            found[name] = -bound if name == "reward" else bound
+    return found
+
+
+def _greater(one: dict[str, int], other: dict[str, int]) -> dict[str, int]:
+    """The tighter of two bounds on each objective; a reward is bounded from above."""
+    both = {**one, **other}
+    return {
+        name: bound
+        if name not in one or name not in other
+        else (min if name == "reward" else max)(one[name], other[name])
+        for name, bound in both.items()
+    }
+
+
+def _by_first_objective(
+    session: PlannerSession, problem: Problem, fixed: Problem
+) -> dict[str, int]:
+    """The bounds by the strategy that fits the first objective.
+
+    `fixed`: the problem in which all that must be present is mandatory.
+    """
     first = tuple(takewhile(lambda name: name in SELECTIVE, problem.objectives))
     rest = problem.objectives[len(first) :]
     if first:
-        bounds = _by_selection(session, fixed, first, "makespan" in rest)
-    elif rest[0] in DATED:
-        bounds = {"makespan": fixed.bounds.makespan.value, **by_dates(session, fixed, rest[0])}
-    else:
-        bounds = _by_makespan(session, problem, fixed, rest[1:])
-    return _outcome(session, bounds)
+        return _by_selection(session, fixed, first, "makespan" in rest)
+    if rest[0] in DATED:
+        return {"makespan": fixed.bounds.makespan.value, **by_dates(session, fixed, rest[0])}
+    if rest[0] == "makespan":
+        return _by_makespan(session, problem, fixed, rest[1:])
+    return by_limits(session, fixed)
 
 
 def _with_fixed_presence(problem: Problem) -> Problem:
@@ -149,6 +200,12 @@ def _bounds_of(
     name = weights.names[0]
     more = weights.first_bound(search.bound - search.value)
     return {name: int(values[name]) + (more if name == "reward" else -more)}
+
+
+def _is_proven(session: PlannerSession, bounds: dict[str, int]) -> bool:
+    """Whether the best plan meets the bound of each level."""
+    outcome = session.best and _outcome(session, bounds)
+    return outcome is not None and outcome.status is Status.OPTIMAL
 
 
 def _outcome(session: PlannerSession, bounds: dict[str, int]) -> Outcome:
