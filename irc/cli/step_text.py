@@ -24,7 +24,7 @@ from irc.cli.times import ClockText, TimesStyle, dates_of
 from irc.events.wording import changes_in_words, listed
 from irc.model.quantities import Number
 from irc.model.state_values import value_text
-from irc.schedule import Entry, Schedule, Status
+from irc.schedule import BEGUN, Entry, Schedule, Status
 
 if TYPE_CHECKING:
     from irc.execution.simulation import Simulation
@@ -255,7 +255,7 @@ def _key(entry: Entry) -> _Key:
 
 def _note(entry: Entry, step: Step, before: Schedule | None, clock: ClockText | None) -> str:
     """The note on an entry: its status, whether it has run, or its previous place."""
-    if entry.status is not None:
+    if entry.status is not None and entry.status != BEGUN:
         return entry.status
     if _is_frozen(entry, step):
         return "done" if entry.end <= step.at else "running"
