@@ -121,10 +121,10 @@ def _end_of_work(problem: Problem, activity: Activity, past: ExecutedActivity, n
 
     Where its working time is a range, it is as long as it was planned.
     """
-    if past.resources is None:
-        return max(past.end, now)
-    times = WorkTimesOf(problem).of(activity, [r for r in past.resources if r is not None])
     least, most = work_range(activity, None)
+    if past.resources is None or not most:
+        return max(past.end, past.least_end, now)
+    times = WorkTimesOf(problem).of(activity, [r for r in past.resources if r is not None])
     end = past.end
     if least == most:
         end = times.end_after(times.work_before(past.start) + least) or past.end

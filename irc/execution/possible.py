@@ -373,6 +373,8 @@ class Happened:
         if resource is None:
             return True
         level = resource.initial + self._taken(action, name, at_end=False)
+        if (entry.end, entry.last_rank) == (entry.start, entry.rank):  # It is one happening.
+            level += self._taken(action, name, at_end=True)
         for past in self.begun.values():
             its = self._carried_out(past)
             if its is None or key_of(past) == key_of(entry):

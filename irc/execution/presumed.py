@@ -97,7 +97,7 @@ def not_as_planned(history: History, now: Number) -> list[Entry]:
         if entry.start < now
         and key not in history.begun
         and (history.held is None or entry.start < history.held)
-        and not history.observed.get(key, _NOTHING).waits
+        and not _waits(history, key, entry)
     ]
 
 
@@ -210,6 +210,18 @@ def length_of(action: Action, entry: Entry, spans: WorkSpans, clock: Clock) -> N
     return clock.number(duration)
 
 
+def _waits(history: History, key: Key, entry: Entry) -> bool:
+    """Whether an occurrence was observed not to have begun when it was to.
+
+    A plan that has it begin later, or was made at that very instant, is presumed like any other.
+    """
+    observed = history.observed.get(key, _NOTHING)
+    if observed.begin is None or not observed.waits:
+        return False
+    time = observed.begin.time
+    return entry.start < time or (entry.start == time and key in history.begun)
+
+
 def _order(entry: Entry) -> tuple[Number, int, str, int]:
     """The order in which entries are asked whether they can have begun."""
     return entry.start, entry.rank, entry.id, entry.occurrence
@@ -240,11 +252,11 @@ class _Presuming:
             entry = history.entries.get(key)
             if observed.has_begun:
                 known[key] = entries[key] = self._as_observed(key, entry, observed)
-            elif entry is None or (observed.waits and entry.status == CANCELLED):
+            elif entry is None or (_waits(history, key, entry) and entry.status == CANCELLED):
                 continue
             else:
                 entries[key] = self._to_its_end(entry) if key in history.begun else entry
-                if observed.waits:
+                if _waits(history, key, entry):
                     continue
                 if key in history.fixed:
                     known[key] = entries[key]

@@ -163,6 +163,17 @@ def test_of_a_stock_the_first_takes_what_is_left() -> None:
     assert begun(task, planned, 4, {"action": "m", "finished": 2}) == {"b", "c", "d", "m"}
 
 
+def test_what_is_one_happening_takes_and_gives_at_once() -> None:
+    swap = {
+        **action("swap", 0),
+        "consumes": [{"resource": "s", "amount": 2}],
+        "produces": [{"resource": "s", "amount": 1}],
+    }
+    task = task_of(swap, action("c", 4), resources=[{"id": "s", "kind": "reservoir", "initial": 1}])
+    planned = [entry("swap", 1, 1), entry("c", 0, 4)]
+    assert begun(task, planned, 3, {"action": "c", "status": "running"}) == {"c", "swap"}
+
+
 def test_a_setup_is_that_of_the_mode_that_was_chosen() -> None:
     """In its other mode `b` would need no set-up."""
     times = [{"from": "red", "to": "blue", "time": 3}]
@@ -220,6 +231,32 @@ def test_numbers_that_are_set_and_added_to_at_one_instant_are_in_doubt() -> None
     planned = [entry("s", 0, 3), entry("a", 0, 3, rank=1), entry("z", 4, 8), entry("c", 0, 2)]
     assert begun(task, planned, 6, {"action": "c", "finished": 1}) == {"a", "c", "s", "z"}
     assert begun(task, planned, 6, {"action": "a", "finished": 5}) == {"a", "c", "s"}
+
+
+def test_what_had_not_begun_is_presumed_by_the_plan_that_has_it_begin_later() -> None:
+    task = task_of(action("a", 3), action("b", 3), precedence=[edge("a", "b", "finish-start")])
+    run = Execution(task, plan(entry("a", 0, 3), entry("b", 3, 6)), options=OPTIONS)
+    run.advance(1)
+    run.observe("a", status="not_begun")
+    run.observe("b", status="not_begun")
+    assert run.state().frozen == ()
+    assert starts(run.replan().schedule) == {"a": 1, "b": 4}
+    run.advance(5)
+    assert [(e.id, e.start) for e in run.state().frozen] == [("a", 1), ("b", 4)]
+    run.observe("b", status="not_begun", at="9/2")
+    assert [(e.id, e.start) for e in run.state().frozen] == [("a", 1)]
+
+
+def test_what_was_said_to_run_just_now_and_then_not_to_have_begun_has_not() -> None:
+    run = Execution(task_of(action("a", 3)), plan(entry("a", 2, 5)), options=OPTIONS)
+    run.advance(2)
+    run.observe("a", status="running", started=2)
+    assert run.replan().running == ("a",)
+    run.observe("a", status="not_begun")
+    assert run.state().frozen == ()
+    assert run.replan().running == ()
+    run.advance(3)
+    assert [e.id for e in run.state().frozen] == ["a"]
 
 
 # --- pauses ---

@@ -170,7 +170,8 @@ class _Facts:
         for past in self.begun:
             for time, change, at_end in self._stock_changes(name, past):
                 if _key(past) == _key(entry):
-                    level += 0 if at_end else change
+                    once = past.start == past.end and past.last_rank == past.rank
+                    level += change if once or not at_end else 0
                 elif time < entry.start or (
                     time == entry.start and (change > 0 or _key(past) in rivals)
                 ):

@@ -232,9 +232,10 @@ def _presumption(execution: Execution, told: dict[Key, list[Told]]) -> Iterator[
     facts = {key: _known(task, observations) for key, observations in told.items()}
     taken = {(e.id, e.occurrence): e for e in execution.schedule.entries}
     known = {key: taken[key] for key, its in facts.items() if "begun" in its and key in taken}
-    waiting = {key for key, its in facts.items() if "waited" in its and "begun" not in its}
-    due = {(e.id, e.occurrence) for e in plan.entries if e.start < now}
-    begun = due - not_begun(task, plan, now, known, waiting) - waiting | known.keys()
+    due = {(e.id, e.occurrence): e.start for e in plan.entries if e.start < now}
+    waits = {k: its["waited"] for k, its in facts.items() if "waited" in its and k not in known}
+    waiting = {key for key, time in waits.items() if due.get(key, time) < time}
+    begun = due.keys() - not_begun(task, plan, now, known, waiting) - waiting | known.keys()
     state = {(e.id, e.occurrence) for e in execution.state().frozen}
     world = {a.id for a in task.actions if is_world_change(a, task.clock)}
     for key in sorted(begun ^ state):
