@@ -80,6 +80,11 @@ class OrderSearch:
         if not self.is_over:
             self._dive(root)
         self._push(root)
+        self.go_on(self.budget)
+
+    def go_on(self, budget: Budget) -> None:
+        """Takes the orders that are left within a budget."""
+        self.budget = budget
         while self._heap and not self.is_over and len(self._heap) < MOST_NODES:
             decided = heappop(self._heap)[-1]
             children = list(self._children(decided))

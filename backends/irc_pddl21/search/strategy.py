@@ -65,9 +65,16 @@ def solve_with(
         return Outcome(Status.INFEASIBLE, planner.name, notes=(_CONTRADICTION,))
     if session.tactics.original:
         plan_original(session)
-    bounds = _by_orders(session, fixed) if counts_orders(problem) else {}
+    if not counts_orders(problem):
+        return _outcome(session, _by_first_objective(session, problem, fixed))
+    search = OrderSearch(session, fixed, session.budget.share(ORDERS_SHARE))
+    search.run()
+    bounds = _bounds_on_levels(search)
     if not _is_proven(session, bounds):
-        bounds = _greater(bounds, _by_first_objective(session, problem, fixed))
+        others = _by_first_objective(session, problem, fixed)
+        session.limits.clear()
+        search.go_on(session.budget)
+        bounds = _greater(_bounds_on_levels(search), others)
     return _outcome(session, bounds)
 
 
@@ -77,15 +84,14 @@ def counts_orders(problem: Problem) -> bool:
     return problem.has_setups or any("setup" in name or is_sum(name) for name in names)
 
 
-def _by_orders(session: PlannerSession, problem: Problem) -> dict[str, int]:
-    """The bounds by a search over orders on resources."""
-    search = OrderSearch(session, problem, session.budget.share(ORDERS_SHARE))
-    search.run()
+def _bounds_on_levels(search: OrderSearch) -> dict[str, int]:
+    """The bounds by a search over orders, each as far as it holds."""
     if search.bounds is None:
         return {}
     value = search.value
     found: dict[str, int] = {}
-    for k, (name, bound) in enumerate(zip(problem.objectives, search.bounds, strict=True)):
+    levels = zip(search.problem.objectives, search.bounds, strict=True)
+    for k, (name, bound) in enumerate(levels):
         # (A bound on a level holds where no level before it can be better.)
         if not k or (value is not None and value[:k] == search.bounds[:k]):
             found[name] = -bound if name == "reward" else bound
