@@ -136,6 +136,12 @@ def test_an_order_against_precedence_has_no_times() -> None:
     assert [space.decided(o) is None for o in space.children(root)] == [False, True]
 
 
+def test_a_use_that_may_take_no_time_may_need_no_set_up() -> None:
+    actions = prints("red"), prints("blue", {"min": 0, "max": 3})
+    schedule = answered(*actions, objective=["minimize_setup_cost", "minimize_makespan"])
+    assert (schedule.status, values(schedule)) == ("optimal", [0, 2])
+
+
 # --- answers ------------------------------------------------------------------------------------
 
 

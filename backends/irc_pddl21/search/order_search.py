@@ -197,12 +197,17 @@ def followed(whole: Problem, decided: Decided, known: Places | None = None) -> P
     problem = replace(problem, resources=resources, objectives=("makespan",))
     places = _places(whole, decided) if known is None else known
     if places:
-        activities = list(problem.activities)
-        for k in places:
+        activities, kept_places = list(problem.activities), {}
+        for k, (decision, choice) in places.items():
             # (A choice that is not the only one there was is part of the plan.)
-            demands = whole.activities[decided.kept[k]].open_demands
-            activities[k] = replace(activities[k], open_demands=demands)
-        problem = near(replace(problem, activities=tuple(activities)), places, frozenset())
+            demands = {d.use: d for d in whole.activities[decided.kept[k]].open_demands}
+            own = activities[k].open_demands
+            taken = dict(
+                zip(demands if known is not None else (d.use for d in own), choice, strict=True)
+            )
+            activities[k] = replace(activities[k], open_demands=tuple(demands[d.use] for d in own))
+            kept_places[k] = decision, tuple(taken[d.use] for d in own)
+        problem = near(replace(problem, activities=tuple(activities)), kept_places, frozenset())
     try:
         return heads_and_tails(problem)
     except TimesContradictError:

@@ -241,10 +241,11 @@ class OrderSpace:
 
     def _lengths(self, i: int, mode: int | None) -> tuple[bool, ...]:
         """Whether an activity in a mode takes time, or may do without."""
-        activity = self._carried_out(i, Way(mode))
-        if not activity.duration_max:
+        activity = self.problem.activities[i]
+        timed = activity if mode is None else activity.details.modes[mode]
+        if not timed.duration_max:
             return (False,)
-        return (True,) if activity.duration_min else (True, False)
+        return (True,) if timed.duration_min else (True, False)
 
     @cached_property
     def _valued(self) -> tuple[int, ...]:
