@@ -26,9 +26,13 @@ _NO_LEAST = -(1 << 50)
 
 
 class _Happened(NamedTuple):
-    """A change of a reservoir that an executed activity makes."""
+    """A change of a reservoir that an executed activity makes.
+
+    What starts at the event's instant is `behind` what has ended there: the past comes first.
+    """
 
     time: int
+    behind: bool
     activity: int
     at_end: bool
     amount: int
@@ -44,7 +48,7 @@ def with_stock_lent(
     """
     hoped = False
     for k in range(len(problem.reservoirs)):
-        happened = sorted(_happened(problem, executed, k))
+        happened = sorted(_happened(problem, executed, k, now))
         supply, demand = _open_changes(problem, executed, k) if hopes else (0, 0)
         reservoir = problem.reservoirs[k]
         room = reservoir.initial - reservoir.least
@@ -66,13 +70,14 @@ def with_stock_lent(
 
 
 def _happened(
-    problem: Problem, executed: Mapping[int, ExecutedActivity], k: int
+    problem: Problem, executed: Mapping[int, ExecutedActivity], k: int, now: int
 ) -> Iterator[_Happened]:
     for i, past in executed.items():
         for change in problem.activities[i].details.stock:
             if change.reservoir == k:
                 time = past.end if change.at_end else past.start
-                yield _Happened(time, i, change.at_end, change.amount)
+                behind = past.start == time == now
+                yield _Happened(time, behind, i, change.at_end, change.amount)
 
 
 def _open_changes(
@@ -111,11 +116,12 @@ def _is_too_late(activity: Activity) -> bool:
 def _loans(happened: Sequence[_Happened], room: int, now: int, supply: int | None) -> _Loans:
     """The amount lent after each change, given the room between the level and its bound at first.
 
-    Only the last change of an instant lends, by the net of all.
+    Only the last change of an instant lends, by the net of all; at the event's instant so does the
+    last of the past.
     """
     loans: _Loans = []
     loan, level = 0, room
-    for time, changes in groupby(happened, key=lambda h: h.time):
+    for (time, _), changes in groupby(happened, key=lambda h: (h.time, h.behind)):
         its = [h.amount for h in changes]
         level += sum(its)
         lacking = max(0, -level)

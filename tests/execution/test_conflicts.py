@@ -188,3 +188,18 @@ def test_the_pause_of_what_ends_after_a_new_deadline_is_stated_as_it_is() -> Non
     step = repaired(task, plan(entry("paint", 5, 10, paused=3)), 6, deadline)
     assert [e.paused for e in step.schedule.entries] == [3]
     assert any("deadline" in message for message in carried(step))
+
+
+def test_what_starts_now_cannot_have_made_room_for_what_has_just_ended() -> None:
+    """The past comes first: `mill` filled the bin before `bake`, which was seen to start now."""
+    flour = [{"resource": "flour", "amount": 2}]
+    task = task_of(
+        action("mill", 1, produces=flour),
+        action("bake", 2, consumes=flour),
+        action("clean", 1),
+        resources=[{"id": "flour", "kind": "reservoir", "initial": 2, "max": 3}],
+    )
+    planned = plan(entry("mill", 2, 3), entry("bake", 3, 5), entry("clean", 5, 6))
+    step = repaired(task, planned, 3, seen("bake", 3))
+    assert starts(step.schedule) == {"mill": 2, "bake": 3, "clean": 3}
+    assert [message.split(" at ")[0] for message in carried(step)] == ["the level of 'flour' is 4"]
