@@ -14,7 +14,7 @@ import irc
 from irc.events.apply import apply
 from irc.execution.step import Step
 from irc.model import Event, Task
-from irc.model.events import AddActions
+from irc.model.events import AddActions, Observe
 from irc.model.quantities import Number
 from irc.schedule import Entry, Schedule, Status
 from oracles.online_continuation import (
@@ -94,7 +94,8 @@ def judge_step(
 def _revised(task: Task, old: Schedule, events: Sequence[Event]) -> Task:
     starts: dict[str, Number] = {e.id: e.start for e in old.entries if e.occurrence == 1}
     again = {had.repetition for had in task.lapsed}
-    for event in events:
+    # What was observed is written last: it holds whatever the other events of the instant say.
+    for event in sorted(events, key=_only_observes):
         task = apply(task, event, starts)
     new = {had.repetition for had in task.lapsed} - again - {None}
     if not new:
@@ -109,6 +110,10 @@ def _revised(task: Task, old: Schedule, events: Sequence[Event]) -> Task:
         if not (p.before in new and p.after in (over if p.type.endswith("-finish") else begun))
     ]
     return task.model_copy(update={"precedence": tuple(kept)})
+
+
+def _only_observes(event: Event) -> bool:
+    return all(isinstance(change, Observe) for change in event.changes)
 
 
 def _world(before: Task, task: Task, events: Sequence[Event]) -> list[str]:
