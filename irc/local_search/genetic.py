@@ -3,7 +3,9 @@
 A solution is an order of all activities that precedence allows, and a way for each. Serial schedule
 generation makes a schedule of it: one activity after another, each as early as the resources allow.
 Then all are moved as late as they can be, in the order of their ends, and as early as they can be
-again, in the order of their starts. The list that this leaves is what parents hand on.
+again, in the order of their starts. The list that this leaves is what parents hand on. Parents are
+drawn from all of a large population alike, and a child takes the place of the worst: with fewer, or
+with the better ones drawn more often, all are soon the same (docs/benchmarks.md).
 
 The profile of all pools is one list of nodes in the order of time, each with the amounts in use
 from its time to that of the next one. Where durations are few ticks, there is a node for each tick
@@ -33,7 +35,7 @@ from irc.local_search.compiled import Ints, Row, Table, compiled
 Held = tuple[Row, Row, Row]
 """The arrays `WORD`, `AMOUNT` and `GUARD`."""
 
-Project = Annotated[tuple[Row, ...], 24]
+Project = Annotated[tuple[Row, ...], 23]
 """Activities with ways; times in ticks.
 
 Of activity i, `WAY_AT[i]` to `WAY_AT[i + 1]` are the places of its ways. Of way w, `HELD_AT[w]` to
@@ -67,9 +69,8 @@ NO_RELEASE = 17
 BASE_TIME = 18  # Of the profile with nothing on it: times, and
 BASE_USE = 19  # all words, one time after another.
 URGENCY = 20
-ENERGY = 21  # Of each way: its duration times the parts of capacities that it holds.
-LAST_TIME = 22  # The same profile as from its last change on: for the schedule from the end.
-LAST_USE = 23
+LAST_TIME = 21  # The same profile as from its last change on: for the schedule from the end.
+LAST_USE = 22
 
 # The rows of a table to work in.
 START = 0
@@ -88,12 +89,11 @@ LEFT = 12  # What is left of each stock.
 WAITING = 13
 ABLE = 14
 COUNTS = 15
-NEEDED = 16
-VISITS = 17  # Of each node: how many have looked at it in vain,
-OPEN = 18  # and the first node that is open, at it or behind it.
-LATEST = 19  # Of each part of the time: the last known node before it (0: none).
-BEFORE_LIST = 20
-ROWS = 21
+VISITS = 16  # Of each node: how many have looked at it in vain,
+OPEN = 17  # and the first node that is open, at it or behind it.
+LATEST = 18  # Of each part of the time: the last known node before it (0: none).
+BEFORE_LIST = 19
+ROWS = 20
 
 # The columns of the row `COUNTS`.
 RANDOM = 0
@@ -115,9 +115,6 @@ MOST = 1 << 60
 
 MOST_VISITS = 500
 """The visits in vain after which a node is closed."""
-
-PEAKS = 4
-"""How many parts of a list are drawn, of which the one with the highest peak is kept."""
 
 LACKING = 1 << 52
 """The value of a solution that uses up more stock than there is: this and more."""
@@ -648,84 +645,6 @@ def _cross(work: Ints, lists: Ints, ways: Ints, one: int, other: int) -> None:
 
 
 @compiled
-def _peak(
-    project: Project, work: Ints, lists: Ints, starts: Ints, ways: Ints, one: int, length: int
-) -> int:
-    """The place of the part of a list, of some drawn, that uses the resources most for its time."""
-    best, place = -1, 0
-    for _ in range(PEAKS):
-        first = _draw(work, work[COUNTS, SIZE] - length + 1)
-        energy = 0
-        for k in range(first, first + length):
-            energy += project[ENERGY][ways[one, lists[one, k]]]
-        time = starts[one, lists[one, first + length - 1]] - starts[one, lists[one, first]]
-        if energy // (time + 1) > best:
-            best, place = energy // (time + 1), first
-    return place
-
-
-@compiled
-def _need(project: Project, work: Ints, lists: Ints, one: int, first: int, last: int) -> None:
-    """Marks a part of a list, and all in the list that must come before it."""
-    stamp = work[COUNTS, STAMP]
-    for k in range(last - 1, -1, -1):
-        i = lists[one, k]
-        needed = k >= first
-        for a in range(project[AFTER_AT][i], project[AFTER_AT][i + 1]):
-            needed = needed or work[NEEDED, project[AFTER][a]] == stamp
-        if needed:
-            work[NEEDED, i] = stamp
-
-
-@compiled
-def _append(work: Ints, k: int, i: int, way: int) -> int:
-    """Puts an activity, with a way, at a place of the child's list; the next place."""
-    work[LIST, k] = i
-    work[WAY, i] = way
-    work[MARK, i] = work[COUNTS, STAMP]
-    return k + 1
-
-
-@compiled
-def _cross_at_peak(
-    project: Project, work: Ints, lists: Ints, starts: Ints, ways: Ints, one: int, other: int
-) -> None:
-    """Crossover that keeps a peak of one parent whole: what uses the resources well.
-
-    First comes what the other parent starts before the peak begins, then the peak with all that it
-    needs, then the rest in the order of the other parent. (After Valls, Ballestín, Quintanilla, "A
-    hybrid genetic algorithm for the RCPSP", EJOR 185, 2008; and Debels, Vanhoucke, "A
-    decomposition-based genetic algorithm for the RCPSP", Operations Research 55, 2007.)
-    """
-    n = work[COUNTS, SIZE]
-    work[COUNTS, STAMP] += 1
-    stamp = work[COUNTS, STAMP]
-    length = max(1, n // 4 + _draw(work, max(1, n // 2)))
-    first = _peak(project, work, lists, starts, ways, one, length)
-    begin = starts[one, lists[one, first]]
-    _need(project, work, lists, one, first, first + length)
-    before_at, before = project[BEFORE_AT], project[BEFORE]
-    k = 0
-    for x in range(n):
-        i = lists[other, x]
-        if starts[other, i] >= begin:
-            break
-        comes = work[NEEDED, i] != stamp
-        for a in range(before_at[i], before_at[i + 1]):
-            comes = comes and work[MARK, before[a]] == stamp
-        if comes:
-            k = _append(work, k, i, ways[other, i])
-    for x in range(first + length):
-        i = lists[one, x]
-        if work[NEEDED, i] == stamp:
-            k = _append(work, k, i, ways[one, i])
-    for x in range(n):
-        i = lists[other, x]
-        if work[MARK, i] != stamp:
-            k = _append(work, k, i, ways[other, i])
-
-
-@compiled
 def _mutate(project: Project, work: Ints) -> None:
     """Swaps neighbours in the list by chance, and gives some activities another way."""
     n = work[COUNTS, SIZE]
@@ -758,13 +677,10 @@ def _extremes(values: Ints) -> tuple[int, int]:
 
 
 @compiled
-def _keep(work: Ints, lists: Ints, starts: Ints, ways: Ints, values: Ints, value: int) -> None:
-    """Puts the list in `work` in place of the worst, unless it is worse or a copy."""
-    best, worst = _extremes(values)
-    if value > values[worst]:
-        return
-    if value < values[best]:
-        work[COUNTS, IMPROVED_AT] = work[COUNTS, BIRTHS]
+def _keep(
+    work: Ints, lists: Ints, starts: Ints, ways: Ints, values: Ints, worst: int, value: int
+) -> None:
+    """Puts the list in `work` in place of the worst, unless it is a copy."""
     n = work[COUNTS, SIZE]
     for p in range(len(values)):
         if values[p] == value:
@@ -789,13 +705,6 @@ def store(
 
 
 @compiled
-def _parent(work: Ints, values: Ints) -> int:
-    """The better of two members of the population, drawn at random."""
-    one, other = _draw(work, len(values)), _draw(work, len(values))
-    return one if values[one] <= values[other] else other
-
-
-@compiled
 def evolve(
     project: Project,
     work: Table,
@@ -812,13 +721,12 @@ def evolve(
         if work[COUNTS, BEST] <= target:
             return
         work[COUNTS, BIRTHS] += 1
-        one, other = _parent(work, values), _parent(work, values)
-        if _draw(work, 2):
-            _cross(work, lists, ways, one, other)
-        else:
-            _cross_at_peak(project, work, lists, starts, ways, one, other)
+        one = _draw(work, len(values))
+        _cross(work, lists, ways, one, _draw(work, len(values)))
         _mutate(project, work)
-        _, place = _extremes(values)
-        worst = values[place]
-        value = _evaluate(project, work, use, worst + worst // 100)
-        _keep(work, lists, starts, ways, values, value)
+        best, worst = _extremes(values)
+        value = _evaluate(project, work, use, values[worst] + values[worst] // 100)
+        if value < values[best]:
+            work[COUNTS, IMPROVED_AT] = work[COUNTS, BIRTHS]
+        if value <= values[worst]:
+            _keep(work, lists, starts, ways, values, worst, value)

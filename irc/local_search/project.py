@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from irc.local_search.arcs import arcs_of, order_by, urgencies
@@ -40,7 +40,14 @@ from irc.local_search.ways import Found, NotApplicable, Way, Ways
 from irc.problem import Problem
 from irc.problem.horizon import safe_horizon
 
-POPULATION = 100
+LEAST_POPULATION = 100
+MOST_POPULATION = 1000
+ACTIVITY_MEMBERS = 120_000
+"""The members of a population are about this, divided by the number of activities, so that it has
+some hundred children for each within seconds. A steady search has the fewest, as does one without
+llvmlite.
+"""
+
 PATIENCE = 100
 """Per member, the children none of which is better than all, after which another population begins.
 """
@@ -72,9 +79,11 @@ class ProjectSearch:
         *,
         steady: bool = False,
         births: int | None = None,
+        members: int | None = None,
         justifies: bool = False,
     ) -> None:
-        """`births`: of one step; `justifies`: schedules are justified where capacities change, too.
+        """`births`: of one step; `members`: of a population; `justifies`: schedules are justified
+        where capacities change, too.
 
         (From the end they count as they are last. So it pays where they change at the beginning.)
         """
@@ -85,8 +94,11 @@ class ProjectSearch:
         nodes = ticks or 2 * n + 2 + len(self.project[BASE_TIME])
         self._work = table(ROWS, max(COLUMNS, n + 1, nodes, len(ways.stock)))
         self._use = table(words, ticks) if ticks else table(nodes, words)
-        self._lists, self._starts, self._ways = (table(POPULATION, n) for _ in range(3))
-        self._values = constant(MOST, POPULATION)
+        few = steady or not IS_COMPILED
+        usual_members = LEAST_POPULATION if few else _population(n)
+        self._population = usual_members if members is None else members
+        self._lists, self._starts, self._ways = (table(self._population, n) for _ in range(3))
+        self._values = constant(MOST, self._population)
         self._members = 0
         self._given: list[tuple[Ints, Ints]] = []
         counts = self._work[COUNTS]
@@ -107,7 +119,7 @@ class ProjectSearch:
         """Searches on for a little while."""
         counts = self._work[COUNTS]
         for _ in range(self._births):
-            if self._members == POPULATION or counts[BEST] <= self.target:
+            if self._members == self._population or counts[BEST] <= self.target:
                 break
             self._add()
         else:
@@ -123,7 +135,7 @@ class ProjectSearch:
             self._births,
             self.target,
         )
-        if counts[BIRTHS] - counts[IMPROVED_AT] > PATIENCE * POPULATION:
+        if counts[BIRTHS] - counts[IMPROVED_AT] > PATIENCE * self._population:
             counts[BIRTHS] = counts[IMPROVED_AT] = 0
             self._members = 0
 
@@ -168,6 +180,12 @@ class ProjectSearch:
         value = take(self.project, self._work, self._use, order, ways)
         worst = int(self._values.argmax())
         store(self._work, self._lists, self._starts, self._ways, self._values, worst, value)
+
+
+def _population(activities: int) -> int:
+    """The members of a population."""
+    fitting = ACTIVITY_MEMBERS // max(1, activities)
+    return min(MOST_POPULATION, max(LEAST_POPULATION, fitting))
 
 
 def _longest(ways: Ways) -> int:
@@ -218,22 +236,9 @@ def _project(ways: Ways, ticks: int) -> Project:
         ints(base_time),
         ints(word for own in base_use for word in own),
         ints(urgencies(ways)),
-        ints(_energies(ways, flat)),
         ints([0]),
         ints(word for own in last_use for word in own),
     )
-
-
-def _energies(ways: Ways, flat: Sequence[Way]) -> Iterator[int]:
-    """The duration of each way times the parts of capacities that it holds, in thousandths.
-
-    (In greater parts, where the sum over all activities would not fit a word.)
-    """
-    pools = ways.problem.contention.pools
-    longest = sum(max(way.duration for way in own) for own in ways.of)
-    parts = min(1000, (1 << _WORD_BITS) // max(1, longest * len(pools)))
-    for way in flat:
-        yield sum(parts * way.duration * amount // pools[r].capacity for r, amount in way.held)
 
 
 def _refuse_temporary(problem: Problem, flat: Sequence[Way]) -> None:

@@ -34,6 +34,9 @@ the same time more windows with fewer schedules each give about as much, and one
 sooner.
 """
 
+MEMBERS = 100
+"""Of the population of a window."""
+
 ROUNDS = 40_000
 """The activities that are justified in one step, at least once each."""
 
@@ -180,7 +183,7 @@ class _Pass:
         ways = self._project(window, following)
         behind = [0] * (len(ways.of) - len(window))
         seed = self._seed + self.rolled
-        search = ProjectSearch(ways, seed, 0, births=self._births, justifies=True)
+        search = ProjectSearch(ways, seed, 0, births=self._births, members=MEMBERS, justifies=True)
         # (The time of a window begins with it: a grid has no room for all that was before.)
         starts = [self._starts[i] - self._now for i in window]
         numbers = [self.chosen[i] for i in window]
