@@ -140,8 +140,11 @@ class OrderSearch:
         if problem is None:
             return None
         plan = plan_of(self.session, with_latest_ends(self.problem, problem, decided))
+        # (The least times know nothing of open times, so that they may be too early for any plan.)
+        if plan is None and self.problem.has_calendars:
+            return self._follow(problem)
         if plan is None and self.session.best is None:
-            plan = plan_of(self.session, problem)
+            return plan_of(self.session, problem)
         return plan
 
     def _follow_list_schedule(self) -> None:
@@ -160,11 +163,18 @@ class OrderSearch:
         problem = followed(self.problem, decided, places)
         if problem is None:
             return
-        value = self.value
+        self._follow(problem)
+
+    def _follow(self, problem: Problem) -> Schedule | None:
+        """A plan of a problem whose orders are given, asked for in each kind of search."""
         for kind in self.session.planner.searches:
-            if self.value == value and not self.is_over:
-                seconds = max(STEP_SECONDS, FOLLOW_SHARE * self.budget.left)
-                self.session.ask(problem, seconds, enough=0, search=kind)
+            seconds = max(STEP_SECONDS, FOLLOW_SHARE * self.budget.left)
+            plan = (
+                None if self.is_over else self.session.ask(problem, seconds, enough=0, search=kind)
+            )
+            if plan is not None:
+                return plan
+        return None
 
 
 def whole_values(problem: Problem, schedule: Schedule) -> Bounds:
