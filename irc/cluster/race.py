@@ -55,6 +55,13 @@ LAST_SECONDS = 0.5
 """Racers end this much earlier than the race, so that their last words are heard."""
 
 
+SEED_STEP = 1_000
+"""Between the seeds of two racers: each thread of a racer takes the next seed from its own on."""
+
+SEEDS = 1 << 31
+"""Seeds are less than this."""
+
+
 class ClusterLost(ClusterError):
     """The cluster went away during a race that had found nothing yet."""
 
@@ -197,7 +204,7 @@ class Race:
             "engine": self.engine,
             "memory_limit": options.memory_limit,
             "workers": min(options.workers or contact.threads, contact.threads),
-            "seed": options.seed + contact.part.number,
+            "seed": (options.seed + SEED_STEP * contact.part.number) % SEEDS,
         }
         seconds = max(POLL_SECONDS, left - LAST_SECONDS) if self.budget.is_limited else None
         return Request(self.name, self.program.task, chosen, seconds, contact.part)

@@ -7,7 +7,8 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -16,10 +17,11 @@ from api.test_running import shop
 from batches.dask_cluster import Cluster, cluster
 from irc.cluster import connecting
 from irc.cluster.connecting import ClusterError, _require_workers
+from irc.cluster.race import Contact, Race
 from irc.cluster.solving import solve_on_cluster
 from irc.errors import LibraryMissing, OptionError
 from irc.schedule import Status
-from irc.targets import Cancellation, Exchange, Part, Progress, SolveOptions
+from irc.targets import Budget, Cancellation, Exchange, Part, Progress, SolveOptions
 from irc.validation import validate
 from irc_cpsat.solving.variations import search_limits
 from local_search_tasks import job_shop
@@ -112,6 +114,17 @@ def test_parts_differ() -> None:
     shares = [search_limits(Part(k, 4))[0] for k in range(4)]
     assert shares[2] == 0
     assert shares[1] == shares[3] > shares[0] > 0
+
+
+def test_no_two_searches_have_one_seed() -> None:
+    program: Any = SimpleNamespace(target="cpsat", task=None)
+    options, client = SolveOptions(seed=2**31 - 1), cast(Any, None)
+    running = Race(client, program, options, Budget(9), "ortools")
+    threads = 4
+    contacts = [Contact("worker", threads, Part(k, 3)) for k in range(3)]
+    seeds = [running._request(contact).options["seed"] for contact in contacts]
+    assert all(0 <= seed < 2**31 for seed in seeds)
+    assert len({seed + k for seed in seeds for k in range(threads)}) == 3 * threads
 
 
 def test_the_best_is_kept() -> None:
