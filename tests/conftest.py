@@ -30,7 +30,7 @@ os.environ.setdefault("IRC_COMPILED", "0")
 DEEP, JUDGED = TESTS / "deep", TESTS / "oracles" / "tests"
 
 # The same examples on every machine, and no failure because a machine is slow.
-settings.register_profile("irc", deadline=None, derandomize=True, database=None, max_examples=50)
+settings.register_profile("irc", deadline=None, derandomize=True, database=None, max_examples=40)
 settings.load_profile("irc")
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from laws import has_schedule, told_of
 
-TASKS, BATCHES = 800, 8
+TASKS, BATCHES = 480, 6
 
 
 @pytest.mark.slow

@@ -89,10 +89,10 @@ RULES = (
 def test_whatever_the_schema_allows_has_a_shape_that_the_readers_take(
     part: Literal["task", "event"],
 ) -> None:
-    rng = random.Random(5)
+    rng, schema = random.Random(5), strict_schema(part)
     taken = 0
     for _ in range(40):
-        value = drawn(strict_schema(part), rng)
+        value = drawn(schema, rng)
         raw = value if part == "task" else {"actions": [], "events": [value]}
         findings = Findings()
         taken += to_task(raw, findings) is not None
