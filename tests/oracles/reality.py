@@ -234,6 +234,8 @@ def _presumption(execution: Execution, told: dict[Key, list[Told]]) -> Iterator[
     known = {key: taken[key] for key, its in facts.items() if "begun" in its and key in taken}
     due = {(e.id, e.occurrence): e.start for e in plan.entries if e.start < now}
     waits = {k: its["waited"] for k, its in facts.items() if "waited" in its and k not in known}
+    if any(due.get(key) == time for key, time in waits.items()):
+        return  # Whether it was planned then, or before, the plan does not say.
     waiting = {key for key, time in waits.items() if due.get(key, time) < time}
     begun = due.keys() - not_begun(task, plan, now, known, waiting) - waiting | known.keys()
     state = {(e.id, e.occurrence) for e in execution.state().frozen}
