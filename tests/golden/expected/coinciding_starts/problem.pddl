@@ -1,10 +1,8 @@
 (define (problem irc_task_1)
   (:domain irc_task)
   (:init
-    (todo_keep_film_start_by_record_start)
-    (todo_keep_record_start_by_film_start)
-    (todo_keep_record_start_by_act_start)
-    (todo_keep_act_start_by_record_start)
+    (todo_meet_act_start_and_record_start)
+    (todo_meet_film_start_and_record_start)
     (todo_act)
     (todo_film)
     (todo_record)

@@ -1,12 +1,8 @@
 (define (domain irc_task)
   (:requirements :durative-actions :duration-inequalities)
   (:predicates
-    (todo_keep_chop_by_simmer)
-    (after_keep_chop_by_simmer)
-    (during_keep_chop_by_simmer)
-    (todo_keep_simmer_by_chop)
-    (after_keep_simmer_by_chop)
-    (during_keep_simmer_by_chop)
+    (todo_meet_chop_and_simmer)
+    (during_meet_chop_and_simmer)
     (free_pan_1)
     (todo_chop)
     (done_chop)
@@ -14,25 +10,20 @@
     (done_simmer)
     (todo_rest)
     (done_rest))
-  (:durative-action keep_chop_by_simmer
+  (:durative-action meet_chop_and_simmer
     :parameters ()
     :duration (and (>= ?duration 0) (<= ?duration 1))
-    :condition (and (at start (todo_keep_chop_by_simmer)))
-    :effect (and (at start (not (todo_keep_chop_by_simmer))) (at start (after_keep_chop_by_simmer)) (at start (during_keep_chop_by_simmer)) (at end (not (during_keep_chop_by_simmer)))))
-  (:durative-action keep_simmer_by_chop
-    :parameters ()
-    :duration (and (>= ?duration 0) (<= ?duration 1))
-    :condition (and (at start (todo_keep_simmer_by_chop)))
-    :effect (and (at start (not (todo_keep_simmer_by_chop))) (at start (after_keep_simmer_by_chop)) (at start (during_keep_simmer_by_chop)) (at end (not (during_keep_simmer_by_chop)))))
+    :condition (and (at start (todo_meet_chop_and_simmer)))
+    :effect (and (at start (not (todo_meet_chop_and_simmer))) (at start (during_meet_chop_and_simmer)) (at end (not (during_meet_chop_and_simmer)))))
   (:durative-action chop
     :parameters ()
     :duration (= ?duration 40)
-    :condition (and (at start (todo_chop)) (at end (during_keep_chop_by_simmer)) (at end (after_keep_simmer_by_chop)))
+    :condition (and (at start (todo_chop)) (at end (during_meet_chop_and_simmer)))
     :effect (and (at start (not (todo_chop))) (at end (done_chop))))
   (:durative-action simmer
     :parameters ()
     :duration (and (>= ?duration 20) (<= ?duration 60))
-    :condition (and (at start (todo_simmer)) (at start (free_pan_1)) (at end (after_keep_chop_by_simmer)) (at end (during_keep_simmer_by_chop)))
+    :condition (and (at start (todo_simmer)) (at start (free_pan_1)) (at end (during_meet_chop_and_simmer)))
     :effect (and (at start (not (todo_simmer))) (at start (not (free_pan_1))) (at end (done_simmer)) (at end (free_pan_1))))
   (:durative-action rest__pan_1
     :parameters ()

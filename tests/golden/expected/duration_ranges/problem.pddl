@@ -1,8 +1,7 @@
 (define (problem irc_task_1)
   (:domain irc_task)
   (:init
-    (todo_keep_chop_by_simmer)
-    (todo_keep_simmer_by_chop)
+    (todo_meet_chop_and_simmer)
     (free_pan_1)
     (todo_chop)
     (todo_simmer)

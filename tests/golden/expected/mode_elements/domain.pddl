@@ -7,8 +7,8 @@
     (todo_light_lamp)
     (done_light_lamp))
   (:functions
-    (level_of_wood)
-    (sum_of_cost))
+    (sum_of_cost)
+    (level_of_wood))
   (:durative-action heat_pie__quick
     :parameters ()
     :duration (= ?duration 6)

@@ -4,8 +4,8 @@
     (is_power_true)
     (todo_heat_pie)
     (todo_light_lamp)
-    (= (level_of_wood) 3)
-    (= (sum_of_cost) 0))
+    (= (sum_of_cost) 0)
+    (= (level_of_wood) 3))
   (:goal (and
     (done_heat_pie)
     (done_light_lamp)))

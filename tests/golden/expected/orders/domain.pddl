@@ -12,8 +12,8 @@
     (todo_serve)
     (done_serve))
   (:functions
-    (level_of_bun)
-    (sum_of_reward))
+    (sum_of_reward)
+    (level_of_bun))
   (:durative-action fry
     :parameters ()
     :duration (= ?duration 30)

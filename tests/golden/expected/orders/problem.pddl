@@ -8,8 +8,8 @@
     (todo_toast)
     (todo_clean)
     (todo_serve)
-    (= (level_of_bun) 1)
     (= (sum_of_reward) 0)
+    (= (level_of_bun) 1)
     (at 91 (not (open_9)))
     (at 81 (not (open_8))))
   (:goal (and
