@@ -12,7 +12,7 @@ has for them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -61,16 +61,25 @@ def certain_order(problem: Problem) -> frozenset[tuple[int, int]]:
         if orders and certain[arc.before] and certain[arc.after]:
             following[arc.before].append(arc.after)
     set_up = [r for r, resource in enumerate(problem.resources) if resource.setups is not None]
-    users = {i for r in set_up for i, _ in certain_uses(problem, r)}
+    return ordered_pairs(following, {i for r in set_up for i, _ in certain_uses(problem, r)})
+
+
+def ordered_pairs(
+    following: Sequence[Sequence[int]], among: Set[int]
+) -> frozenset[tuple[int, int]]:
+    """The pairs among some activities of which the second follows the first, also by way of others.
+
+    `following[i]` has what comes directly after activity i.
+    """
     found: set[tuple[int, int]] = set()
-    for i in users:
+    for i in among:
         reached, ahead = {i}, [i]
         while ahead:
             for j in following[ahead.pop()]:
                 if j not in reached:
                     reached.add(j)
                     ahead.append(j)
-        found.update((i, j) for j in reached & users if j != i)
+        found.update((i, j) for j in reached & among if j != i)
     return frozenset(found)
 
 

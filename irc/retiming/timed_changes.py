@@ -118,36 +118,29 @@ def _before(
         if ends or not _touches(activity, change):
             kept.append(activity)
             continue
-        details = activity.details
-        if change.number:
-            mine = change.var
-            details = replace(
-                details,
-                number_conditions=tuple(
-                    c
-                    for c in details.number_conditions
-                    if c.number != mine or (starts and c.at == "start")
-                ),
-                number_effects=tuple(
-                    e
-                    for e in details.number_effects
-                    if e.number != mine or (starts and not e.at_end)
-                ),
-            )
-        else:
-            details = replace(
-                details,
-                conditions=tuple(
-                    c
-                    for c in details.conditions
-                    if c.var != change.var or (starts and c.at == "start")
-                ),
-                effects=tuple(
-                    e for e in details.effects if e.var != change.var or (starts and not e.at_end)
-                ),
-            )
-        kept.append(replace(activity, details=details))
+        kept.append(replace(activity, details=_left_of(activity.details, change, starts)))
     return replace(problem, activities=tuple(kept), goals=(), number_goals=())
+
+
+def _left_of(details: Details, change: ChangeActivity, starts: bool) -> Details:
+    """The details without what touches the variable of a change; at the start it stays if `starts`
+    says so.
+    """
+
+    def stays(var: int, number: bool, at_start: bool) -> bool:
+        return (var, number) != (change.var, change.number) or (starts and at_start)
+
+    return replace(
+        details,
+        conditions=tuple(c for c in details.conditions if stays(c.var, False, c.at == "start")),
+        effects=tuple(e for e in details.effects if stays(e.var, False, not e.at_end)),
+        number_conditions=tuple(
+            c for c in details.number_conditions if stays(c.number, True, c.at == "start")
+        ),
+        number_effects=tuple(
+            e for e in details.number_effects if stays(e.number, True, not e.at_end)
+        ),
+    )
 
 
 def _best_place(

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from itertools import combinations, permutations
 from typing import Any
 
+from irc.passes.setup_totals import ordered_pairs, setup_value
 from irc.problem import Problem, Setup, Setups
 from irc.problem.setups import setups_from_now
 from irc_cpsat.encoding.builder import Builder, Literal, Taker, name_of
@@ -77,19 +78,19 @@ def setup_values(builder: Builder, name: str) -> Any:
     terms: list[Any] = []
     certain = 0
     for sequence in builder.sequences:
-        certain += sequence.past.time if name == "setup_time" else sequence.past.cost
+        certain += setup_value(sequence.past, name)
         setups, _ = setups_from_now(builder.problem, sequence.resource)
         for (a, b), literal in sequence.arcs.items():
             if b:
                 setup = _setup(setups, sequence.takers, a - 1, b - 1)
-                amount = setup.time if name == "setup_time" else setup.cost
+                amount = setup_value(setup, name)
                 if amount:
                     terms.append(amount * literal)
     done = {sequence.resource for sequence in builder.sequences}
     for r, resource in enumerate(builder.problem.resources):
         if resource.setups is not None and r not in done:
             _, past = setups_from_now(builder.problem, r)
-            certain += past.time if name == "setup_time" else past.cost
+            certain += setup_value(past, name)
     return sum(terms) + certain if terms else certain
 
 
@@ -106,17 +107,7 @@ def certain_order(builder: Builder, among: Iterable[int]) -> frozenset[tuple[int
     for arc in builder.problem.arcs:
         if arc.from_end and not arc.to_end and arc.min_lag >= 0:
             following[arc.before].append(arc.after)
-    wanted = {*among}
-    found: set[tuple[int, int]] = set()
-    for i in wanted:
-        reached, ahead = {i}, [i]
-        while ahead:
-            for j in following[ahead.pop()]:
-                if j not in reached:
-                    reached.add(j)
-                    ahead.append(j)
-        found.update((i, j) for j in reached & wanted if j != i)
-    return frozenset(found)
+    return ordered_pairs(following, {*among})
 
 
 class _Circuit:
